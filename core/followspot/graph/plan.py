@@ -1,0 +1,77 @@
+"""The plan: every stage instance in its worker, every edge with its kind. Pure data that can be shipped."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from followspot.room import Room
+
+EdgeKind = Literal["reference", "ring", "zenoh"]
+ErrorPolicy = Literal["fail", "skip", "restart"]
+
+
+@dataclass(frozen=True)
+class PlannedStage:
+    """One stage instance and the worker that runs it."""
+
+    name: str
+    """Unique, for example ``color/cam0``; the group alone where the stage does not fan out."""
+    group: str
+    """Name of the stage in the graph file."""
+    uses: str
+    params: Mapping[str, Any]
+    """Validated and made of JSON types."""
+    camera: str | None
+    worker: str
+    live: bool
+    on_error: ErrorPolicy = "fail"
+    tolerance: float = 0.004
+    """Largest difference in capture time within one join, s."""
+    deadline: float = 0.1
+    """Longest time that a join of a live graph waits for its missing members, s."""
+
+
+@dataclass(frozen=True)
+class PlannedEdge:
+    """From one output port to one input port."""
+
+    from_stage: str
+    from_port: str
+    to_stage: str
+    to_port: str
+    kind: EdgeKind
+    delay: int = 0
+    """Feedback: deliver the message of this many firings ago; 0 for a forward edge."""
+    depth: int = 8
+    """Most messages in flight."""
+
+    @property
+    def name(self) -> str:
+        """Shown to users: ``color/cam0.out -> verify.blobs``."""
+        return f"{self.from_stage}.{self.from_port} -> {self.to_stage}.{self.to_port}"
+
+
+@dataclass(frozen=True)
+class PlannedWorker:
+    """One operating-system process."""
+
+    name: str
+    host: str = ""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run will be: stages in a topological order (feedback edges aside), edges, workers."""
+
+    graph: str
+    room: Room
+    stages: tuple[PlannedStage, ...]
+    edges: tuple[PlannedEdge, ...]
+    workers: tuple[PlannedWorker, ...]
+    seed: int = 0
+    plugin_files: tuple[str, ...] = ()
+    """Absolute paths of one-file plugins."""
+    notes: tuple[str, ...] = field(default=())
+    """What differs from what was asked, for example an edge kind that could not be forced."""

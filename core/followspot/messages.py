@@ -1,0 +1,177 @@
+"""Messages: immutable payloads of numpy arrays and scalars, and the header that the runtime puts on them.
+
+A message type is a class with annotated fields; arrays are declared with :func:`column`, which states
+shape, dtype and unit once, for the type checker, the wire format and the reader of the code::
+
+    class Blobs(Message):
+        camera: str
+        xy: Array = column("N", 2, unit="px")
+
+Structure of arrays, never arrays of structures: one column per quantity, rows correspond.
+The message types of tracking itself stand in `followspot.tracking`.
+"""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+MAX_BYTES = 1 << 28
+"""Largest message that any edge accepts, in bytes."""
+
+
+class Header(NamedTuple):
+    """Where and when the data of a message was captured."""
+
+    source: str
+    """Name of the source stage, for example ``camera/cam0``."""
+    seq: int
+    """Number of the frame at that source, from 0."""
+    time: int
+    """Capture time, ns."""
+    entered: int = 0
+    """When the source handed it to the graph, ns of the host's monotonic clock; for latency only."""
+
+
+UNSTAMPED = Header("", -1, 0)
+
+
+class Column(NamedTuple):
+    """The contract of one array field."""
+
+    name: str
+    shape: tuple[int | str, ...]
+    dtype: np.dtype[Any]
+    unit: str
+
+
+SCALARS: tuple[type, ...] = (str, int, float, bool)
+
+
+def column(*shape: int | str, dtype: str = "f8", unit: str = "1") -> Any:
+    """Declare an array field: sizes are numbers, or names that must agree within one message.
+
+    dtype: a numpy type code, float64 unless told; unit: of the values ("px", "m", "1").
+    """
+    return dataclasses.field(metadata={"shape": shape, "dtype": np.dtype(dtype), "unit": unit})
+
+
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(column,))
+class Message:
+    """Base of all messages. Subclasses become frozen dataclasses; the runtime stamps `header`."""
+
+    header: ClassVar[Header] = UNSTAMPED  # an instance that was stamped carries its own
+    columns: ClassVar[tuple[Column, ...]] = ()
+    scalars: ClassVar[tuple[tuple[str, Any], ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        dataclasses.dataclass(frozen=True, eq=False)(cls)
+        hints = get_type_hints(cls)
+        cls.columns = tuple(
+            Column(f.name, f.metadata["shape"], f.metadata["dtype"], f.metadata["unit"])
+            for f in dataclasses.fields(cls)  # type: ignore[arg-type]  # it became one two lines ago
+            if "shape" in f.metadata
+        )
+        arrays = {c.name for c in cls.columns}
+        cls.scalars = tuple(
+            (f.name, hints[f.name])
+            for f in dataclasses.fields(cls)  # type: ignore[arg-type]
+            if f.name not in arrays
+        )
+        for name, kind in cls.scalars:
+            if kind not in SCALARS and kind != tuple[str, ...]:
+                raise TypeError(
+                    f"{cls.__name__}.{name}: a field is a column(), str, int, float, bool or tuple[str, ...]"
+                )
+
+    @classmethod
+    def empty(cls) -> Self:
+        """The message that says nothing: named sizes are 0, scalars are empty.
+
+        It stands in for the message of n frames ago while a delayed edge has none yet.
+        """
+        values: dict[str, Any] = {name: (kind() if kind in SCALARS else ()) for name, kind in cls.scalars}
+        for name, shape, dtype, _ in cls.columns:
+            values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
+        return cls(**values)
+
+
+M = TypeVar("M", bound=Message)
+
+
+class InvalidMessage(ValueError):
+    """A message does not match its contract; the text says which field and why."""
+
+
+def stamped(message: M, header: Header) -> M:
+    """The message with this header; a copy if it has one already, for then somebody holds it."""
+    if message.header is not UNSTAMPED:
+        message = copy.copy(message)
+    object.__setattr__(message, "header", header)
+    return message
+
+
+def at(time: int, message: M, *, seq: int = -1) -> M:
+    """What a source yields: the message with its capture time in ns.
+
+    seq: the frame's number where the source knows it (a video with gaps); else the runtime counts.
+    """
+    return stamped(message, Header("", seq, time))
+
+
+def seal(message: M) -> M:
+    """Check a message against its contract, make its arrays contiguous and read-only; return it.
+
+    Contiguous, because the same numbers in another memory layout may sum to another last bit, and
+    an edge between processes delivers contiguous arrays. Raises InvalidMessage.
+    """
+    sizes: dict[str, int] = {}
+    total = 0
+    for name, shape, dtype, _ in message.columns:
+        array = getattr(message, name)
+        if type(array) is not np.ndarray:
+            raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
+        if array.dtype != dtype:
+            raise InvalidMessage(f"{name} has dtype {array.dtype}, declared {dtype}")
+        check_shape(name, array.shape, shape, sizes)
+        total += array.nbytes
+        if not array.flags.c_contiguous:
+            array = np.ascontiguousarray(array)
+            object.__setattr__(message, name, array)
+        array.flags.writeable = False
+    if total > MAX_BYTES:
+        raise InvalidMessage(f"{total} bytes, at most {MAX_BYTES} allowed")
+    return message
+
+
+def check_shape(
+    name: str, actual: tuple[int, ...], declared: tuple[int | str, ...], sizes: dict[str, int]
+) -> None:
+    """Compare a shape with its declaration; named sizes are bound in `sizes`. Raises InvalidMessage."""
+    if len(actual) == len(declared):
+        for size, want in zip(actual, declared, strict=True):
+            if size != (want if isinstance(want, int) else sizes.setdefault(want, size)):
+                break
+        else:
+            return
+    raise InvalidMessage(f"{name} has shape {actual}, declared {declared} with {sizes}")
+
+
+def identical(a: Message, b: Message) -> bool:
+    """Whether two messages are equal bit for bit, in type, time and every field."""
+    return (
+        type(a) is type(b)
+        and a.header[:3] == b.header[:3]
+        and all(getattr(a, name) == getattr(b, name) for name, _ in a.scalars)
+        and all(
+            getattr(a, c.name).shape == getattr(b, c.name).shape
+            and getattr(a, c.name).tobytes() == getattr(b, c.name).tobytes()
+            for c in a.columns
+        )
+    )

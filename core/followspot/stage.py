@@ -1,0 +1,151 @@
+"""The stage: parameters and one `process`, whose signature is the contract.
+
+A stage owns no loop, opens no socket and knows no transport; it can be called like a function::
+
+    class SearchGate(Stage):
+        '''Reject blobs outside the circle where their target is expected.'''
+
+        class Params(StageParams):
+            scale: float = Field(1.5, gt=0, description="search radius over expected travel", unit="1")
+
+        params: Params
+
+        def process(self, blobs: Blobs, forecast: Latest[Forecast]) -> Blobs: ...
+
+    SearchGate(scale=2.0).process(blobs, forecast)
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, TypeVar
+
+import numpy as np
+import pydantic
+
+from followspot.messages import Array
+from followspot.room import Camera, Room
+
+T = TypeVar("T")
+
+
+class LatestInput:
+    """Marks an input that samples and holds: it never fires."""
+
+
+class JoinedInput:
+    """Marks an input that collects one message from each connected edge."""
+
+
+class PathIn:
+    """Marks a parameter that names an existing file or folder, relative to the file it is written in."""
+
+
+class PathOut:
+    """Marks a parameter that names a file to write, below the run's output folder."""
+
+
+Latest = Annotated[T | None, LatestInput()]
+"""The newest message, or None before the first."""
+Joined = Annotated[tuple[T, ...], JoinedInput()]
+"""One message per connected camera that has one at this time, in the order of the room's cameras."""
+InputPath = Annotated[Path, PathIn()]
+OutputPath = Annotated[Path, PathOut()]
+
+
+def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any) -> Any:  # noqa: N802
+    """A parameter: default (none: required), description, unit, and pydantic's limits (gt, ge, lt, le, ...).
+
+    Text, switches and paths have no unit; a plain number says "1".
+    """
+    return pydantic.Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
+
+
+class StageParams(pydantic.BaseModel):
+    """Base of every stage's parameters: immutable, unknown names are errors."""
+
+    model_config = pydantic.ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+
+def _no_warning(text: str) -> None:
+    """Outside a run there is nobody to warn."""
+
+
+def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
+    return np.empty(shape, dtype)
+
+
+@dataclass(frozen=True)
+class Context:
+    """What a stage may know of the run that it is part of; every part has a default for tests."""
+
+    name: str = "stage"
+    room: Room = Room()
+    camera: Camera | None = None
+    """The camera that this instance serves, where the graph says `each: cameras`."""
+    out: Path = Path()
+    """The run's output folder."""
+    seed: int = 0
+    warn: Callable[[str], None] = _no_warning
+    """Tell the user something that does not stop the run; shown at its end with the stage's name."""
+    loan: Callable[[tuple[int, ...], str], Array] = _fresh
+    """An array (shape, dtype) to compute the output into, in shared memory where a reader is near."""
+
+
+class Stage:
+    """Base of all stages. Subclasses declare `Params` and `process`; the rest is optional."""
+
+    class Params(StageParams):
+        """No parameters."""
+
+    live: ClassVar[bool] = False
+    """Whether a source delivers in its own time (a device); live sources drop their oldest frame."""
+    per_camera: ClassVar[bool] = False
+    """Whether an instance serves exactly one camera (`self.camera`)."""
+
+    params: Any
+    process: Callable[..., Any]
+
+    def __init__(self, context: Context = Context(), /, **params: Any) -> None:
+        """context: of the run; params: values of `Params`, validated. Raises pydantic.ValidationError."""
+        self.context = context
+        self.params = self.Params(**params)
+
+    @property
+    def room(self) -> Room:
+        """The calibrated room."""
+        return self.context.room
+
+    @property
+    def camera(self) -> Camera:
+        """The camera that this instance serves. Raises LookupError where there is none."""
+        if self.context.camera is None:
+            raise LookupError(f'{self.context.name} serves no camera: give it one with "each: cameras"')
+        return self.context.camera
+
+    @cached_property
+    def rng(self) -> np.random.Generator:
+        """Random numbers of this instance: the same in every placement, set by the run's seed."""
+        digest = hashlib.sha256(f"{self.context.seed}:{self.context.name}".encode()).digest()
+        return np.random.default_rng(int.from_bytes(digest[:8], "little"))
+
+    def setup(self) -> None:
+        """Called once before the first message, in the worker; open files and devices here."""
+
+    def close(self) -> None:
+        """Called once after the last message, also after an error; outputs must be complete then."""
+
+    def state(self) -> Any:
+        """What a successor needs to carry on: numbers, text, arrays, lists and dicts of them; None for nothing."""
+        return None
+
+    def restore(self, state: Any) -> None:
+        """Carry on from what `state` of a predecessor gave; called after `setup`."""
+
+
+Source = Iterator
+"""Return type of a source's `process`: a generator of messages made with :func:`followspot.at`."""

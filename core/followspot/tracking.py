@@ -1,0 +1,129 @@
+"""The message types of multi-view tracking, shared by all plugins so that stages can be swapped.
+
+`T` is the number of targets of the room, in the order of the room file; a column of shape (N, T)
+says for each of N rows which targets it may belong to. Cameras are named; where a column holds
+camera numbers, they index the message's `cameras`.
+"""
+
+from __future__ import annotations
+
+from followspot.messages import Array, Message, column
+
+LOST, TRACKED, MISSING, PREDICTED = 0, 1, 2, 3
+STATES = ("lost", "tracked", "missing", "predicted")
+"""Life cycle of a target (Jin & Qian 2008, section 3.8). Column `state` holds the index.
+
+lost: searched for in whole images. tracked: measured in this frame. missing: not measured, searched
+for near its last place. predicted: no measurement of its own, bridged by the motion model or a
+plane; its position is an extrapolation.
+"""
+
+
+class Frame(Message):
+    """One picture of one camera: BGR for colour cameras, one grey channel for infrared ones."""
+
+    camera: str
+    pixels: Array = column("H", "W", "C", dtype="u1")
+
+
+class Blobs(Message):
+    """What a detector found in one picture."""
+
+    camera: str
+    xy: Array = column("N", 2, unit="px")
+    """Centroid with the lens distortion removed (same matrix K)."""
+    pixel: Array = column("N", 2, unit="px")
+    """The same centroid as it stands in the picture."""
+    area: Array = column("N", unit="px")
+    """Number of pixels."""
+    similarity: Array = column("N")
+    """Bhattacharyya coefficient with the template (eq. 2); 1 for infrared blobs."""
+    targets: Array = column("N", "T", dtype="?")
+    """Targets that the blob may belong to: by colour and search region, or by search region alone."""
+
+
+class Pairs(Message):
+    """Blobs of two cameras that may show the same thing."""
+
+    cameras: tuple[str, ...]
+    view: Array = column("N", 2, dtype="i4")
+    """The two cameras, as indices of `cameras`."""
+    blob: Array = column("N", 2, dtype="i4")
+    """Row of the blob in each camera's `Blobs`."""
+    xy: Array = column("N", 2, 2, unit="px")
+    """Undistorted centroid in each view."""
+    epipolar: Array = column("N", unit="px")
+    """Epipolar distance d_ED."""
+    labelled: Array = column("N", dtype="?")
+    """Whether a colour camera takes part; infrared-infrared pairs are unlabelled."""
+    confirmed: Array = column("N", dtype="?")
+    """Whether the pair joins a colour and an infrared camera: evidence of a ball, not of light."""
+    targets: Array = column("N", "T", dtype="?")
+
+
+class Candidates(Message):
+    """3D candidates, one per pair (section 3.5), with the pair that made each."""
+
+    cameras: tuple[str, ...]
+    xyz: Array = column("N", 3, unit="m")
+    view: Array = column("N", 2, dtype="i4")
+    blob: Array = column("N", 2, dtype="i4")
+    xy: Array = column("N", 2, 2, unit="px")
+    epipolar: Array = column("N", unit="px")
+    labelled: Array = column("N", dtype="?")
+    confirmed: Array = column("N", dtype="?")
+    targets: Array = column("N", "T", dtype="?")
+
+
+class Positions(Message):
+    """Fused measurements, at most one row per target; targets that were not seen have no row."""
+
+    target: Array = column("M", dtype="i4")
+    xyz: Array = column("M", 3, unit="m")
+    covariance: Array = column("M", 3, 3, unit="m^2")
+    """Of the measurement; NaN where the fusion does not know it."""
+    support: Array = column("M", dtype="i4")
+    """Number of candidates that the position rests on."""
+    confirmed: Array = column("M", dtype="?")
+    """Whether a colour-infrared pair is among them; a lost target is recovered only by such."""
+    iterations: Array = column("M", dtype="i4")
+    """Steps until convergence; 0 for direct methods."""
+
+
+class Forecast(Message):
+    """Where each target will be when the next frame is taken; one row per target of the room."""
+
+    period: float
+    """Time from this message to the frame it forecasts, s."""
+    state: Array = column("T", dtype="u1")
+    xyz: Array = column("T", 3, unit="m")
+    velocity: Array = column("T", 3, unit="m/s")
+    covariance: Array = column("T", 3, 3, unit="m^2")
+    last: Array = column("T", 3, unit="m")
+    """Final estimate at the last frame in which the target was tracked."""
+    before: Array = column("T", 3, unit="m")
+    """Final estimate one frame earlier; the expected travel is last - before (eq. 3)."""
+
+
+class Tracks(Message):
+    """Filtered targets whose position is known, one row each; the output of a tracker."""
+
+    target: Array = column("M", dtype="i4")
+    state: Array = column("M", dtype="u1")
+    xyz: Array = column("M", 3, unit="m")
+    velocity: Array = column("M", 3, unit="m/s")
+    sigma: Array = column("M", 3, unit="m")
+    """One standard deviation along each axis."""
+
+
+class Truth(Message):
+    """Ground truth of one frame."""
+
+    objects: tuple[str, ...]
+    xyz: Array = column("M", 3, unit="m")
+    hidden: Array = column("M", dtype="?")
+    """Less than 5 % visible in every camera."""
+    trackable: Array = column("M", dtype="?")
+    """At least 25 % visible in two cameras, one of them colour."""
+    pair: Array = column("M", dtype="?")
+    """At least 50 % visible in a colour and in an infrared camera."""

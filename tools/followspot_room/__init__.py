@@ -1,0 +1,1 @@
+"""Command package: see hooks.py."""
