@@ -1,1 +1,1 @@
-"""Stages: sinks."""
+"""Sinks: tracks and detections as CSV, any message as JSON lines, targets on the console."""

@@ -1,0 +1,107 @@
+"""Figures of merit of one trajectory against the truth; each is a formula over F frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from followspot.geometry import project
+from followspot.messages import Array
+from followspot.room import Camera
+
+PAPER_UNIT = 4.572
+"""15 ft, the unit of length of Jin & Qian 2008, m."""
+PAPER_FRAMES = 100
+"""Length of the subsequences in table 3 of the paper, frame intervals."""
+
+
+def switches(elsewhere: Array, there: Array) -> int:
+    """How often a position goes to another object.
+
+    elsewhere: (F,) whether the position is that of another object; there: (F,) whether there is one.
+    """
+    known = elsewhere[there]
+    return int(known[:1].sum() + (known[1:] & ~known[:-1]).sum())
+
+
+def recoveries(trackable: Array, hidden: Array, pair: Array, right: Array) -> tuple[int, ...]:
+    """Frames from each return of a target to the first right position.
+
+    A target returns when it is visible in a colour and an infrared camera (`pair`) after it was not
+    trackable. It counts until it is hidden again or the recording ends if no right position comes.
+    All arguments are (F,) bool.
+    """
+    delays: list[int] = []
+    returned, away = -1, False
+    for frame, (visible, gone, both, ok) in enumerate(
+        zip(trackable.tolist(), hidden.tolist(), pair.tolist(), right.tolist(), strict=True)
+    ):
+        away = away or not visible
+        if away and visible and both and returned < 0:
+            returned = frame
+        if returned >= 0 and (ok or gone):
+            delays.append(frame - returned)
+            returned, away = -1, gone
+    if returned >= 0:
+        delays.append(len(right) - returned)
+    return tuple(delays)
+
+
+def jerk_cost(xyz: Array) -> float:
+    """Integral of the squared third derivative of the position (eq. 9-10 of Jin & Qian 2008).
+
+    In the paper's units: lengths of 15 ft, time in frames, scaled to 100 frame intervals as in its
+    table 3. xyz: (F, 3) m, NaN where there is no position; only runs of four count.
+    """
+    jerk = np.diff(xyz / PAPER_UNIT, n=3, axis=0)
+    squared = np.square(jerk).sum(axis=1)
+    known = squared[np.isfinite(squared)]
+    return PAPER_FRAMES * statistic(known, np.mean)
+
+
+def reprojection(xyz: Array, truth: Array, cameras: Sequence[Camera]) -> Array:
+    """Distances between the projections of positions and of the truth, px, over all cameras.
+
+    xyz, truth: (N, 3) m. A camera counts where both have an image and that of the truth is in its picture.
+    """
+    distances = [np.zeros(0)]
+    for camera in cameras:
+        seen = in_view(camera, truth)
+        apart = np.linalg.norm(project(camera, xyz[seen]) - project(camera, truth[seen]), axis=1)
+        distances.append(apart[np.isfinite(apart)])
+    return np.concatenate(distances)
+
+
+def in_view(camera: Camera, xyz: Array) -> Array:
+    """(N,) whether points (N, 3) m project into the camera's picture; behind it they have no image."""
+    pixel = project(camera, xyz)
+    return np.asarray(((pixel >= 0) & (pixel <= np.array(camera.size) - 1)).all(axis=1))
+
+
+def nearest(grid: Array, values: Array) -> tuple[Array, Array]:
+    """Index of the nearest element of an ascending grid for each value, and the distance to it."""
+    after = np.clip(np.searchsorted(grid, values), 0, len(grid) - 1)
+    before = np.maximum(after - 1, 0)
+    index = np.where(np.abs(grid[before] - values) <= np.abs(grid[after] - values), before, after)
+    return index, np.abs(grid[index] - values)
+
+
+def half_interval(time: Array) -> float:
+    """Half the usual distance of neighbouring times, s; everything is near a single one."""
+    return float(np.median(np.diff(time))) / 2 if len(time) > 1 else np.inf
+
+
+def share(part: Array, whole: Array) -> float:
+    """How much of one set of frames is in another; NaN for an empty one."""
+    return float(part.sum() / whole.sum()) if whole.any() else np.nan
+
+
+def statistic(values: Array, of: Callable[[Array], float]) -> float:
+    """A statistic, NaN where there are no values."""
+    return float(of(values)) if len(values) else np.nan
+
+
+def root_mean_square(values: Array) -> float:
+    """Square root of the mean of squares."""
+    return float(np.sqrt(np.mean(np.square(values))))

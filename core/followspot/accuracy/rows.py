@@ -1,0 +1,103 @@
+"""Rows of a CSV file that somebody else wrote: limited in size, checked, every mistake with its line."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from followspot.errors import InputError, Mistake, Place
+
+MOST_ROWS = 5_000_000
+LONGEST_NAME = 100
+FLAGS = {"0": False, "1": True, "false": False, "true": True}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of a CSV file and the position of its columns."""
+
+    file: str
+    line: int
+    cells: Sequence[str]
+    columns: Mapping[str, int]
+
+    def text(self, column: str) -> str:
+        """A short name. Raises InputError."""
+        cell = self.cells[self.columns[column]].strip()
+        if not 0 < len(cell) <= LONGEST_NAME:
+            raise self.mistake(column, f"a name of 1 to {LONGEST_NAME} characters")
+        return cell
+
+    def number(self, column: str) -> float:
+        """A finite number. Raises InputError."""
+        try:
+            value = float(self.cells[self.columns[column]])
+        except ValueError:
+            raise self.mistake(column, "a number") from None
+        if not math.isfinite(value):
+            raise self.mistake(column, "a finite number")
+        return value
+
+    def numbers(self, *columns: str) -> list[float]:
+        """Finite numbers. Raises InputError."""
+        return [self.number(column) for column in columns]
+
+    def flag(self, column: str) -> bool:
+        """0 or 1. Raises InputError."""
+        value = FLAGS.get(self.cells[self.columns[column]].strip().lower())
+        if value is None:
+            raise self.mistake(column, "0 or 1")
+        return value
+
+    def choice(self, column: str, words: Sequence[str]) -> int:
+        """Index of the word among those allowed. Raises InputError."""
+        cell = self.cells[self.columns[column]].strip()
+        if cell not in words:
+            raise self.mistake(column, f"one of {', '.join(words)}")
+        return words.index(cell)
+
+    def mistake(self, column: str, wanted: str) -> InputError:
+        """What stands there, and what should."""
+        index = self.columns[column]
+        before = sum(len(cell) + 1 for cell in self.cells[:index])
+        place = Place(self.file, self.line, before + 1, max(1, len(self.cells[index])))
+        return InputError(
+            [Mistake(place, f'"{self.cells[index][:40]}" in column {column}', f"needs {wanted}")]
+        )
+
+
+def read_rows(path: Path, columns: Sequence[str]) -> Iterator[Row]:
+    """Rows of a CSV file whose first line names at least these columns.
+
+    Raises InputError where the file cannot be read, lacks a column or has more than `MOST_ROWS` rows.
+    """
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            yield from _rows(str(path), csv.reader(file), columns)
+    except OSError as error:
+        raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError([Mistake(None, f"{path} is not a CSV file: {error}")]) from None
+
+
+def _rows(file: str, lines: Iterator[list[str]], columns: Sequence[str]) -> Iterator[Row]:
+    head = [cell.strip() for cell in next(lines, [])]
+    absent = [name for name in columns if name not in head]
+    if absent:
+        text = f"columns {', '.join(absent)} are missing"
+        raise InputError([Mistake(Place(file, 1, 1), text, f"the first line names {', '.join(columns)}")])
+    index = {name: head.index(name) for name in columns}
+    needed = max(index.values()) + 1
+    for line, cells in enumerate(lines, 2):
+        if not cells:
+            continue
+        if len(cells) < needed:
+            text = f"{len(cells)} columns, {needed} needed"
+            raise InputError([Mistake(Place(file, line, 1), text, "the line is not complete")])
+        if line > MOST_ROWS:
+            text = f"more than {MOST_ROWS} rows"
+            raise InputError([Mistake(Place(file, line, 1), text, "split the file")])
+        yield Row(file, line, cells, index)

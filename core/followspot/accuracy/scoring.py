@@ -1,0 +1,145 @@
+"""Scores per target: coverage, error, identity, false positions, recovery, smoothness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot.accuracy.figures import (
+    half_interval,
+    jerk_cost,
+    nearest,
+    recoveries,
+    reprojection,
+    root_mean_square,
+    share,
+    statistic,
+    switches,
+)
+from followspot.accuracy.tables import TrackTable, TruthTable
+from followspot.messages import Array
+from followspot.room import Camera, Room
+from followspot.tracking import TRACKED
+
+REACH = 0.15
+"""Largest distance at which a position counts as that of the target, m: one ball diameter."""
+
+
+@dataclass(frozen=True)
+class TargetScore:
+    """How one target was tracked. A figure that nothing was there to measure is NaN."""
+
+    frames: int
+    """Frames in which the target was trackable (25 % visible in two cameras, one of them colour)."""
+    coverage: float
+    """Share of them with a position within 15 cm of the truth."""
+    rmse_mm: float
+    """Over all trackable frames with a position, outliers included; so are the next two."""
+    median_mm: float
+    p95_mm: float
+    identity_switches: int
+    """How often the position went to another object: within 15 cm of that and not of the target."""
+    hidden_frames: int
+    """Frames in which the target is hidden from every camera."""
+    false_positions: int
+    """Hidden frames with a position of state "tracked"."""
+    false_share: float
+    """Share of the hidden frames."""
+    recovery_frames: tuple[int, ...]
+    """For each return of the target after it was not trackable: frames from its being visible in a colour
+    and an infrared camera to the first right position."""
+    recovery_worst: int
+    jerk_cost: float
+    """Eq. 9-10 of Jin & Qian 2008 in the paper's units: 15 ft, frames, over 100 frame intervals."""
+    reprojection_px: float
+    """Mean distance of the projections of position and truth over the cameras that have it in view."""
+    reprojection_std_px: float
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Positions of one target at the F times of the truth.
+
+    xyz: (F, 3) m, NaN where there is none; tracked: (F,) whether the state was "tracked".
+    """
+
+    xyz: Array
+    tracked: Array
+
+    @property
+    def there(self) -> Array:
+        """(F,) whether there is a position."""
+        return np.isfinite(self.xyz[:, 0])
+
+
+def score(tracks: TrackTable, truth: TruthTable, room: Room | None = None) -> dict[str, TargetScore]:
+    """Compare tracks with the truth, matched by time within half an interval of the truth.
+
+    Scores every object of the truth, then those that were only reported: everywhere hidden, for the
+    truth knows of none. With a room, also the reprojection error.
+    """
+    cameras = tuple(room.cameras.values()) if room else ()
+    whole = with_absent(truth, [name for name in tracks.objects if name not in truth.objects])
+    return {
+        name: _target_score(trajectory(tracks, name, whole.time), whole, own, cameras)
+        for own, name in enumerate(whole.objects)
+    }
+
+
+def with_absent(truth: TruthTable, names: Sequence[str]) -> TruthTable:
+    """The truth with objects added that are never there: hidden in every frame."""
+
+    def added(flags: Array, value: bool) -> Array:
+        return np.column_stack([flags, np.full((len(truth.time), len(names)), value)])
+
+    return TruthTable(
+        (*truth.objects, *names),
+        truth.time,
+        np.concatenate([truth.xyz, np.full((len(truth.time), len(names), 3), np.nan)], axis=1),
+        added(truth.hidden, True),
+        added(truth.trackable, False),
+        added(truth.pair, False),
+    )
+
+
+def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
+    """Rows of one target at the nearest of the ascending times (F,), s, none farther than half an interval."""
+    xyz = np.full((len(time), 3), np.nan)
+    tracked = np.zeros(len(time), bool)
+    if name in tracks.objects and len(time):
+        rows = np.flatnonzero(tracks.target == tracks.objects.index(name))
+        frame, distance = nearest(time, tracks.time[rows])
+        near = distance <= half_interval(time)
+        xyz[frame[near]] = tracks.xyz[rows[near]]
+        tracked[frame[near]] = tracks.state[rows[near]] == TRACKED
+    return Trajectory(xyz, tracked)
+
+
+def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Sequence[Camera]) -> TargetScore:
+    trackable, hidden = truth.trackable[:, own], truth.hidden[:, own]
+    distance = np.linalg.norm(track.xyz[:, None] - truth.xyz, axis=2)  # (F, M), NaN where unknown
+    right = distance[:, own] < REACH
+    elsewhere = (np.delete(distance, own, axis=1) < REACH).any(axis=1) & ~right
+    measured = trackable & track.there
+    errors_mm = 1000 * distance[measured, own]
+    pixels = reprojection(track.xyz[measured], truth.xyz[measured, own], cameras)
+    recovery = recoveries(trackable, hidden, truth.pair[:, own], right)
+    false = track.tracked & hidden
+    return TargetScore(
+        frames=int(trackable.sum()),
+        coverage=share(right & trackable, trackable),
+        rmse_mm=statistic(errors_mm, root_mean_square),
+        median_mm=statistic(errors_mm, np.median),
+        p95_mm=statistic(errors_mm, lambda e: float(np.percentile(e, 95))),
+        identity_switches=switches(elsewhere, track.there),
+        hidden_frames=int(hidden.sum()),
+        false_positions=int(false.sum()),
+        false_share=share(false, hidden),
+        recovery_frames=recovery,
+        recovery_worst=max(recovery, default=0),
+        jerk_cost=jerk_cost(track.xyz),
+        reprojection_px=statistic(pixels, np.mean),
+        reprojection_std_px=statistic(pixels, np.std),
+    )

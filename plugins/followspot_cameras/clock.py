@@ -1,0 +1,21 @@
+"""Capture times of recordings, in exact integer arithmetic so that every replay has the same ones."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+SECOND = 1_000_000_000
+"""ns"""
+
+
+def exact_rate(fps: float) -> Fraction:
+    """Frames per second as a ratio: 29.97002997 becomes 30000/1001. Raises ValueError unless positive."""
+    rate = Fraction(fps).limit_denominator(1001)
+    if rate <= 0:
+        raise ValueError(f"{fps} frames per second")
+    return rate
+
+
+def capture_time(frame: int, rate: Fraction) -> int:
+    """Time of a frame since the first one, ns, rounded down: frame / rate."""
+    return frame * SECOND * rate.denominator // rate.numerator

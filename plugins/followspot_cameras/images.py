@@ -1,0 +1,66 @@
+"""A folder of pictures as a camera."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import cv2
+
+from followspot import Field, InputPath, Source, Stage, StageParams, at
+from followspot.errors import InputError, Mistake
+from followspot.tracking import Frame
+from followspot_cameras.clock import capture_time, exact_rate
+from followspot_cameras.picture import as_frame
+
+SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})
+
+
+class Images(Stage):
+    """Play the pictures of a folder in the natural order of their names (frame2 before frame10)."""
+
+    per_camera = True
+
+    class Params(StageParams):
+        path: InputPath = Field(description="the folder")
+        pattern: str = Field("*", pattern=r"^[^/\\]+$", description="which files, for example left*.png")
+        fps: float = Field(30.0, gt=0, le=100_000, description="frame rate", unit="1/s")
+        start_frame: int = Field(0, ge=0, description="first picture to play", unit="1")
+        frames: int = Field(0, ge=0, description="most pictures to play; 0: all", unit="1")
+
+    params: Params
+
+    def setup(self) -> None:
+        """List the folder. Raises InputError where it has no such pictures."""
+        self.files = natural_order(self.params.path, self.params.pattern)
+        if not self.files:
+            raise InputError(
+                [
+                    Mistake(
+                        None,
+                        f'{self.params.path} has no pictures "{self.params.pattern}"',
+                        f"pictures end in {', '.join(sorted(SUFFIXES))}",
+                    )
+                ]
+            )
+
+    def process(self) -> Source[Frame]:
+        """Frames with their capture time and their number in the folder; unreadable files leave a gap."""
+        first, rate = self.params.start_frame, exact_rate(self.params.fps)
+        last = first + self.params.frames if self.params.frames else len(self.files)
+        unreadable = []
+        for number, path in enumerate(self.files[first:last], first):
+            image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+            if image is None:
+                unreadable.append(path.name)
+                continue
+            frame = as_frame(image, self.camera, self.context.loan, str(path))
+            yield at(capture_time(number, rate), frame, seq=number)
+        if unreadable:
+            self.context.warn(f"{len(unreadable)} pictures cannot be read, the first is {unreadable[0]}")
+
+
+def natural_order(folder: Path, pattern: str) -> list[Path]:
+    """Picture files of the folder that match, numbers in their names compared as numbers."""
+    files = (p for p in folder.glob(pattern) if p.suffix.lower() in SUFFIXES)
+    return sorted(files, key=lambda p: [int(t) if t.isdigit() else t for t in re.split(r"([0-9]+)", p.name)])

@@ -1,0 +1,89 @@
+"""Cameras that deliver in their own time: grab, and connect again when they fall silent."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from threading import Event
+from typing import Any, ClassVar, Protocol
+
+from followspot import Source, Stage, at
+from followspot.messages import Array
+from followspot.tracking import Frame
+from followspot_cameras.picture import as_frame, color_buffer
+
+FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0
+"""Pause before connecting again, s; it doubles with every failure."""
+
+
+class Capture(Protocol):
+    """What is used of cv2.VideoCapture."""
+
+    def isOpened(self) -> bool:  # noqa: N802
+        """Whether the camera answers."""
+
+    def grab(self) -> bool:
+        """Wait for the next picture; False where none comes."""
+
+    def retrieve(self, image: Array | None = None, /) -> tuple[bool, Any]:
+        """Decode the grabbed picture, into `image` if it fits."""
+
+    def release(self) -> None:
+        """Let the camera go."""
+
+
+class LiveCamera(Stage):
+    """Base of live sources: subclasses say how to connect and what the camera is called."""
+
+    live: ClassVar[bool] = True
+    per_camera: ClassVar[bool] = True
+    origin: str
+    """The camera's address as users know it, without secrets."""
+
+    def connect(self) -> Capture:
+        """Open the camera once; whether that worked shows in `isOpened`."""
+        raise NotImplementedError
+
+    def setup(self) -> None:
+        """Prepare to be stopped."""
+        self.stopped = Event()
+
+    def process(self) -> Source[Frame]:
+        """Frames as they come, each with the time right after its exposure was grabbed, ns since 1970."""
+        camera, loan = self.camera, self.context.loan
+        for capture in grabs(self.connect, self.stopped, self.report):
+            captured = time.time_ns()
+            ok, image = capture.retrieve(color_buffer(camera, loan))
+            if ok:
+                yield at(captured, as_frame(image, camera, loan, self.origin))
+
+    def report(self, text: str) -> None:
+        """Warn with the camera's address."""
+        self.context.warn(f"{self.origin} {text}")
+
+    def close(self) -> None:
+        """End the waiting, also from another thread."""
+        self.stopped.set()
+
+
+def grabs(connect: Callable[[], Capture], stopped: Event, report: Callable[[str], None]) -> Iterator[Capture]:
+    """The capture, once for each picture that it grabbed; connects again with exponential back-off.
+
+    Reports each loss and each recovery once. Ends when `stopped` is set.
+    """
+    wait, lost = FIRST_WAIT, False
+    while not stopped.is_set():
+        capture = connect()
+        try:
+            while not stopped.is_set() and capture.isOpened() and capture.grab():
+                if lost:
+                    report("is back")
+                wait, lost = FIRST_WAIT, False
+                yield capture
+        finally:
+            capture.release()
+        if not lost and not stopped.is_set():
+            report("gives no pictures; connecting again until it does")
+        lost = True
+        stopped.wait(wait)
+        wait = min(2 * wait, LONGEST_WAIT)

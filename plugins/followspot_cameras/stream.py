@@ -1,0 +1,56 @@
+"""A camera in the network."""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+import cv2
+from pydantic import field_validator
+
+from followspot import Field, StageParams
+from followspot_cameras.live import Capture, LiveCamera
+
+SCHEMES = ("rtsp", "rtsps", "http", "https", "udp", "tcp")
+
+
+class Stream(LiveCamera):
+    """Play a network stream (RTSP, HTTP, UDP, TCP); connects again when it breaks."""
+
+    class Params(StageParams):
+        url: str = Field(max_length=2000, description=f"address, one of {', '.join(SCHEMES)}")
+        open_timeout: float = Field(5.0, gt=0, le=60, description="longest wait for a connection", unit="s")
+        read_timeout: float = Field(2.0, gt=0, le=60, description="longest wait for a picture", unit="s")
+
+        @field_validator("url")
+        @classmethod
+        def known_scheme(cls, url: str) -> str:
+            """Nothing but network streams: ffmpeg would also open files and devices by an address."""
+            parts = urlsplit(url)
+            if parts.scheme not in SCHEMES or not parts.hostname:
+                raise ValueError(
+                    f"a stream's address looks like rtsp://host/path; one of {', '.join(SCHEMES)}"
+                )
+            return url
+
+    params: Params
+
+    @property
+    def origin(self) -> str:  # type: ignore[override]  # read-only here
+        """The address without user name, password and query."""
+        return public_address(self.params.url)
+
+    def connect(self) -> Capture:
+        """Open the stream; both waits are limited."""
+        limits = {
+            cv2.CAP_PROP_OPEN_TIMEOUT_MSEC: self.params.open_timeout,
+            cv2.CAP_PROP_READ_TIMEOUT_MSEC: self.params.read_timeout,
+        }
+        milliseconds = [n for key, seconds in limits.items() for n in (key, round(seconds * 1000))]
+        return cv2.VideoCapture(self.params.url, cv2.CAP_FFMPEG, milliseconds)
+
+
+def public_address(url: str) -> str:
+    """The address as it may be shown: credentials stand in user info and query."""
+    parts = urlsplit(url)
+    host = parts.netloc.rpartition("@")[2]
+    return f"{parts.scheme}://{host}{parts.path}"

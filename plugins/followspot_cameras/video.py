@@ -1,0 +1,117 @@
+"""A recorded video as a camera."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import cv2
+
+from followspot import Field, InputPath, Source, Stage, StageParams, at
+from followspot.errors import InputError, Mistake
+from followspot.tracking import Frame
+from followspot_cameras.clock import capture_time, exact_rate
+from followspot_cameras.container import cut_off
+from followspot_cameras.picture import as_frame, check_size, color_buffer
+
+
+class Video(Stage):
+    """Play a video file as the camera's pictures; frame f is captured at f / fps.
+
+    Frames that cannot be decoded leave a gap in the numbers, where the file has time stamps to tell,
+    and are reported at the end; so is a file that ends early.
+    """
+
+    per_camera = True
+
+    class Params(StageParams):
+        path: InputPath = Field(description="the video file")
+        fps: float = Field(0.0, ge=0, le=100_000, description="frame rate; 0: what the file says", unit="1/s")
+        start_frame: int = Field(0, ge=0, description="first frame to play", unit="1")
+        frames: int = Field(0, ge=0, description="most frames to play; 0: all", unit="1")
+
+    params: Params
+    capture = cv2.VideoCapture()  # plays nothing until setup
+
+    def setup(self) -> None:
+        """Open the file. Raises InputError where it is no video, or one of another size or without a rate."""
+        path = self.params.path
+        self.capture = open_video(path)
+        width = int(self.capture.get(cv2.CAP_PROP_FRAME_WIDTH))
+        height = int(self.capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
+        check_size(width, height, self.camera, str(path))
+        self.rate = frame_rate(self.capture, path, self.params.fps)
+
+    def process(self) -> Source[Frame]:
+        """Frames with their capture time and the number that they have in the file."""
+        camera, loan = self.camera, self.context.loan
+        first = self.params.start_frame
+        last = first + self.params.frames - 1 if self.params.frames else None
+        for number in self.numbered(last):
+            if number < first:
+                continue
+            ok, image = self.capture.retrieve(color_buffer(camera, loan))
+            if ok:
+                frame = as_frame(image, camera, loan, str(self.params.path))
+                yield at(capture_time(number, self.rate), frame, seq=number)
+
+    def numbered(self, last: int | None) -> Iterator[int]:
+        """Grab one picture after the other up to number `last` and give each its number.
+
+        The number follows the time stamp where that leaps, for then frames before it are damaged.
+        """
+        number, skipped, origin = -1, 0, None
+        while last is None or number < last:
+            if not self.capture.grab():
+                self.warn_of_early_end(number + 1)
+                break
+            stamp = int(self.capture.get(cv2.CAP_PROP_PTS))
+            origin = stamp if origin is None else origin
+            leap = max(0, stamp - origin - number - 1)
+            skipped += leap
+            number += 1 + leap
+            if last is None or number <= last:
+                yield number
+        if skipped:
+            self.context.warn(f"{self.params.path.name}: {skipped} frames are missing or damaged")
+
+    def warn_of_early_end(self, played: int) -> None:
+        """Compare what came with what the container announced."""
+        path = self.params.path
+        total = int(self.capture.get(cv2.CAP_PROP_FRAME_COUNT))
+        missing = cut_off(path)
+        if total > played:
+            self.context.warn(f"{path.name} ended after {played} of {total} frames{missing}")
+        elif missing:
+            self.context.warn(f"{path.name} ended after {played} frames{missing}")
+
+    def close(self) -> None:
+        """Close the file."""
+        self.capture.release()
+
+
+def open_video(path: Path) -> cv2.VideoCapture:
+    """A decoder with one thread, as each source has a thread of its own. Raises InputError."""
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 1])
+    if not capture.isOpened():
+        raise InputError(
+            [
+                Mistake(
+                    None,
+                    f"{path} cannot be read as a video{cut_off(path)}",
+                    "give a whole file that ffmpeg can decode, for example .mkv, .mp4 or .avi",
+                )
+            ]
+        )
+    return capture
+
+
+def frame_rate(capture: cv2.VideoCapture, path: Path, given: float) -> Fraction:
+    """Frames per second: as given, or as the file states it. Raises InputError where neither does."""
+    try:
+        return exact_rate(given or capture.get(cv2.CAP_PROP_FPS))
+    except (ValueError, OverflowError):
+        raise InputError(
+            [Mistake(None, f"{path} does not state its frame rate", 'give it: "fps: 30"')]
+        ) from None

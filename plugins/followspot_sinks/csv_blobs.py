@@ -1,0 +1,41 @@
+"""Detections in pictures as a CSV file."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Field, Joined, OutputPath, Stage, StageParams
+from followspot.tracking import Blobs
+from followspot_sinks.text_file import TextFile, seconds
+
+HEAD = "frame,time,camera,target,u,v,area,similarity\n"
+
+
+class CsvBlobs(Stage):
+    """Write one row per blob and target that it may belong to: px in the picture as it was taken."""
+
+    class Params(StageParams):
+        path: OutputPath = Field("blobs.csv", description="the CSV file, below the output folder")
+
+    params: Params
+
+    def setup(self) -> None:
+        """Create the file. Raises FollowspotError where that is not possible."""
+        self.file = TextFile(self.context.out, self.params.path)
+        self.file.write([HEAD])
+        self.names = tuple(self.room.targets)
+
+    def process(self, blobs: Joined[Blobs]) -> None:
+        """Add the rows of one frame, camera after camera."""
+        for one in blobs:
+            start = f"{one.header.seq},{seconds(one.header.time)},{one.camera}"
+            values = np.column_stack([one.pixel, one.area, one.similarity]).tolist()
+            for row, target in np.argwhere(one.targets).tolist():
+                u, v, area, similarity = values[row]
+                self.file.write(
+                    [f"{start},{self.names[target]},{u:.3f},{v:.3f},{area:.0f},{similarity:.4f}\n"]
+                )
+
+    def close(self) -> None:
+        """Complete the file."""
+        self.file.close()
