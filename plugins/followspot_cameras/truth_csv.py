@@ -10,7 +10,7 @@ from followspot.tracking import Truth
 
 
 class TruthCsv(Stage):
-    """Ground truth from a CSV file: frame, time (s), object, x, y, z (m), hidden, trackable, pair (0 or 1)."""
+    """Ground truth from a CSV file: frame, time (s), object, x, y, z (m), hidden, trackable, pair (0, 1)."""
 
     class Params(StageParams):
         path: InputPath = Field(description="the CSV file; columns beyond these are ignored")
@@ -24,7 +24,7 @@ class TruthCsv(Stage):
     def process(self) -> Source[Truth]:
         """One message per time, with the objects that are there."""
         truth = self.truth
-        there = np.isfinite(truth.xyz).all(axis=2)
+        there = np.asarray(np.isfinite(truth.xyz).all(axis=2))
         for f, time in enumerate(truth.time):
             rows = there[f]
             yield at(

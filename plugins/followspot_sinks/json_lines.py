@@ -14,7 +14,7 @@ from followspot_sinks.text_file import TextFile
 
 
 class JsonLines(Stage):
-    """Write one JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
+    """Write a JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
 
     class Params(StageParams):
         path: OutputPath = Field("messages.jsonl", description="the file, below the output folder")
@@ -48,5 +48,7 @@ def _scalar(value: Any) -> Any:
 
 def _nested(array: Array) -> Any:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
-        return np.where(np.isfinite(array), array, None).tolist()
+        unknown = ~np.isfinite(array)
+        array = array.astype(object)
+        array[unknown] = None
     return array.tolist()

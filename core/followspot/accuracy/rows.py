@@ -64,9 +64,8 @@ class Row:
         index = self.columns[column]
         before = sum(len(cell) + 1 for cell in self.cells[:index])
         place = Place(self.file, self.line, before + 1, max(1, len(self.cells[index])))
-        return InputError(
-            [Mistake(place, f'"{self.cells[index][:40]}" in column {column}', f"needs {wanted}")]
-        )
+        text = f'"{self.cells[index][:40]}" in column {column}'
+        return InputError([Mistake(place, text, f"needs {wanted}")])
 
 
 def read_rows(path: Path, columns: Sequence[str]) -> Iterator[Row]:

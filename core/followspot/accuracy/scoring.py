@@ -105,7 +105,7 @@ def with_absent(truth: TruthTable, names: Sequence[str]) -> TruthTable:
 
 
 def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
-    """Rows of one target at the nearest of the ascending times (F,), s, none farther than half an interval."""
+    """Rows of one target at the nearest of ascending times (F,), s, none farther than half an interval."""
     xyz = np.full((len(time), 3), np.nan)
     tracked = np.zeros(len(time), bool)
     if name in tracks.objects and len(time):
