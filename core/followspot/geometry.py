@@ -1,4 +1,230 @@
 """Multi-view geometry after Hartley & Zisserman: projection, undistortion, triangulation, pair relations.
 
-All functions are pure and vectorised over points. Pixels are undistorted unless a name says otherwise.
+All functions are pure and vectorised over points. `pixel` names points as they stand in the picture,
+with lens distortion; `xy` names undistorted points, pinhole images with the same matrix K. A point that
+has no image (behind the camera) is NaN.
 """
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Camera
+
+MAX_ITERATIONS = 100
+"""Of the inversion of a lens model; it needs 5 to 20."""
+TOLERANCE = 1e-12
+"""At which the inversion of a lens model stops: the change in focal lengths (fisheye) or in px (pinhole)."""
+IDENTITY = np.eye(3)
+ORIGIN = np.zeros(3)
+
+
+def project(camera: Camera, points: Array) -> Array:
+    """Where points of the room appear in the picture.
+
+    points: (N, 3) m. Returns (N, 2) px with distortion; NaN for points behind a pinhole camera.
+    """
+    local = points @ camera.rotation.T + camera.translation
+    return _PROJECT[camera.model](camera, local)
+
+
+def undistort(camera: Camera, pixel: Array) -> Array:
+    """Remove the lens distortion: (N, 2) px -> (N, 2) px of a pinhole camera with the same K.
+
+    NaN for a pixel whose ray does not point forward (wide fisheye, panorama).
+    """
+    if camera.model == "pinhole":
+        return _undistort_pinhole(camera, pixel)
+    return _flatten(camera, _local_rays(camera, pixel))
+
+
+def distort(camera: Camera, xy: Array) -> Array:
+    """Inverse of :func:`undistort`: (N, 2) px without distortion -> (N, 2) px in the picture."""
+    normalised = _normalise(camera, xy)
+    return _PROJECT[camera.model](camera, np.column_stack([normalised, np.ones(len(xy))]))
+
+
+def ray(camera: Camera, pixel: Array) -> Array:
+    """Viewing directions in the room: (N, 2) px with distortion -> (N, 3) unit vectors from the centre."""
+    directions = _local_rays(camera, pixel) @ camera.rotation
+    return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
+
+
+def back_projection(camera: Camera) -> Array:
+    """M^-1, (3, 3), with P = [M | p4]: the ray of an undistorted pixel is M^-1 (x, y, 1) (H&Z eq. 6.14)."""
+    return np.asarray(np.linalg.inv(camera.projection[:, :3]))
+
+
+def fundamental_matrix(P1: Array, P2: Array) -> Array:
+    """F with x2^T F x1 = 0 for the undistorted images of one point (H&Z, table 9.1), of unit norm.
+
+    P1, P2: (3, 4). Returns (3, 3).
+    """
+    center = np.append(-np.linalg.solve(P1[:, :3], P1[:, 3]), 1.0)
+    F = cross_matrix(P2 @ center) @ P2 @ np.linalg.pinv(P1)
+    return np.asarray(F / np.linalg.norm(F))
+
+
+def plane_homography(a: Camera, b: Camera, plane: Array) -> Array:
+    """H that maps undistorted pixels of points on a plane from camera a to camera b (H&Z, section 13.1).
+
+    plane: (4,) with unit normal, m. Returns (3, 3), of unit norm. Camera a must not lie in the plane.
+    """
+    center = np.append(a.center, 1.0)
+    directions = np.vstack([back_projection(a), np.zeros(3)])
+    H = b.projection @ (directions * (plane @ center) - np.outer(center, plane @ directions))
+    return np.asarray(H / np.linalg.norm(H))
+
+
+def epipolar_distance(F: Array, xy1: Array, xy2: Array) -> Array:
+    """Distance of two points from each other's epipolar line: the larger of the two views, px.
+
+    F: (3, 3) or one for each pair (N, 3, 3); xy1, xy2: (N, 2) px undistorted. Returns (N,).
+    """
+    line2 = (F[..., :2] @ xy1[..., None])[..., 0] + F[..., 2]
+    line1 = (np.swapaxes(F, -1, -2)[..., :2] @ xy2[..., None])[..., 0] + F[..., 2, :]
+    algebraic = np.abs(line2[..., 0] * xy2[..., 0] + line2[..., 1] * xy2[..., 1] + line2[..., 2])
+    slope = np.minimum(np.hypot(line1[..., 0], line1[..., 1]), np.hypot(line2[..., 0], line2[..., 1]))
+    return np.asarray(algebraic / np.maximum(slope, np.finfo(float).tiny))
+
+
+def transfer(H: Array, xy: Array) -> Array:
+    """Map points by a homography. H: (..., 3, 3); xy: (..., 2) px. Returns (..., 2) px."""
+    image = (H[..., :2] @ xy[..., None])[..., 0] + H[..., 2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(image[..., :2] / image[..., 2:])
+
+
+def triangulate_pairs(centers: Array, rays: Array) -> Array:
+    """The point between two rays that divides their common perpendicular by the squared depths.
+
+    Equal errors in angle in both views are assumed, hence the division; for rays that meet it is the
+    exact point. centers: (N, 2, 3) m; rays: (N, 2, 3), unit vectors. Returns (N, 3) m; NaN where the
+    rays are parallel or meet behind a camera.
+    """
+    baseline = centers[:, 1] - centers[:, 0]
+    d1, d2 = rays[:, 0], rays[:, 1]
+    cosine = np.einsum("ij,ij->i", d1, d2)
+    along1 = np.einsum("ij,ij->i", baseline, d1)
+    along2 = np.einsum("ij,ij->i", baseline, d2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        sine2 = 1.0 - cosine * cosine
+        depth1 = (along1 - cosine * along2) / sine2
+        depth2 = (cosine * along1 - along2) / sine2
+        share = (depth1 / np.hypot(depth1, depth2)) ** 2
+        first = centers[:, 0] + depth1[:, None] * d1
+        second = centers[:, 1] + depth2[:, None] * d2
+        points = first + share[:, None] * (second - first)
+    points[~((depth1 > 0) & (depth2 > 0))] = np.nan
+    return np.asarray(points)
+
+
+def triangulate_views(centers: Array, rays: Array, weights: Array) -> Array:
+    """Points nearest to their rays in all views: minimise sum w |(I - d d^T)(X - C)|^2.
+
+    centers: (V, 3) or (N, V, 3) m; rays: (N, V, 3), unit vectors; weights: (N, V), 0 for a view that
+    does not see the point; for equal errors in angle they are 1 / depth^2. Returns (N, 3) m.
+    Raises numpy.linalg.LinAlgError where fewer than two views determine a point.
+    """
+    across = weights[..., None, None] * (np.eye(3) - rays[..., :, None] * rays[..., None, :])
+    normal = across.sum(axis=-3)
+    moment = (across @ np.broadcast_to(centers, rays.shape)[..., None]).sum(axis=-3)
+    return np.asarray(np.linalg.solve(normal, moment)[..., 0])
+
+
+def cross_matrix(v: Array) -> Array:
+    """[v]_x with [v]_x w = v x w (H&Z, eq. A4.5). v: (3,). Returns (3, 3)."""
+    return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _normalise(camera: Camera, pixel: Array) -> Array:
+    """K^-1 (x, y, 1) without its last entry."""
+    K = camera.matrix
+    y = (pixel[:, 1] - K[1, 2]) / K[1, 1]
+    return np.column_stack([(pixel[:, 0] - K[0, 2] - K[0, 1] * y) / K[0, 0], y])
+
+
+def _denormalise(camera: Camera, x: Array, y: Array) -> Array:
+    K = camera.matrix
+    return np.column_stack([K[0, 0] * x + K[0, 1] * y + K[0, 2], K[1, 1] * y + K[1, 2]])
+
+
+def _flatten(camera: Camera, local: Array) -> Array:
+    """Image of points in camera coordinates without distortion; NaN where z <= 0."""
+    z = np.where(local[:, 2] > 0, local[:, 2], np.nan)
+    return _denormalise(camera, local[:, 0] / z, local[:, 1] / z)
+
+
+def _project_pinhole(camera: Camera, local: Array) -> Array:
+    import cv2
+
+    if len(local) == 0:
+        return np.empty((0, 2))
+    pixel = cv2.projectPoints(local, IDENTITY, ORIGIN, camera.matrix, camera.distortion)[0][:, 0]
+    pixel[local[:, 2] <= 0] = np.nan
+    return np.asarray(pixel)
+
+
+def _project_fisheye(camera: Camera, local: Array) -> Array:
+    across = np.hypot(local[:, 0], local[:, 1])
+    angle = _fisheye_angle(camera.distortion, np.arctan2(across, local[:, 2]))
+    scale = np.divide(angle, across, out=np.zeros_like(across), where=across > 0)
+    return _denormalise(camera, scale * local[:, 0], scale * local[:, 1])
+
+
+def _project_cylinder(camera: Camera, local: Array) -> Array:
+    around = np.arctan2(local[:, 0], local[:, 2])
+    return _denormalise(camera, around, local[:, 1] / np.hypot(local[:, 0], local[:, 2]))
+
+
+_PROJECT: dict[str, Callable[[Camera, Array], Array]] = {
+    "pinhole": _project_pinhole,
+    "fisheye": _project_fisheye,
+    "cylinder": _project_cylinder,
+}
+
+
+def _local_rays(camera: Camera, pixel: Array) -> Array:
+    """Directions in camera coordinates, of any length: (N, 3)."""
+    if camera.model != "pinhole":
+        x, y = _normalise(camera, pixel).T
+        if camera.model == "cylinder":
+            return np.column_stack([np.sin(x), y, np.cos(x)])
+        return _fisheye_rays(camera.distortion, x, y)
+    normalised = _normalise(camera, _undistort_pinhole(camera, pixel))
+    return np.column_stack([normalised, np.ones(len(pixel))])
+
+
+def _undistort_pinhole(camera: Camera, pixel: Array) -> Array:
+    import cv2
+
+    if len(pixel) == 0:
+        return np.empty((0, 2))
+    stop = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, MAX_ITERATIONS, TOLERANCE)
+    K = camera.matrix
+    return np.asarray(cv2.undistortPointsIter(pixel[:, None], K, camera.distortion, IDENTITY, K, stop)[:, 0])
+
+
+def _fisheye_angle(distortion: Array, theta: Array) -> Array:
+    """Distorted angle theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)."""
+    k1, k2, k3, k4 = distortion
+    t2 = theta * theta
+    return np.asarray(theta * (1 + t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4)))))
+
+
+def _fisheye_rays(distortion: Array, x: Array, y: Array) -> Array:
+    k1, k2, k3, k4 = distortion
+    distorted = np.hypot(x, y)
+    theta = np.minimum(distorted, np.pi / 2)
+    for _ in range(MAX_ITERATIONS):
+        t2 = theta * theta
+        slope = 1 + t2 * (3 * k1 + t2 * (5 * k2 + t2 * (7 * k3 + t2 * 9 * k4)))
+        step = (_fisheye_angle(distortion, theta) - distorted) / slope
+        theta = theta - step
+        if not (np.abs(step) > TOLERANCE).any():
+            break
+    scale = np.divide(np.sin(theta), distorted, out=np.ones_like(theta), where=distorted > 0)
+    return np.column_stack([scale * x, scale * y, np.cos(theta)])

@@ -1,1 +1,1 @@
-"""Stages: balls."""
+"""Glowing balls among interfering projections (Jin & Qian 2008): detection, pairing, fusion, filtering."""
