@@ -129,10 +129,15 @@ def seal(message: M) -> M:
     """Check a message against its contract, make its arrays contiguous and read-only; return it.
 
     Contiguous, because the same numbers in another memory layout may sum to another last bit, and
-    an edge between processes delivers contiguous arrays. Raises InvalidMessage.
+    an edge between processes delivers contiguous arrays. Scalars of numpy become plain ones, for the
+    same reason. Raises InvalidMessage.
     """
     sizes: dict[str, int] = {}
     total = 0
+    for name, kind in message.scalars:
+        value = getattr(message, name)
+        if type(value) is not kind:
+            object.__setattr__(message, name, _plain(name, value, kind))
     for name, shape, dtype, _ in message.columns:
         array = getattr(message, name)
         if type(array) is not np.ndarray:
@@ -148,6 +153,21 @@ def seal(message: M) -> M:
     if total > MAX_BYTES:
         raise InvalidMessage(f"{total} bytes, at most {MAX_BYTES} allowed")
     return message
+
+
+def _plain(name: str, value: Any, kind: Any) -> Any:
+    """The value as exactly the declared kind. Raises InvalidMessage where that would change it."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if kind is float and type(value) is int:
+        value = float(value)
+    if kind == tuple[str, ...]:
+        matches = type(value) is tuple and all(type(word) is str for word in value)
+    else:
+        matches = type(value) is kind
+    if not matches:
+        raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
+    return value
 
 
 def check_shape(

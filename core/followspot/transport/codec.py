@@ -1,0 +1,167 @@
+"""Messages to bytes and back, with everything checked on arrival (docs/wire.md).
+
+Both sides know the message type. The head repeats its contract, so that a reader of another version
+finds out, and a stranger can read it. Whatever does not fit is an InvalidMessage, never a crash.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape
+from followspot.transport.token import END, Settled
+from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, pack_head, padded, unpack_head
+
+MAX_NDIM = 8
+MAX_PACKED = MAX_BYTES + 2 * MAX_HEAD
+"""Largest packed token, bytes: the arrays, their padding, and the head."""
+
+
+class Codec:
+    """Encodes and decodes one message type; what depends on the type alone is prepared once."""
+
+    def __init__(self, kind: type[Message]) -> None:
+        """Raises TypeError where a column is not made of plain numbers."""
+        self.kind = kind
+        self.name = kind.__qualname__
+        self._columns = tuple((c.name, c.dtype.str, c.shape, c.dtype) for c in kind.columns)
+        for name, code, shape, dtype in self._columns:
+            if dtype.kind not in "biufc" or len(shape) > MAX_NDIM:
+                raise TypeError(
+                    f"{self.name}.{name} of dtype {code} and {len(shape)} dimensions cannot be sent"
+                )
+
+    def arrays(self, message: Message) -> list[Array]:
+        """The arrays of a message, in the order of its columns."""
+        return [getattr(message, name) for name, _, _, _ in self._columns]
+
+    def head(self, message: Message, arrays: Sequence[Array]) -> bytes:
+        """The packed head of a sealed message with these arrays. Raises InvalidMessage if it is too large."""
+        scalars = {name: getattr(message, name) for name, _ in self.kind.scalars}
+        columns = [(c[0], c[1], array.shape) for c, array in zip(self._columns, arrays, strict=True)]
+        return pack_head((self.name, *message.header, scalars, columns))
+
+    def decode(self, head: list[Any], body: Array, starts: Sequence[int] | None = None) -> Message:
+        """The message of an unpacked head, with read-only views of `body` as its arrays.
+
+        body: (B,) uint8, aligned; starts: where in it each array begins; one after the other, and no
+        byte more, unless told. Raises InvalidMessage.
+        """
+        if len(head) != 7 or head[0] != self.name:
+            raise InvalidMessage(f"expected {self.name} of 7 parts, not {str(head[0])[:80]} of {len(head)}")
+        header = _header(head[1:5])
+        values = self._scalars(head[5])
+        shapes, spans = self._shapes(head[6])
+        if starts is None:
+            starts = _successive(spans, len(body))
+        body.flags.writeable = False
+        for (name, _, _, dtype), shape, span, start in zip(self._columns, shapes, spans, starts, strict=True):
+            if start % ALIGN or start < 0 or start + span > len(body):
+                raise InvalidMessage(f"{name} lies outside the {len(body)} bytes that came")
+            array: Array = np.ndarray(shape, dtype, body, start)
+            if dtype.kind == "b" and array.tobytes().translate(None, b"\0\1"):
+                raise InvalidMessage(f"{name} holds truth values other than 0 and 1")
+            values[name] = array
+        message = self.kind(**values)
+        object.__setattr__(message, "header", header)
+        return message
+
+    def _scalars(self, found: Any) -> dict[str, Any]:
+        if type(found) is not dict or len(found) != len(self.kind.scalars):
+            raise InvalidMessage(f"the scalars are not those of {self.name}")
+        values = {}
+        for name, kind in self.kind.scalars:
+            value = found.get(name)
+            if type(value) is list and kind == tuple[str, ...] and all(type(word) is str for word in value):
+                value = tuple(value)
+            elif type(value) is not kind:
+                raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
+            values[name] = value
+        return values
+
+    def _shapes(self, found: Any) -> tuple[list[tuple[int, ...]], list[int]]:
+        """Shape and size in bytes of each array."""
+        if type(found) is not list or len(found) != len(self._columns):
+            raise InvalidMessage(f"the columns are not those of {self.name}")
+        sizes: dict[str, int] = {}
+        shapes = []
+        spans = []
+        for row, (name, code, declared, dtype) in zip(found, self._columns, strict=True):
+            if type(row) is not list or row[:2] != [name, code] or len(row) != 3 or type(row[2]) is not list:
+                raise InvalidMessage(f"{str(row)[:80]} is not the column {name} of dtype {code}")
+            shape = tuple(row[2])
+            largest = span = dtype.itemsize
+            for size in shape:
+                if type(size) is not int or size < 0:
+                    raise InvalidMessage(f"{name} has the impossible shape {str(shape)[:80]}")
+                span *= size
+                largest *= size or 1  # numpy refuses a huge shape even where another size is 0
+            if largest > MAX_BYTES:
+                raise InvalidMessage(f"{name} of shape {shape} has more than {MAX_BYTES} bytes")
+            check_shape(name, shape, declared, sizes)
+            shapes.append(shape)
+            spans.append(span)
+        return shapes, spans
+
+
+_CODECS: dict[type[Message], Codec] = {}
+
+
+def codec_of(kind: type[Message]) -> Codec:
+    """The codec of a message type. Raises TypeError where a column is not made of plain numbers."""
+    codec = _CODECS.get(kind)
+    if codec is None:
+        codec = _CODECS[kind] = Codec(kind)
+    return codec
+
+
+def pack(token: Message | Settled) -> bytes:
+    """A sealed message, or a settled time, in one piece. Raises InvalidMessage if its head is too large."""
+    if isinstance(token, Settled):
+        return pack_head((None, token.bound))
+    codec = codec_of(type(token))
+    arrays = codec.arrays(token)
+    parts = [codec.head(token, arrays)]
+    for array in arrays:
+        parts += array.tobytes(), bytes(-array.nbytes % ALIGN)
+    return b"".join(parts)
+
+
+def unpack(data: bytes, kind: type[Message]) -> Message | Settled:
+    """What `pack` packed, the arrays in fresh memory. Raises InvalidMessage."""
+    if len(data) > MAX_PACKED:
+        raise InvalidMessage(f"{len(data)} bytes, at most {MAX_PACKED} allowed")
+    head, start = unpack_head(data)
+    if head[0] is None:
+        return Settled(_bound(head, len(data) - start))
+    body = aligned(len(data) - start)
+    body[:] = np.frombuffer(data, np.uint8, offset=start)
+    return codec_of(kind).decode(head, body)
+
+
+def _successive(spans: Sequence[int], size: int) -> list[int]:
+    """Where arrays of these sizes begin when they fill `size` bytes one after the other."""
+    starts = []
+    end = 0
+    for span in spans:
+        starts.append(end)
+        end += padded(span)
+    if end != size:
+        raise InvalidMessage(f"the arrays take {end} bytes, {size} came")
+    return starts
+
+
+def _header(parts: list[Any]) -> Header:
+    source, *numbers = parts
+    if type(source) is not str or not all(type(n) is int and -END <= n <= END for n in numbers):
+        raise InvalidMessage(f"the header {str(parts)[:80]} is not a name and three numbers")
+    return Header(source, *numbers)
+
+
+def _bound(head: list[Any], surplus: int) -> int:
+    if len(head) != 2 or type(head[1]) is not int or not -END <= head[1] <= END or surplus:
+        raise InvalidMessage(f"the settled time {str(head)[:80]} is not one number")
+    return head[1]

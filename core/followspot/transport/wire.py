@@ -1,0 +1,63 @@
+"""The frame of everything on the wire: a prefix, a msgpack head, aligned bytes (docs/wire.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from struct import Struct
+from typing import Any
+
+import msgpack
+import numpy as np
+
+from followspot.messages import Array, InvalidMessage
+
+VERSION = 1
+ALIGN = 64
+"""Arrays start at multiples of this many bytes: a cache line, and any vector register."""
+PREFIX = Struct("<BxH")
+"""Version, a byte that is ignored, size of the msgpack head in bytes."""
+MAX_HEAD = (1 << 16) - ALIGN
+"""Largest msgpack head, bytes."""
+
+
+def padded(size: int) -> int:
+    """The next multiple of `ALIGN`, bytes."""
+    return -(-size // ALIGN) * ALIGN
+
+
+def aligned(size: int) -> Array:
+    """An uninitialised (size,) uint8 array whose memory starts at a multiple of `ALIGN`."""
+    room = np.empty(size + ALIGN, np.uint8)
+    start = -room.ctypes.data % ALIGN
+    return room[start : start + size]
+
+
+def pack_head(fields: Sequence[Any]) -> bytes:
+    """Prefix and msgpack array, padded with zeros. Raises InvalidMessage where a field cannot be sent."""
+    try:
+        head: bytes = msgpack.packb(fields)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidMessage(f"cannot be sent: {error}") from None
+    if len(head) > MAX_HEAD:
+        raise InvalidMessage(f"the head has {len(head)} bytes, at most {MAX_HEAD} allowed")
+    size = PREFIX.size + len(head)
+    return PREFIX.pack(VERSION, len(head)) + head + bytes(-size % ALIGN)
+
+
+def unpack_head(data: bytes) -> tuple[list[Any], int]:
+    """The fields of the head that `data` begins with, and where the rest begins. Raises InvalidMessage."""
+    if len(data) < PREFIX.size:
+        raise InvalidMessage(f"{len(data)} bytes are too few for a head")
+    version, size = PREFIX.unpack_from(data)
+    if version != VERSION:
+        raise InvalidMessage(f"wire format {version}, this is {VERSION}")
+    end = PREFIX.size + size
+    if size > MAX_HEAD or padded(end) > len(data):
+        raise InvalidMessage(f"a head of {size} bytes does not fit into {len(data)}")
+    try:
+        fields = msgpack.unpackb(data[PREFIX.size : end])
+    except (TypeError, ValueError, OverflowError, RecursionError, msgpack.UnpackException) as error:
+        raise InvalidMessage(f"the head is not msgpack: {error}") from None
+    if type(fields) is not list or not fields:
+        raise InvalidMessage("the head is not a list")
+    return fields, padded(end)
