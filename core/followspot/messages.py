@@ -13,7 +13,6 @@ The message types of tracking itself stand in `followspot.tracking`.
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform, get_type_hints
 
@@ -110,9 +109,11 @@ class InvalidMessage(ValueError):
 
 
 def stamped(message: M, header: Header) -> M:
-    """The message with this header; a copy if it has one already, for then somebody holds it."""
-    if message.header is not UNSTAMPED:
-        message = copy.copy(message)
+    """The message with this header; a copy if a stage sent it before, for then others hold it."""
+    if message.header.source:
+        copy = object.__new__(type(message))
+        copy.__dict__.update(message.__dict__)
+        message = copy
     object.__setattr__(message, "header", header)
     return message
 

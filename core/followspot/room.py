@@ -1,4 +1,4 @@
-"""The room as data: cameras, planes and targets, in metres, z up. Read from a file by `followspot.room_file`."""
+"""The room as data: cameras, planes and targets, in metres, z up; `followspot.room_file` reads it."""
 
 from __future__ import annotations
 

@@ -136,11 +136,15 @@ class Stage:
     def setup(self) -> None:
         """Called once before the first message, in the worker; open files and devices here."""
 
+    def length(self) -> int | None:
+        """How many messages a source will yield, where it knows; asked after `setup`, for progress only."""
+        return None
+
     def close(self) -> None:
         """Called once after the last message, also after an error; outputs must be complete then."""
 
     def state(self) -> Any:
-        """What a successor needs to carry on: numbers, text, arrays, lists and dicts of them; None for nothing."""
+        """What a successor needs to carry on: numbers, text, arrays, lists and dicts; None for nothing."""
         return None
 
     def restore(self, state: Any) -> None:

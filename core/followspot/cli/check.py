@@ -1,0 +1,51 @@
+"""`followspot check`: every mistake at once, nothing started."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from followspot.cli.graph_options import add_graph_options, plan_of
+from followspot.errors import InputError
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    add_graph_options(parser)
+    parser.add_argument("--json", action="store_true", help="print the mistakes as one JSON object")
+
+
+def _run(args: argparse.Namespace) -> int:
+    try:
+        plan = plan_of(args)
+    except InputError as error:
+        if not args.json:
+            raise
+        print(json.dumps({"ok": False, "mistakes": [_mistake(m) for m in error.mistakes]}, indent=2))
+        return 2
+    counts = {"stages": len(plan.stages), "edges": len(plan.edges), "workers": len(plan.workers)}
+    if args.json:
+        print(json.dumps({"ok": True, "graph": plan.graph, "room": plan.room.name, **counts}))
+    else:
+        print(f"{plan.graph} in {plan.room.name}: " + ", ".join(f"{n} {what}" for what, n in counts.items()))
+    return 0
+
+
+def _mistake(mistake: object) -> dict[str, object]:
+    from followspot.errors import Mistake
+
+    assert isinstance(mistake, Mistake)
+    place = mistake.place
+    where = {"file": place.file, "line": place.line, "column": place.column} if place else {}
+    return {**where, "text": mistake.text, "remedy": mistake.remedy}
+
+
+COMMAND = Command(
+    "check",
+    """find every mistake in a graph, its room and its placement; start nothing
+
+  followspot check graphs/glowballs.yaml --room rooms/studio.yaml
+""",
+    _configure,
+    _run,
+)

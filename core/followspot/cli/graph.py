@@ -1,0 +1,44 @@
+"""`followspot graph`: the planned graph as text, Mermaid or SVG."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from followspot.cli.graph_options import add_graph_options, plan_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    add_graph_options(parser)
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--mermaid", action="store_true", help="print a Mermaid flow chart")
+    form.add_argument("--svg", metavar="FILE", help="write an SVG picture")
+    form.add_argument("--json", action="store_true", help="print the plan as JSON")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.graph import show
+    from followspot.graph.ship import plan_to_data
+
+    plan = plan_of(args)
+    if args.svg:
+        Path(args.svg).write_text(show.svg(plan), encoding="utf-8")
+    elif args.json:
+        print(json.dumps(plan_to_data(plan)))
+    else:
+        print(show.mermaid(plan) if args.mermaid else show.text(plan))
+    return 0
+
+
+COMMAND = Command(
+    "graph",
+    """show the planned graph: stages, workers, hosts, and the kind of each edge
+
+  followspot graph graphs/glowballs.yaml --placement camera
+  followspot graph graphs/glowballs.yaml --svg glowballs.svg
+""",
+    _configure,
+    _run,
+)

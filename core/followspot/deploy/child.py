@@ -1,0 +1,144 @@
+"""A worker process: `python -m followspot.deploy.child FD`, where FD is its control channel.
+
+The launcher sends the plan; the worker builds its stages, says that it is ready, waits for the start, runs,
+and reports. When the launcher dies, the worker ends its sources, completes its outputs and exits.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+from followspot.deploy.channel import Channel, ChannelClosed
+from followspot.deploy.links import EdgeLinks, uses_zenoh
+from followspot.deploy.report import Warnings, worker_report
+from followspot.errors import FollowspotError
+from followspot.graph.ship import plan_from_data
+from followspot.plugins.registry import use_plugin_files
+from followspot.runtime.ledger import COLUMNS, Ledger
+from followspot.runtime.wiring import RunOptions, Wiring, build_worker
+from followspot.runtime.worker import Worker
+
+GRACE = 3.0
+"""Seconds that a worker has to complete its outputs when its launcher is gone."""
+
+
+class Child:
+    """The life of one worker process."""
+
+    def __init__(self, channel: Channel) -> None:
+        self.channel = channel
+        self.warnings = Warnings()
+        self.worker: Worker | None = None
+        self.over = threading.Event()
+
+    def live(self) -> None:
+        """Build, start, run, report. Raises ChannelClosed when the launcher ends before the start."""
+        order = self.channel.receive()
+        name, error = order["worker"], ""
+        links = None
+        try:
+            links = self._links(order)
+            self.worker = self._build(order, links)
+            self.channel.send("built")
+            links.wait_matched()
+            self.worker.setup()
+            self.channel.send("ready", expected=self.worker.expected())
+            if self._started():
+                self._run()
+        except FollowspotError as failure:
+            error = str(failure)
+        finally:
+            self.over.set()
+            if self.worker is not None:
+                self.worker.close()
+            if links is not None:
+                links.close()
+        if self.worker is not None:
+            report = worker_report(name, self.worker, self.warnings, error)
+            self.channel.send("done", report=report.to_data())
+        else:
+            self.channel.send("failed", error=error)
+
+    def _links(self, order: dict[str, Any]) -> EdgeLinks:
+        """Open the Zenoh session, if needed, and take the ends of the rings over."""
+        plan = plan_from_data(order["plan"])
+        session = None
+        if uses_zenoh(plan, order["worker"]):
+            from followspot.transport.zenoh_edge import locators, open_session
+
+            session = open_session(listen=["tcp/127.0.0.1:0"], connect=order["peers"])
+            self.channel.send("listening", locators=locators(session))
+        sending = {int(edge): socket.socket(fileno=fd) for edge, fd in order["sending"].items()}
+        receiving = {int(edge): socket.socket(fileno=fd) for edge, fd in order["receiving"].items()}
+        return EdgeLinks(plan, sending, receiving, session, order["run"])
+
+    def _build(self, order: dict[str, Any], links: EdgeLinks) -> Worker:
+        use_plugin_files(links.plan.plugin_files)
+        ledger = Ledger(len(links.plan.edges), _shared_words(order["ledger"], len(links.plan.edges)))
+        options = RunOptions(Path(order["out"]), order["frames"], self.warnings.add)
+        return build_worker(Wiring(links.plan), order["worker"], ledger, options, links)
+
+    def _started(self) -> bool:
+        """Wait at the barrier; False where the launcher calls the run off."""
+        return bool(self.channel.receive()["kind"] == "start")
+
+    def _run(self) -> None:
+        assert self.worker is not None
+        self.worker.watch(self.channel.fileno(), self._obey)
+        signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
+        threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
+        self.worker.run()
+
+    def _obey(self) -> None:
+        """Something came from the launcher: stop is the only order of a running worker."""
+        assert self.worker is not None
+        try:
+            orders = self.channel.arrived()
+        except ChannelClosed:
+            threading.Thread(target=_exit_later, daemon=True).start()
+            orders = [{"kind": "stop"}]
+        if any(order["kind"] == "stop" for order in orders):
+            self.worker.stop()
+
+    def _tell_progress(self) -> None:
+        assert self.worker is not None
+        while not self.over.wait(0.2):
+            progress = self.worker.progress()
+            try:
+                self.channel.send("progress", fired=progress.fired, time=progress.time)
+            except ChannelClosed:
+                _exit_later()
+
+
+def _exit_later() -> None:
+    """The launcher is gone: leave the worker its grace, then end the process whatever it does."""
+    time.sleep(GRACE)
+    os._exit(1)
+
+
+def _shared_words(fd: int, edges: int) -> memoryview:
+    import mmap
+
+    return memoryview(mmap.mmap(fd, max(1, edges * COLUMNS * 8))).cast("q")
+
+
+def main() -> int:
+    """Entry of the process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the launcher decides
+    channel = Channel(socket.socket(fileno=int(sys.argv[1])))
+    try:
+        Child(channel).live()
+    except ChannelClosed:
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,117 @@
+"""The ends of edges that leave a stage's call: rings over socket pairs, and Zenoh keys."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
+from followspot.messages import Message
+from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.ring import RingReader, RingWriter
+
+if TYPE_CHECKING:
+    import zenoh
+
+    from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter
+
+_MATCH_TIMEOUT = 15.0
+"""Seconds for all Zenoh edges of a run to find their other ends."""
+
+
+class EdgeLinks:
+    """Makes edge ends for one worker.
+
+    sending, receiving: this worker's ends of the ring edges' socket pairs, by edge number;
+    session: open where the worker has Zenoh edges; run: name that keeps the keys of two runs apart.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        sending: Mapping[int, socket.socket],
+        receiving: Mapping[int, socket.socket],
+        session: zenoh.Session | None,
+        run: str,
+    ) -> None:
+        self.plan = plan
+        self.sending = sending
+        self.receiving = receiving
+        self.session = session
+        self.run = run
+        self._zenoh_ends: list[ZenohReader | ZenohWriter] = []
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """The reading end of one edge."""
+        planned = self.plan.edges[edge]
+        if planned.kind == "ring":
+            return RingReader(self.receiving[edge], kind, _depth([planned]))
+        from followspot.transport.zenoh_edge import ZenohReader
+
+        assert self.session is not None
+        reader = ZenohReader(self.session, self._key(planned), str(edge), kind, _depth([planned]))
+        self._zenoh_ends.append(reader)
+        return reader
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """The writing end of all edges of one output port that have the same kind."""
+        planned = [self.plan.edges[edge] for edge in edges]
+        if kind == "ring":
+            return RingWriter([self.sending[edge] for edge in edges], _depth(planned))
+        from followspot.transport.zenoh_edge import ZenohWriter
+
+        assert self.session is not None
+        names = [str(edge) for edge in edges]
+        writer = ZenohWriter(self.session, self._key(planned[0]), names, _depth(planned))
+        self._zenoh_ends.append(writer)
+        return writer
+
+    def wait_matched(self) -> None:
+        """Return when every Zenoh edge has found its other end, so that nothing is lost at the start.
+
+        Raises FollowspotError naming the edges that did not.
+        """
+        deadline = time.monotonic() + _MATCH_TIMEOUT
+        waiting = self._zenoh_ends
+        while waiting:
+            waiting = [end for end in waiting if not end.matched()]
+            if waiting and time.monotonic() > deadline:
+                keys = ", ".join(sorted({end.key for end in waiting}))
+                raise FollowspotError(f"Zenoh found no other end for {keys} within {_MATCH_TIMEOUT:.0f} s")
+            if waiting:
+                time.sleep(0.005)
+
+    def close(self) -> None:
+        """Close the session; the edges were closed by their worker."""
+        if self.session is not None:
+            self.session.close()  # type: ignore[no-untyped-call]
+            self.session = None
+
+    def _key(self, edge: PlannedEdge) -> str:
+        return f"followspot/{self.run}/{edge.from_stage}/{edge.from_port}"
+
+
+def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
+    """Whether any edge (of this worker) goes over Zenoh."""
+    home = {stage.name: stage.worker for stage in plan.stages}
+    return any(
+        edge.kind == "zenoh" and (worker is None or worker in (home[edge.from_stage], home[edge.to_stage]))
+        for edge in plan.edges
+    )
+
+
+def ring_edges(plan: Plan) -> list[int]:
+    """Numbers of the edges that need a socket pair."""
+    return [number for number, edge in enumerate(plan.edges) if edge.kind == "ring"]
+
+
+def socket_pair() -> tuple[socket.socket, socket.socket]:
+    """Sending and receiving end of one ring edge. It has no name, so nothing is left behind by a kill."""
+    return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+
+
+def _depth(edges: Sequence[PlannedEdge]) -> int:
+    return max(max(edge.depth, edge.delay + 2) for edge in edges)

@@ -1,0 +1,98 @@
+"""A plan with one worker runs in this very process: no start-up cost, and a debugger sees every stage."""
+
+from __future__ import annotations
+
+import threading
+import time
+import uuid
+from collections.abc import Callable
+
+from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
+from followspot.deploy.report import RunReport, Warnings, merge, worker_report
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.runtime.ledger import Ledger
+from followspot.runtime.wiring import RunOptions, Wiring, build_worker
+from followspot.runtime.worker import Progress
+
+OnProgress = Callable[[Progress, int | None], None]
+"""Called a few times a second with the progress and the expected number of frames."""
+PROGRESS_PERIOD = 0.2
+"""Seconds between two reports of progress."""
+
+
+class LocalRun:
+    """A run of a one-worker plan in the calling thread."""
+
+    def __init__(self, plan: Plan, options: RunOptions) -> None:
+        """Builds every stage. Raises what a stage raises on construction."""
+        self.plan = plan
+        self.warnings = Warnings()
+        self.ledger = Ledger(len(plan.edges))
+        self.stopped = False
+        self.links = _links(plan)
+        options = RunOptions(options.out, options.frames, self.warnings.add)
+        name = plan.workers[0].name
+        self.worker = build_worker(Wiring(plan), name, self.ledger, options, self.links)
+
+    def stop(self) -> None:
+        """End the sources; what is in flight is finished. Safe in a signal handler."""
+        self.stopped = True
+        self.worker.stop()
+
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Run to the end; errors of stages stand in the report."""
+        started = time.monotonic()
+        error = ""
+        try:
+            self.links.wait_matched()
+            self.worker.setup()
+            started = time.monotonic()
+            with _Ticker(lambda: self._tick(on_progress)):
+                self.worker.run()
+        except FollowspotError as failure:
+            error = str(failure)
+        finally:
+            self.worker.close()
+            self.links.close()
+        seconds = time.monotonic() - started
+        report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
+        self._tick(on_progress)
+        return merge(self.plan, self.ledger, [report], seconds, stopped=self.stopped)
+
+    def _tick(self, on_progress: OnProgress | None) -> None:
+        if on_progress is not None:
+            on_progress(self.worker.progress(), self.worker.expected())
+
+
+class _Ticker:
+    """Calls a function every `PROGRESS_PERIOD` from a thread of its own, while the block runs."""
+
+    def __init__(self, tick: Callable[[], None]) -> None:
+        self._tick = tick
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="progress", daemon=True)
+
+    def __enter__(self) -> None:
+        self._thread.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._over.wait(PROGRESS_PERIOD):
+            self._tick()
+
+
+def _links(plan: Plan) -> EdgeLinks:
+    """Edge ends within this process, for edges that were forced away from the plain call."""
+    pairs = {number: socket_pair() for number in ring_edges(plan)}
+    session = None
+    if uses_zenoh(plan):
+        from followspot.transport.zenoh_edge import open_session
+
+        session = open_session(listen=[], connect=[])
+    sending = {number: pair[0] for number, pair in pairs.items()}
+    receiving = {number: pair[1] for number, pair in pairs.items()}
+    return EdgeLinks(plan, sending, receiving, session, uuid.uuid4().hex)

@@ -1,0 +1,139 @@
+"""What a run reports: ledger, latency, what each stage did, warnings, and what went wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from followspot.graph.plan import Plan, PlannedEdge
+from followspot.runtime.latency import PathLatency
+from followspot.runtime.ledger import EdgeCount, Ledger
+from followspot.runtime.worker import Worker
+
+MAX_WARNINGS = 200
+"""Different warnings kept per worker; further ones are only counted."""
+
+
+@dataclass(frozen=True)
+class StageReport:
+    """What one stage did in a run."""
+
+    stage: str
+    fired: int
+    skipped: int
+    restarts: int
+    busy_ms: float
+
+
+@dataclass(frozen=True)
+class WorkerReport:
+    """What one worker did; error is empty where it ended cleanly."""
+
+    worker: str
+    frames: int
+    stages: tuple[StageReport, ...] = ()
+    paths: tuple[PathLatency, ...] = ()
+    warnings: tuple[str, ...] = ()
+    error: str = ""
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+    @staticmethod
+    def from_data(data: dict[str, Any]) -> WorkerReport:
+        """From JSON types, as another worker sent them. Raises TypeError, KeyError."""
+        return WorkerReport(
+            data["worker"],
+            data["frames"],
+            tuple(StageReport(**stage) for stage in data["stages"]),
+            tuple(PathLatency(**path) for path in data["paths"]),
+            tuple(data["warnings"]),
+            data["error"],
+        )
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """What the whole run did. seconds: from the start of all workers to the end of the last."""
+
+    plan: Plan
+    seconds: float
+    stopped: bool
+    """Whether the user ended it early."""
+    workers: tuple[WorkerReport, ...]
+    edges: tuple[tuple[PlannedEdge, EdgeCount], ...]
+    errors: tuple[str, ...] = field(default=())
+
+    @property
+    def frames(self) -> int:
+        """Messages that the busiest source sent."""
+        return max((worker.frames for worker in self.workers), default=0)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of all workers."""
+        return tuple(text for worker in self.workers for text in worker.warnings)
+
+    @property
+    def unbalanced(self) -> tuple[str, ...]:
+        """Edges whose messages are not all accounted for though the run ended cleanly."""
+        return () if self.errors else tuple(e.name for e, count in self.edges if not count.balanced)
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run did what it was asked, and every message is accounted for."""
+        return not self.errors and not self.unbalanced
+
+
+class Warnings:
+    """Collects what stages warn of; the same text is kept once."""
+
+    def __init__(self) -> None:
+        self._counts: dict[str, int] = {}
+        self._more = 0
+
+    def add(self, stage: str, text: str) -> None:
+        """A stage's warning; safe from any thread."""
+        line = f"{stage}: {text}"
+        if line in self._counts or len(self._counts) < MAX_WARNINGS:
+            self._counts[line] = self._counts.get(line, 0) + 1
+        else:
+            self._more += 1
+
+    def lines(self) -> tuple[str, ...]:
+        """The texts, with how often each was said."""
+        lines = [text + (f" ({count} times)" if count > 1 else "") for text, count in self._counts.items()]
+        return (*lines, f"{self._more} more warnings") if self._more else tuple(lines)
+
+
+def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = "") -> WorkerReport:
+    """The report of a worker that has ended, one way or the other."""
+    for inlet in worker.readers:
+        if inlet.invalid_reason:
+            warnings.add(inlet.name, f"invalid message: {inlet.invalid_reason}")
+    return WorkerReport(
+        name,
+        max((source.yielded for source in worker.sources), default=0),
+        tuple(
+            StageReport(c.name, c.count.fired, c.count.skipped, c.count.restarts, c.count.busy_ns / 1e6)
+            for c in worker.cells
+        ),
+        tuple(path.summary(origin, c.name) for c in worker.cells for origin, path in c.paths.items()),
+        warnings.lines(),
+        error,
+    )
+
+
+def edge_counts(plan: Plan, ledger: Ledger) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
+    """Each edge with its counts."""
+    return tuple((edge, ledger.count(number)) for number, edge in enumerate(plan.edges))
+
+
+def merge(
+    plan: Plan, ledger: Ledger, workers: Sequence[WorkerReport], seconds: float, *, stopped: bool
+) -> RunReport:
+    """One report from those of all workers."""
+    errors = tuple(worker.error for worker in workers if worker.error)
+    return RunReport(plan, seconds, stopped, tuple(workers), edge_counts(plan, ledger), errors)

@@ -1,0 +1,214 @@
+"""A stage at work: its inputs, its outputs, and what happens when it raises."""
+
+from __future__ import annotations
+
+import time
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import ErrorPolicy
+from followspot.messages import Header, Message
+from followspot.runtime.firing import Join
+from followspot.runtime.latency import LatencyHistogram
+from followspot.runtime.outlet import Outlet
+from followspot.stage import Stage
+
+RESTARTS = 5
+"""How often a stage with policy `restart` is rebuilt before the run fails."""
+FIRST_BACK_OFF = 0.1
+"""Wait before the first restart, s; it doubles each time."""
+
+
+class StageError(FollowspotError):
+    """A stage raised; the text names the stage, the message it was given, and the traceback."""
+
+    def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
+        when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
+        detail = "" if isinstance(error, FollowspotError) else _traceback(error)
+        super().__init__(f"stage {stage} failed{when}: {type(error).__name__}: {error}{detail}")
+
+
+@dataclass
+class CellCount:
+    """What a stage did."""
+
+    fired: int = 0
+    skipped: int = 0
+    restarts: int = 0
+    busy_ns: int = 0
+
+
+class Cell:
+    """One stage instance of this worker.
+
+    build: makes the stage anew (policy `restart`); join: its inputs, empty for a source; outlets: by port.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        rank: int,
+        build: Callable[[], Stage],
+        join: Join,
+        outlets: Mapping[str, Outlet],
+        *,
+        on_error: ErrorPolicy = "fail",
+        deadline: float | None = None,
+    ) -> None:
+        """rank: place in the topological order; deadline: of a live join, s, None where it waits for ever."""
+        self.name = name
+        self.rank = rank
+        self.build = build
+        self.stage = build()
+        self.join = join
+        self.outlets = tuple(outlets.items())
+        self.single = self.outlets[0][1] if len(self.outlets) == 1 and self.outlets[0][0] == "out" else None
+        self.on_error = on_error
+        self.deadline = deadline
+        self.overdue_at: float | None = None
+        self.done = False
+        self.open = True
+        self.blocked = False
+        """Whether an output is full; its reader's credit wakes this stage."""
+        self.count = CellCount()
+        self.paths: dict[str, LatencyHistogram] = {}
+        self.is_sink = not self.outlets
+
+    def setup(self) -> None:
+        """Set the stage up. Raises StageError."""
+        try:
+            self.stage.setup()
+        except Exception as error:
+            raise StageError(self.name, None, error) from error
+
+    def step(self) -> None:
+        """Fire as often as inputs and outputs allow. Raises StageError where the policy is `fail`."""
+        if self.done:
+            self._discard_rest()
+            return
+        while not self.done:
+            fire_at = self.join.ready(overdue=self._overdue())
+            if fire_at is None:
+                self._idle()
+                return
+            self.blocked = not self.has_room()
+            if self.blocked:
+                return
+            self.overdue_at = None
+            self._fire(fire_at)
+
+    def has_room(self) -> bool:
+        """Whether every output takes a message."""
+        return all(outlet.has_room() for _, outlet in self.outlets)
+
+    def send(self, result: Any, header: Header) -> None:
+        """Hand out what `process` returned; a port with nothing to say still settles its time."""
+        if self.single is not None:
+            self._say(self.single, result, header)
+            return
+        for port, outlet in self.outlets:
+            self._say(outlet, None if result is None else getattr(result, port), header)
+
+    def finish(self) -> None:
+        """No more input: close the stage and end its outputs."""
+        self.done = True
+        self.close()
+        self._discard_rest()
+        for _, outlet in self.outlets:
+            outlet.end()
+
+    def close(self) -> None:
+        """Close the stage; once, whoever asks first."""
+        if self.open:
+            self.open = False
+            self.stage.close()
+
+    def _fire(self, fire_at: int) -> None:
+        arguments, fired = self.join.take(fire_at)
+        header = _header(fired, fire_at)
+        started = time.monotonic_ns()
+        try:
+            result = self.stage.process(*arguments)
+        except Exception as error:
+            self._recover(header, error)
+            result = None
+        now = time.monotonic_ns()
+        self.count.fired += 1
+        self.count.busy_ns += now - started
+        if self.is_sink:
+            self._record(header, now)
+        else:
+            self.send(result, header)
+
+    def _discard_rest(self) -> None:
+        """Feedback that comes after the last firing has no reader."""
+        for held in self.join.held:
+            held.inlet.clear()
+
+    def _idle(self) -> None:
+        """Nothing to fire: pass the bound on, end with the last input, or start the deadline."""
+        if self.join.ended:
+            self.finish()
+            return
+        bound = self.join.bound()
+        for _, outlet in self.outlets:
+            outlet.settle(bound)
+        if self.deadline is not None:
+            if not self.join.waiting:
+                self.overdue_at = None
+            elif self.overdue_at is None:
+                self.overdue_at = time.monotonic() + self.deadline
+
+    def _overdue(self) -> bool:
+        if self.overdue_at is None or time.monotonic() < self.overdue_at:
+            return False
+        self.join.expire()
+        return True
+
+    def _recover(self, header: Header, error: Exception) -> None:
+        """Apply the error policy. Raises StageError where the run is to fail."""
+        if self.on_error == "fail" or (self.on_error == "restart" and self.count.restarts >= RESTARTS):
+            raise StageError(self.name, header, error) from error
+        self.count.skipped += 1
+        self.stage.context.warn(str(StageError(self.name, header, error)))
+        if self.on_error == "restart":
+            self._restart()
+
+    def _restart(self) -> None:
+        time.sleep(FIRST_BACK_OFF * 2**self.count.restarts)
+        self.count.restarts += 1
+        state = self.stage.state()
+        self.stage.close()
+        self.stage = self.build()
+        self.stage.setup()
+        if state is not None:
+            self.stage.restore(state)
+
+    def _record(self, header: Header, now: int) -> None:
+        origin = header.source.partition("/")[0]
+        path = self.paths.get(origin)
+        if path is None:
+            path = self.paths[origin] = LatencyHistogram()
+        path.add(now - header.entered, header.source, header.seq)
+
+    @staticmethod
+    def _say(outlet: Outlet, message: Message | None, header: Header) -> None:
+        if message is None:
+            outlet.settle(header.time + 1 + outlet.slack)
+        else:
+            outlet.send(message, header)
+
+
+def _header(fired: Sequence[Message], time: int) -> Header:
+    """Header of an output: of the input that fired; for a join, of its first member at the join's time."""
+    if len(fired) == 1:
+        return fired[0].header
+    first = min(fired, key=lambda message: message.header.time).header
+    return first._replace(time=time, entered=min(message.header.entered for message in fired))
+
+
+def _traceback(error: BaseException) -> str:
+    return "\n" + "".join(traceback.format_exception(error)).rstrip()

@@ -1,0 +1,129 @@
+"""When a stage fires: the join of its inputs by capture time and settled time.
+
+A join is complete when every member either has a message in the window or is known to have none. The rule
+reads the streams alone, never the clock of the wall, so any placement fires the same messages together;
+only the deadline of a live join looks at the time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from followspot.messages import Message
+from followspot.runtime.inlet import HeldInlet, Inlet
+from followspot.runtime.ledger import LATE, UNMATCHED
+from followspot.transport.token import END
+
+
+@dataclass(frozen=True)
+class InputPort:
+    """One parameter of `process` and the edges that feed it: members of the join, or one held edge.
+
+    An optional input that nothing is connected to has neither; it gets None.
+    """
+
+    name: str
+    joined: bool
+    members: tuple[Inlet, ...] = ()
+    held: HeldInlet | None = None
+
+
+class Join:
+    """The inputs of one stage.
+
+    window: largest difference in capture time between members, ns; slack: ns after a firing's time within
+    which nothing else fires (the window, and what the inputs themselves promise).
+    """
+
+    def __init__(self, ports: Sequence[InputPort], *, window: int, slack: int) -> None:
+        self.ports = tuple(ports)
+        self.members = tuple(inlet for port in ports for inlet in port.members)
+        self.held = tuple(port.held for port in ports if port.held is not None)
+        self.required = tuple(inlet for port in ports if not port.joined for inlet in port.members)
+        self.window = window
+        self.slack = slack
+        self.closed = -END
+        """Capture time, ns, up to which everything was fired or given up."""
+        self.in_time = UNMATCHED
+        """Column for messages that come after their window closed; `LATE` once a deadline closed one."""
+
+    def ready(self, *, overdue: bool = False) -> int | None:
+        """Capture time, ns, of the next firing, or None while it is not certain.
+
+        overdue: the deadline of a live join has passed; fire with what is there.
+        Messages that lack a required partner are counted as unmatched and removed on the way.
+        """
+        if len(self.members) == 1:
+            queue = self.members[0].queue
+            return self._held_ready(queue[0].header.time) if queue else None
+        while True:
+            time = self._earliest()
+            if time is None or not (overdue or self._certain(time + self.window)):
+                return None
+            if all(
+                inlet.queue and inlet.queue[0].header.time <= time + self.window for inlet in self.required
+            ):
+                return self._held_ready(time)
+            self._give_up(time)
+
+    def take(self, time: int) -> tuple[list[object], list[Message]]:
+        """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
+        arguments: list[object] = []
+        fired: list[Message] = []
+        limit = time + self.window
+        for port in self.ports:
+            if port.held is not None:
+                arguments.append(port.held.sample(time))
+                continue
+            if not (port.members or port.joined):
+                arguments.append(None)
+                continue
+            found = [i.take() for i in port.members if i.queue and i.queue[0].header.time <= limit]
+            fired += found
+            arguments.append(tuple(found) if port.joined else found[0])
+        self.closed = time + self.slack
+        return arguments, fired
+
+    def expire(self) -> None:
+        """A deadline passed: from here on, what comes after its window is late."""
+        self.in_time = LATE
+
+    def bound(self) -> int:
+        """Nothing fires earlier than this capture time, ns."""
+        earliest = END
+        for inlet in self.members:
+            earliest = min(earliest, inlet.queue[0].header.time if inlet.queue else inlet.bound)
+        return max(earliest, self.closed + 1) if earliest != END else END
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a message is here that waits for others."""
+        return any(inlet.queue for inlet in self.members)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the stage will not fire again."""
+        return all(inlet.ended for inlet in self.members)
+
+    def _earliest(self) -> int | None:
+        """Time of the first message that no closed window claims, ns."""
+        times = []
+        for inlet in self.members:
+            inlet.discard_until(self.closed, self.in_time)
+            if inlet.queue:
+                times.append(inlet.queue[0].header.time)
+        return min(times) if times else None
+
+    def _certain(self, limit: int) -> bool:
+        """Whether every member has its message, or is known to have none up to `limit`."""
+        return all(inlet.queue or inlet.bound > limit for inlet in self.members)
+
+    def _held_ready(self, time: int) -> int | None:
+        return time if all(held.ready(time) for held in self.held) else None
+
+    def _give_up(self, time: int) -> None:
+        """A required partner is missing: what is there at this time has no match."""
+        for inlet in self.members:
+            inlet.discard_until(time + self.window, UNMATCHED)
+        self.closed = time + self.slack

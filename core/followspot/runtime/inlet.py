@@ -1,0 +1,165 @@
+"""The receiving end of an edge: a queue of messages and the bound before which nothing more will come."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from followspot.messages import Message
+from followspot.runtime.ledger import DELIVERED, DROPPED, INVALID, SENT, UNMATCHED
+from followspot.transport.edge import PortReader
+from followspot.transport.token import END, Invalid, Settled, Token
+
+_BEFORE_ALL = -END - 1
+"""Earlier than any bound: the first firings of a feedback edge wait for nothing."""
+
+
+class Inlet:
+    """One edge as its reader sees it.
+
+    slack: ns beyond its own time for which a message of this edge promises that nothing else comes,
+    0 for a plain source, the window of the join upstream otherwise; wake: marks the reading stage as
+    worth a look; reopened: tells a writer in the same worker that a full queue has room again.
+    """
+
+    __slots__ = (
+        "bound",
+        "depth",
+        "invalid_reason",
+        "name",
+        "queue",
+        "reader",
+        "reopened",
+        "row",
+        "slack",
+        "wake",
+        "words",
+    )
+
+    def __init__(self, name: str, words: memoryview, row: int, *, depth: int, slack: int) -> None:
+        self.name = name
+        self.words = words
+        self.row = row
+        self.depth = depth
+        self.slack = slack
+        self.queue: deque[Message] = deque()
+        self.bound = -END
+        self.reader: PortReader | None = None
+        self.wake: Callable[[], None] = _nothing
+        self.reopened: Callable[[], None] = _nothing
+        self.invalid_reason = ""
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing is left and nothing more will come."""
+        return self.bound == END and not self.queue
+
+    def put(self, message: Message) -> None:
+        """A message from a stage of the same worker; the call is the edge."""
+        self.words[self.row + SENT] += 1
+        self.queue.append(message)
+        self.bound = message.header.time + 1 + self.slack
+        self.wake()
+
+    def settle(self, bound: int) -> None:
+        """Nothing earlier than `bound`, ns, will come."""
+        if bound > self.bound:
+            self.bound = bound
+            self.wake()
+
+    def poll(self) -> None:
+        """Take over what has arrived from another worker."""
+        assert self.reader is not None
+        for token in self.reader.poll():
+            self.accept(token)
+        if self.reader.lost:
+            self.settle(END)
+
+    def accept(self, token: Token) -> None:
+        """One token from another worker; the sender counted it."""
+        if isinstance(token, Settled):
+            self.settle(token.bound)
+        elif isinstance(token, Invalid):
+            self.refuse(token.reason)
+            self.give_credit()
+        else:
+            self.queue.append(token)
+            self.bound = token.header.time + 1 + self.slack
+            self.wake()
+
+    def refuse(self, reason: str) -> None:
+        """Count a message that does not match its contract."""
+        self.words[self.row + INVALID] += 1
+        self.invalid_reason = reason
+
+    def take(self) -> Message:
+        """The oldest message, for a firing."""
+        self.words[self.row + DELIVERED] += 1
+        return self._pop()
+
+    def discard(self, column: int) -> None:
+        """Remove the oldest message and count it as dropped, late or unmatched."""
+        self.words[self.row + column] += 1
+        self._pop()
+
+    def discard_until(self, time: int, column: int) -> None:
+        """Discard every message captured at or before `time`, ns."""
+        while self.queue and self.queue[0].header.time <= time:
+            self.discard(column)
+
+    def clear(self) -> None:
+        """Discard what nobody will ask for any more: the reading stage has ended."""
+        while self.queue:
+            self.discard(UNMATCHED)
+
+    def give_credit(self) -> None:
+        """Let the sender in another worker send one more."""
+        if self.reader is not None:
+            self.reader.consumed()
+
+    def _pop(self) -> Message:
+        message = self.queue.popleft()
+        if self.reader is not None:
+            self.reader.consumed()
+        elif len(self.queue) == self.depth - 1:
+            self.reopened()
+        return message
+
+
+class HeldInlet:
+    """An inlet that is sampled at a firing and never fires: `Latest`, or a feedback edge with `delay`."""
+
+    __slots__ = ("delay", "held", "inlet", "past", "timed")
+
+    def __init__(self, inlet: Inlet, *, delay: int, timed: bool, initial: Message | None) -> None:
+        """delay: firings back, 0 for `Latest`; timed: sample by capture time, not by arrival."""
+        self.inlet = inlet
+        self.delay = delay
+        self.timed = timed
+        self.held = initial
+        self.past: deque[int] = deque([_BEFORE_ALL] * delay, maxlen=max(1, delay))
+
+    def ready(self, time: int) -> bool:
+        """Whether the sample for a firing at `time`, ns, is certain."""
+        return not self.timed or self.inlet.bound > self._due(time)
+
+    def sample(self, time: int) -> Message | None:
+        """The newest message due at a firing at `time`; older ones that no firing saw count as dropped."""
+        queue = self.inlet.queue
+        due = self._due(time) if self.timed else END
+        while queue and queue[0].header.time <= due:
+            if len(queue) > 1 and queue[1].header.time <= due:
+                self.inlet.discard(DROPPED)
+            else:
+                self.held = self.inlet.take()
+        if self.delay:
+            self.past.append(time)
+        return self.held
+
+    def _due(self, time: int) -> int:
+        """Capture time up to which messages count: of this firing, or of the one `delay` firings ago."""
+        return self.past[0] if self.delay else time
+
+
+def _nothing() -> None:
+    """An end that nobody watches."""

@@ -1,0 +1,103 @@
+"""The sending end of all edges of one output port."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
+from followspot.runtime.inlet import Inlet
+from followspot.runtime.ledger import INVALID, SENT, SHED
+from followspot.transport.edge import PortWriter
+from followspot.transport.token import END, Settled
+
+_PLENTY = 1 << 30
+
+
+class Outlet:
+    """One output port: it checks and stamps each message once and hands it to every edge.
+
+    inlets: readers in the same worker; writers: one for each kind of edge to other workers;
+    rows: ledger rows of the edges behind the writers; slack: see `Inlet`.
+    """
+
+    __slots__ = ("bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
+
+    def __init__(self, kind: type[Message], words: memoryview, *, slack: int) -> None:
+        self.type = kind
+        self.words = words
+        self.slack = slack
+        self.inlets: list[Inlet] = []
+        self.writers: list[PortWriter] = []
+        self.rows: list[int] = []
+        self.bound = -END
+        self.refused: Callable[[str], None] = _nothing
+
+    def has_room(self) -> bool:
+        """Whether every edge takes another message."""
+        for inlet in self.inlets:
+            if len(inlet.queue) >= inlet.depth:
+                return False
+        return all(writer.credit() > 0 for writer in self.writers)
+
+    def send(self, message: Message, header: Header) -> None:
+        """Stamp, check and deliver; one that breaks its contract is counted as invalid on every edge."""
+        if message.header is not header:
+            message = stamped(message, header)
+        try:
+            if type(message) is not self.type:
+                raise InvalidMessage(f"is a {type(message).__name__}, declared {self.type.__name__}")
+            if header.time < self.bound:
+                raise InvalidMessage(f"time {header.time} ns lies before {self.bound} ns, which was settled")
+            seal(message)
+        except InvalidMessage as error:
+            self._refuse(str(error), header)
+            return
+        self.bound = header.time + 1 + self.slack
+        for inlet in self.inlets:
+            inlet.put(message)
+        if self.writers:
+            words = self.words
+            for row in self.rows:
+                words[row + SENT] += 1
+            for writer in self.writers:
+                writer.send(message)
+
+    def settle(self, bound: int) -> None:
+        """Tell every reader that nothing earlier than `bound`, ns, will come."""
+        if bound <= self.bound:
+            return
+        self.bound = bound
+        for inlet in self.inlets:
+            inlet.settle(bound)
+        for writer in self.writers:
+            writer.send(Settled(bound))
+
+    def end(self) -> None:
+        """Nothing more will come."""
+        self.settle(END)
+
+    def shed(self, count: int) -> None:
+        """Count messages that a live source dropped before they left."""
+        for row in [*self.rows, *(inlet.row for inlet in self.inlets)]:
+            self.words[row + SENT] += count
+            self.words[row + SHED] += count
+
+    def loan(self, shape: tuple[int, ...], dtype: str) -> Array | None:
+        """An array in the memory of the first writer that has one to lend."""
+        for writer in self.writers:
+            array: Array | None = writer.loan(shape, dtype)
+            if array is not None:
+                return array
+        return None
+
+    def _refuse(self, reason: str, header: Header) -> None:
+        for row in [*self.rows, *(inlet.row for inlet in self.inlets)]:
+            self.words[row + SENT] += 1
+            self.words[row + INVALID] += 1
+        self.refused(reason)
+        self.settle(header.time + 1)
+
+
+def _nothing(_: Any) -> None:
+    """Nobody listens for refusals."""

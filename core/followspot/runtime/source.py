@@ -1,0 +1,155 @@
+"""Sources at work: pulled one message at a time, or live on a thread of their own with the oldest dropped."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from followspot.messages import Header, Message
+from followspot.runtime.cell import Cell
+
+_LIVE_DEPTH = 2
+"""Frames that wait for the graph before the oldest is dropped: one to take, one being written."""
+
+
+class SourceCell(Cell):
+    """A stage without inputs. It yields when its outputs have room: nothing is lost, nothing piles up.
+
+    limit: number of messages after which it ends, None for all.
+    """
+
+    limit: int | None = None
+    yielded = 0
+    bound = -1
+    """Capture time of the last message, ns; the worker pulls the source that is furthest behind."""
+    entered = 0
+    """When the last message was made, ns of the monotonic clock."""
+    stopped = False
+    _items: Iterator[Any] | None = None
+
+    def pull(self) -> bool:
+        """Send the next message; False where there is none now. Raises StageError."""
+        item = self._next()
+        if item is None:
+            return False
+        header = self._stamp(item)
+        self.bound = header.time
+        self.send(item, header)
+        self.yielded += 1
+        self.count.fired += 1
+        return True
+
+    def expected(self) -> int | None:
+        """How many messages will come, where the source knows."""
+        length = self.stage.length()
+        return self.limit if length is None or (self.limit or length) < length else length
+
+    def stop(self) -> None:
+        """End at the next pull, as if the stream had ended."""
+        self.stopped = True
+
+    def step(self) -> None:
+        """A source has nothing to do when its readers change; the worker pulls it."""
+
+    def _next(self) -> Any:
+        if self.stopped or self.yielded == self.limit:
+            self.finish()
+            return None
+        if self._items is None:
+            self._items = iter(self.stage.process())
+        started = time.monotonic_ns()
+        try:
+            item = next(self._items)
+        except StopIteration:
+            self.finish()
+            return None
+        except Exception as error:
+            self._failed(error)
+            return None
+        self.entered = time.monotonic_ns()
+        self.count.busy_ns += self.entered - started
+        return item
+
+    def _failed(self, error: Exception) -> None:
+        """A generator that raised is over: `restart` opens it anew, `skip` ends the stream."""
+        self._items = None
+        self._recover(Header(self.name, self.yielded, max(0, self.bound)), error)
+        if self.on_error == "skip":
+            self.finish()
+
+    def _stamp(self, item: Any) -> Header:
+        """The header of what the source yielded: its capture time, the runtime's name and number."""
+        given: Header = item.header if isinstance(item, Message) else _first(item).header
+        seq = given.seq if given.seq >= 0 else self.yielded
+        return Header(self.name, seq, given.time, self.entered)
+
+
+class LiveCell(SourceCell):
+    """A source that delivers in its own time. Its thread keeps the newest frames; the oldest is dropped."""
+
+    notify: Callable[[], None]
+    """Wakes the worker from the source's thread."""
+
+    def start(self) -> None:
+        """Begin to grab."""
+        self._box: deque[Any] = deque()
+        self._lock = threading.Lock()
+        self._shed = 0
+        self._error: Exception | None = None
+        self._over = False
+        self._thread = threading.Thread(target=self._grab, name=self.name, daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop grabbing; what was grabbed is still sent."""
+        super().stop()
+        self.close()
+        self._thread.join(timeout=2.0)
+
+    def _grab(self) -> None:
+        try:
+            for item in self.stage.process():
+                if self.stopped:
+                    break
+                with self._lock:
+                    if len(self._box) == _LIVE_DEPTH:
+                        self._box.popleft()
+                        self._shed += 1
+                    self._box.append((item, time.monotonic_ns()))
+                self.notify()
+        except Exception as error:
+            self._error = error
+        self._over = True
+        self.notify()
+
+    def _next(self) -> Any:
+        with self._lock:
+            shed, self._shed = self._shed, 0
+            item = self._box.popleft() if self._box else None
+        if shed:
+            self.yielded += shed
+            for _, outlet in self.outlets:
+                outlet.shed(shed)
+        if item is not None and self.yielded != self.limit:
+            self.entered = item[1]
+            return item[0]
+        if self._error is not None:
+            self._failed(self._error)
+            if not self.done:
+                self.start()
+        elif self._over or self.stopped or self.yielded == self.limit:
+            self.finish()
+        return None
+
+
+def _first(outputs: Any) -> Message:
+    """The first message among the outputs of a source with several ports."""
+    for name in outputs.__dataclass_fields__:
+        message = getattr(outputs, name)
+        if message is not None:
+            assert isinstance(message, Message)
+            return message
+    raise ValueError("a source yielded outputs without any message")

@@ -1,0 +1,252 @@
+"""From a plan to the cells of one worker: which queue feeds which stage, and what may be promised when."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage
+from followspot.messages import Array, Message, seal
+from followspot.plugins.registry import load_stage
+from followspot.ports import InputPort as PortSpec
+from followspot.ports import Ports, ports
+from followspot.runtime.cell import Cell
+from followspot.runtime.firing import InputPort, Join
+from followspot.runtime.inlet import HeldInlet, Inlet
+from followspot.runtime.ledger import Ledger
+from followspot.runtime.outlet import Outlet
+from followspot.runtime.source import LiveCell, SourceCell
+from followspot.runtime.worker import Worker
+from followspot.stage import Context, Stage
+from followspot.transport.edge import PortReader, PortWriter
+
+
+class Links(Protocol):
+    """Makes the ends of edges that are not plain references; edges are named by their number in the plan."""
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """The reading end of one edge."""
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """The writing end of all edges of one output port that have the same kind."""
+
+
+class NoLinks:
+    """For plans in which every edge is a reference."""
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """There is none. Raises LookupError."""
+        raise LookupError(f"edge {edge} ({kind.__name__}) has no link")
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """There is none. Raises LookupError."""
+        raise LookupError(f"edges {edges} ({kind}) have no link")
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What the user said about this run and not about the graph.
+
+    out: folder for outputs; frames: messages per source, None for all; warn: stage name and text.
+    """
+
+    out: Path = Path()
+    frames: int | None = None
+    warn: Callable[[str, str], None] = lambda stage, text: None
+
+
+class Wiring:
+    """What the workers of a plan agree on: port types, windows, which held inputs are sampled by time."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.stages = {stage.name: stage for stage in plan.stages}
+        self.classes: dict[str, type[Stage]] = {s.name: load_stage(s.uses) for s in plan.stages}
+        self.ports: dict[str, Ports] = {name: ports(cls) for name, cls in self.classes.items()}
+        self.live = any(stage.live for stage in plan.stages)
+        self.into: dict[str, list[int]] = defaultdict(list)
+        self.out_of: dict[str, list[int]] = defaultdict(list)
+        for number, edge in enumerate(plan.edges):
+            self.into[edge.to_stage].append(number)
+            self.out_of[edge.from_stage].append(number)
+        self.slack = self._slacks()
+
+    def message_type(self, edge: PlannedEdge) -> type[Message]:
+        """Type of the messages on an edge: what its sender declares."""
+        outputs = {port.name: port.type for port in self.ports[edge.from_stage].outputs}
+        return outputs[edge.from_port]
+
+    def input_port(self, edge: PlannedEdge) -> PortSpec:
+        """The declaration of the port that an edge leads to."""
+        return next(port for port in self.ports[edge.to_stage].inputs if port.name == edge.to_port)
+
+    def held(self, edge: PlannedEdge) -> bool:
+        """Whether the edge is sampled at a firing instead of firing itself."""
+        return edge.delay > 0 or self.input_port(edge).kind == "latest"
+
+    def timed(self, edge: PlannedEdge) -> bool:
+        """Whether a held edge is sampled by capture time; `Latest` is not where it is live or fed back."""
+        return edge.delay > 0 or not (self.live or edge.from_stage in self._reachable(edge.to_stage))
+
+    def window(self, stage: PlannedStage) -> int:
+        """Largest difference in capture time within the stage's join, ns; 0 for a single input."""
+        members = [n for n in self.into[stage.name] if not self.held(self.plan.edges[n])]
+        return round(stage.tolerance * 1e9) if len(members) > 1 else 0
+
+    def _slacks(self) -> dict[str, int]:
+        """For each stage, ns after a message's time for which the message promises that nothing else comes.
+
+        A join takes the earliest time of its members as its own and gives up what comes within its window
+        later; that lets a feedback edge be certain as soon as its message is there.
+        """
+        slack: dict[str, int] = {}
+        for stage in self.plan.stages:
+            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            inherited = [slack[e.from_stage] for e in edges if not self.held(e)]
+            slack[stage.name] = self.window(stage) + max(inherited, default=0)
+        return slack
+
+    def _reachable(self, start: str) -> set[str]:
+        """Stages downstream of one, itself included."""
+        seen, queue = {start}, [start]
+        while queue:
+            for number in self.out_of[queue.pop()]:
+                target = self.plan.edges[number].to_stage
+                if target not in seen:
+                    seen.add(target)
+                    queue.append(target)
+        return seen
+
+
+def build_worker(
+    wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
+) -> Worker:
+    """The worker of that name with all its stages built, none of them set up."""
+    return _Builder(wiring, name, ledger, options, links or NoLinks()).build()
+
+
+class _Builder:
+    """Collects the parts of one worker while its stages are built in order."""
+
+    def __init__(self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links) -> None:
+        self.wiring = wiring
+        self.plan = wiring.plan
+        self.words = ledger.words
+        self.ledger = ledger
+        self.options = options
+        self.links = links
+        self.mine = [stage for stage in self.plan.stages if stage.worker == name]
+        self.names = {stage.name for stage in self.mine}
+        self.inlets: dict[int, Inlet] = {}
+        self.writers: list[tuple[PortWriter, int]] = []
+        self.cells: list[Cell] = []
+
+    def build(self) -> Worker:
+        """Inlets first, then the cells that join them, then the calls that wake them."""
+        for stage in self.mine:
+            for number in self.wiring.into[stage.name]:
+                self.inlets[number] = self._inlet(number)
+        for rank, stage in enumerate(self.mine):
+            self.cells.append(self._cell(rank, stage))
+        remote = [inlet for inlet in self.inlets.values() if inlet.reader is not None]
+        worker = Worker(self.cells, remote, self.writers)
+        ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
+        for number, inlet in self.inlets.items():
+            edge = self.plan.edges[number]
+            inlet.wake = partial(worker.mark, ranks[edge.to_stage])
+            if edge.kind == "reference":
+                inlet.reopened = partial(worker.mark, ranks[edge.from_stage])
+        return worker
+
+    def _inlet(self, number: int) -> Inlet:
+        edge = self.plan.edges[number]
+        depth = max(edge.depth, edge.delay + 2)
+        slack = self.wiring.slack[edge.from_stage]
+        inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack)
+        if edge.kind != "reference":
+            inlet.reader = self.links.reader(number, self.wiring.message_type(edge))
+        return inlet
+
+    def _cell(self, rank: int, stage: PlannedStage) -> Cell:
+        outlets = self._outlets(rank, stage)
+        warn = partial(self.options.warn, stage.name)
+        for outlet in outlets.values():
+            outlet.refused = warn
+        context = Context(
+            name=stage.name,
+            room=self.plan.room,
+            camera=self.plan.room.cameras[stage.camera] if stage.camera else None,
+            out=self.options.out,
+            seed=self.plan.seed,
+            warn=warn,
+            loan=partial(_loan, tuple(outlets.values())),
+        )
+        build = partial(self.wiring.classes[stage.name], context, **stage.params)
+        if self.wiring.ports[stage.name].source:
+            kind = LiveCell if stage.live else SourceCell
+            source = kind(
+                stage.name, rank, build, Join((), window=0, slack=0), outlets, on_error=stage.on_error
+            )
+            source.limit = self.options.frames
+            return source
+        deadline = stage.deadline if self.wiring.live else None
+        return Cell(
+            stage.name, rank, build, self._join(stage), outlets, on_error=stage.on_error, deadline=deadline
+        )
+
+    def _outlets(self, rank: int, stage: PlannedStage) -> dict[str, Outlet]:
+        outlets = {}
+        for port in self.wiring.ports[stage.name].outputs:
+            outlet = Outlet(port.type, self.words, slack=self.wiring.slack[stage.name])
+            numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edges[n].from_port == port.name]
+            for kind, group in groupby(sorted(numbers, key=self._kind), key=self._kind):
+                self._attach(outlet, kind, list(group), rank)
+            outlets[port.name] = outlet
+        return outlets
+
+    def _attach(self, outlet: Outlet, kind: EdgeKind, numbers: list[int], rank: int) -> None:
+        if kind == "reference":
+            outlet.inlets += [self.inlets[n] for n in numbers]
+            return
+        writer = self.links.writer(numbers, kind)
+        outlet.writers.append(writer)
+        outlet.rows += [self.ledger.row(n) for n in numbers]
+        self.writers.append((writer, rank))
+
+    def _join(self, stage: PlannedStage) -> Join:
+        by_port: Mapping[str, list[int]] = defaultdict(list)
+        for number in self.wiring.into[stage.name]:
+            by_port[self.plan.edges[number].to_port].append(number)
+        input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
+        slack = self.wiring.slack[stage.name]
+        return Join(input_ports, window=self.wiring.window(stage), slack=slack)
+
+    def _input(self, port: PortSpec, numbers: Iterable[int]) -> InputPort:
+        numbers = list(numbers)
+        if numbers and self.wiring.held(self.plan.edges[numbers[0]]):
+            edge = self.plan.edges[numbers[0]]
+            initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
+            timed = self.wiring.timed(edge)
+            held = HeldInlet(self.inlets[numbers[0]], delay=edge.delay, timed=timed, initial=initial)
+            return InputPort(port.name, joined=False, held=held)
+        members = tuple(self.inlets[n] for n in numbers)
+        return InputPort(port.name, joined=port.kind == "joined", members=members)
+
+    def _kind(self, number: int) -> EdgeKind:
+        return self.plan.edges[number].kind
+
+
+def _loan(outlets: Sequence[Outlet], shape: tuple[int, ...], dtype: str) -> Array:
+    """An output array in shared memory where an edge offers it, else in private memory."""
+    for outlet in outlets:
+        array = outlet.loan(shape, dtype)
+        if array is not None:
+            return array
+    return np.empty(shape, dtype)

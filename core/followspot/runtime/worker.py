@@ -1,0 +1,236 @@
+"""One worker: a single thread that fires ready stages, and pulls sources when nothing else is ready.
+
+Stages nearest to the sinks go first, so work in flight is finished before new work is taken in. Which stage
+goes first never changes a result, for a firing depends on the streams alone.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from heapq import heappop, heappush
+
+from followspot.errors import FollowspotError
+from followspot.runtime.cell import Cell
+from followspot.runtime.inlet import Inlet
+from followspot.runtime.source import LiveCell, SourceCell
+from followspot.transport.edge import PortWriter
+
+_TURNS = 32
+"""Firings between two looks at what other workers sent."""
+_GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
+"""The other end is closed; what it sent before has been read by then."""
+_SWITCH_INTERVAL = 0.0005
+"""Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
+
+
+class StuckError(FollowspotError):
+    """No stage can fire, no source can yield, and yet the streams have not ended."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a worker is."""
+
+    fired: int
+    """Firings of its sinks; of its sources where it has no sinks."""
+    time: int
+    """Newest capture time that a source sent, ns; -1 before the first."""
+
+
+class Worker:
+    """Runs the cells of one process.
+
+    cells: by rank; readers: inlets fed by other workers; writers: with the rank of the cell that owns each.
+    """
+
+    def __init__(
+        self, cells: Sequence[Cell], readers: Sequence[Inlet], writers: Sequence[tuple[PortWriter, int]]
+    ) -> None:
+        self.cells = tuple(cells)
+        self.sources = tuple(cell for cell in cells if isinstance(cell, SourceCell))
+        self.live = tuple(cell for cell in self.sources if isinstance(cell, LiveCell))
+        self.readers = tuple(readers)
+        self.writers = tuple(writers)
+        self._ready: list[int] = []
+        self._marked = [False] * len(cells)
+        self._stopping = False
+        self._poll = select.poll()
+        self._watched: dict[int, Callable[[], None]] = {}
+        self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._connect()
+
+    def mark(self, rank: int) -> None:
+        """The inputs or outputs of this cell changed; look at it."""
+        if not self._marked[rank]:
+            self._marked[rank] = True
+            heappush(self._ready, -rank)
+
+    def watch(self, fd: int, callback: Callable[[], None]) -> None:
+        """Call back when the descriptor is readable."""
+        self._watched[fd] = callback
+        self._poll.register(fd, select.POLLIN)
+
+    def stop(self) -> None:
+        """End all sources; what is in flight is still finished. Safe in signal handlers and threads."""
+        self._stopping = True
+        self.ring()
+
+    def ring(self) -> None:
+        """Wake the worker from another thread."""
+        os.eventfd_write(self._bell, 1)
+
+    def setup(self) -> None:
+        """Set all stages up, in order. Raises what a stage raises, with the stage named."""
+        sys.setswitchinterval(_SWITCH_INTERVAL)
+        for cell in self.cells:
+            cell.setup()
+
+    def run(self) -> None:
+        """Run to the end of all streams. Stages are closed however it ends. Raises StageError, StuckError."""
+        try:
+            for source in self.live:
+                source.start()
+            for cell in self.cells:
+                self.mark(cell.rank)
+            while self._turn():
+                pass
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Close stages and edges."""
+        for source in self.live:
+            source.stop()
+        for cell in self.cells:
+            cell.close()
+        for writer, _ in self.writers:
+            writer.close()
+        for inlet in self.readers:
+            if inlet.reader is not None:
+                inlet.reader.close()
+
+    def progress(self) -> Progress:
+        """How far the worker is."""
+        counted = [cell.count.fired for cell in self.cells if cell.is_sink] or [
+            s.yielded for s in self.sources
+        ]
+        return Progress(min(counted, default=0), max((s.bound for s in self.sources), default=-1))
+
+    def expected(self) -> int | None:
+        """Messages that the longest source will yield, None where none of them knows."""
+        known = [n for n in (source.expected() for source in self.sources) if n is not None]
+        return max(known, default=None)
+
+    def _connect(self) -> None:
+        self.watch(self._bell, self._answer_bell)
+        for inlet in self.readers:
+            assert inlet.reader is not None
+            self.watch(inlet.reader.fileno(), inlet.poll)
+        for writer, rank in self.writers:
+            for fd in writer.filenos():
+                self.watch(fd, partial(self._credited, writer, rank))
+        for source in self.live:
+            source.notify = self.ring
+
+    def _turn(self) -> bool:
+        """One round; False when everything has ended."""
+        for _ in range(_TURNS):
+            if not self._ready:
+                break
+            rank = -heappop(self._ready)
+            self._marked[rank] = False
+            self.cells[rank].step()
+        if len(self._watched) > 1:
+            self._receive(0)
+        if self._stopping:
+            self._stop_sources()
+        if self._ready or self._pull():
+            return True
+        if self._finished():
+            return False
+        self._wait()
+        return True
+
+    def _pull(self) -> bool:
+        """Let the source that is furthest behind yield; False where none can."""
+        candidates = [s for s in self.sources if not s.done]
+        candidates.sort(key=lambda source: source.bound)
+        pulled = False
+        for source in candidates:
+            source.blocked = not source.has_room()
+            if not source.blocked and (source.pull() or source.done):
+                pulled = True
+                if source not in self.live:
+                    break
+        return pulled
+
+    def _finished(self) -> bool:
+        flushed = [writer.flush() for writer, _ in self.writers]
+        return all(flushed) and all(cell.done for cell in self.cells)
+
+    def _wait(self) -> None:
+        """Sleep until another worker, a thread or a deadline has something for us."""
+        if self._credit_came():
+            return
+        deadlines = [c.overdue_at for c in self.cells if c.overdue_at is not None and not c.done]
+        if not deadlines and len(self._watched) == 1 and not self.live:
+            raise StuckError(self._why_stuck())
+        if not deadlines:
+            self._receive(500)
+            return
+        self._receive(max(0, int((min(deadlines) - time.monotonic()) * 1000) + 1))
+        for cell in self.cells:
+            if cell.overdue_at is not None and cell.overdue_at <= time.monotonic():
+                self.mark(cell.rank)
+
+    def _credit_came(self) -> bool:
+        """Ask readers to wake us when they take a message; whether one already did."""
+        came = False
+        for writer, rank in self.writers:
+            cell = self.cells[rank]
+            if cell.blocked:
+                writer.want_credit()
+                if cell.has_room():
+                    self.mark(rank)
+                    cell.blocked = False
+                    came = True
+        return came
+
+    def _receive(self, timeout_ms: int) -> None:
+        for fd, event in self._poll.poll(timeout_ms):
+            self._watched[fd]()
+            if event & _GONE:
+                self._poll.unregister(fd)
+                del self._watched[fd]
+
+    def _answer_bell(self) -> None:
+        try:
+            os.eventfd_read(self._bell)
+        except BlockingIOError:
+            return
+
+    def _credited(self, writer: PortWriter, rank: int) -> None:
+        writer.drain()
+        self.mark(rank)
+
+    def _stop_sources(self) -> None:
+        self._stopping = False
+        for source in self.sources:
+            if not source.done:
+                source.stop()
+
+    def _why_stuck(self) -> str:
+        """Name the stages that wait, and for which edges."""
+        lines = []
+        for cell in self.cells:
+            full = [i.name for _, o in cell.outlets for i in o.inlets if len(i.queue) >= i.depth]
+            dry = [i.name for i in cell.join.members if not i.queue and not i.ended]
+            if not cell.done:
+                lines.append(f"  {cell.name}: " + (f"full: {full}" if cell.blocked else f"waits for: {dry}"))
+        return "the graph is stuck; raise `depth` of the full edges\n" + "\n".join(lines)

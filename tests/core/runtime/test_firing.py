@@ -1,0 +1,207 @@
+"""When a stage fires: joins by capture time and settled time, held inputs, deadlines."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from followspot.messages import Header, Message, stamped
+from followspot.runtime.firing import InputPort, Join
+from followspot.runtime.inlet import HeldInlet, Inlet
+from followspot.runtime.ledger import Ledger
+from followspot.transport.token import END, Settled
+
+MS = 1_000_000
+
+
+class Tick(Message):
+    """A number, to be told apart."""
+
+    value: int
+
+
+def tick(time: int, value: int = 0) -> Tick:
+    return stamped(Tick(value), Header("test", value, time))
+
+
+class Bench:
+    """Some inlets with a ledger of their own."""
+
+    def __init__(self, edges: int, *, slack: int = 0) -> None:
+        self.ledger = Ledger(edges)
+        self.inlets = [
+            Inlet(f"edge{n}", self.ledger.words, self.ledger.row(n), depth=100, slack=slack)
+            for n in range(edges)
+        ]
+
+    def joined(self, window: int = 4 * MS, slack: int | None = None) -> Join:
+        port = InputPort("all", joined=True, members=tuple(self.inlets))
+        return Join([port], window=window, slack=window if slack is None else slack)
+
+    def plain(self, window: int = 4 * MS) -> Join:
+        ports = [InputPort(f"in{n}", joined=False, members=(inlet,)) for n, inlet in enumerate(self.inlets)]
+        return Join(ports, window=window, slack=window)
+
+
+def fire(join: Join) -> list[object] | None:
+    time = join.ready()
+    return None if time is None else join.take(time)[0]
+
+
+def test_single_input_fires_for_every_message() -> None:
+    bench = Bench(1)
+    join = Join([InputPort("in", joined=False, members=(bench.inlets[0],))], window=0, slack=0)
+    bench.inlets[0].put(tick(5, 1))
+    bench.inlets[0].put(tick(6, 2))
+    assert [fire(join)[0].value, fire(join)[0].value] == [1, 2]  # type: ignore[index,union-attr,attr-defined]
+    assert fire(join) is None
+
+
+def test_join_waits_until_every_member_has_spoken() -> None:
+    bench = Bench(2)
+    join = bench.joined()
+    bench.inlets[0].put(tick(0))
+    assert join.ready() is None
+    bench.inlets[1].put(tick(1 * MS))
+    assert join.ready() == 0
+
+
+def test_join_fires_without_a_member_that_settled_past_the_window() -> None:
+    bench = Bench(2)
+    join = bench.joined()
+    bench.inlets[0].put(tick(10 * MS))
+    bench.inlets[1].settle(14 * MS)
+    assert join.ready() is None, "a message at 14 ms would still belong to the window"
+    bench.inlets[1].settle(14 * MS + 1)
+    time = join.ready()
+    assert time == 10 * MS
+    assert len(join.take(time)[0][0]) == 1  # type: ignore[arg-type]
+
+
+def test_join_goes_on_without_a_stream_that_ended() -> None:
+    bench = Bench(2)
+    join = bench.joined()
+    bench.inlets[1].settle(END)
+    bench.inlets[0].put(tick(7))
+    assert join.ready() == 7
+    assert not join.ended
+    join.take(7)
+    bench.inlets[0].settle(END)
+    assert join.ended
+
+
+def test_plain_input_without_its_partner_is_unmatched_not_fired() -> None:
+    bench = Bench(2)
+    join = bench.plain()
+    bench.inlets[0].put(tick(0))
+    bench.inlets[0].put(tick(33 * MS))
+    bench.inlets[1].put(tick(33 * MS))
+    assert join.ready() == 33 * MS
+    assert bench.ledger.count(0).unmatched == 1
+
+
+def test_second_message_within_a_closed_window_is_unmatched() -> None:
+    bench = Bench(2)
+    join = bench.joined()
+    for inlet in bench.inlets:
+        inlet.put(tick(0))
+    bench.inlets[0].put(tick(2 * MS))
+    bench.inlets[0].put(tick(33 * MS))
+    assert fire(join) is not None
+    assert join.ready() is None
+    assert bench.ledger.count(0).unmatched == 1
+
+
+def test_overdue_join_fires_with_what_is_there_and_counts_the_rest_as_late() -> None:
+    bench = Bench(2)
+    join = bench.joined()
+    bench.inlets[0].put(tick(0))
+    assert join.ready() is None
+    join.expire()
+    assert join.ready(overdue=True) == 0
+    join.take(0)
+    bench.inlets[1].put(tick(1 * MS))
+    bench.inlets[1].put(tick(33 * MS))
+    bench.inlets[0].put(tick(33 * MS))
+    assert join.ready() == 33 * MS
+    assert bench.ledger.count(1).late == 1
+
+
+@given(
+    times=st.lists(
+        st.lists(st.integers(0, 40), unique=True, max_size=12).map(sorted), min_size=2, max_size=4
+    ),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_what_fires_together_does_not_depend_on_the_order_of_arrival(
+    times: list[list[int]], seed: int
+) -> None:
+    """The same streams in two interleavings give the same firings: placement never changes the result."""
+    assert _firings(times, random.Random(seed)) == _firings(times, random.Random(seed + 1))
+
+
+def _firings(times: list[list[int]], order: random.Random) -> list[tuple[int, list[int]]]:
+    bench = Bench(len(times))
+    join = bench.joined(window=3)
+    rest = [[tick(t, t) for t in stream] + [None] for stream in times]
+    fired = []
+    while any(rest):
+        stream = order.choice([n for n, tokens in enumerate(rest) if tokens])
+        token = rest[stream].pop(0)
+        if token is None:
+            bench.inlets[stream].settle(END)
+        else:
+            bench.inlets[stream].put(token)
+        while (time := join.ready()) is not None:
+            arguments, messages = join.take(time)
+            assert len(messages) == len(arguments[0])  # type: ignore[arg-type]
+            fired.append((time, [m.value for m in messages]))  # type: ignore[attr-defined]
+    counts = [bench.ledger.count(n) for n in range(len(times))]
+    assert all(count.balanced for count in counts)
+    assert sum(c.delivered + c.unmatched for c in counts) == sum(map(len, times))
+    return fired
+
+
+@pytest.mark.parametrize("delay", [1, 2, 3])
+def test_delayed_input_is_the_message_of_exactly_n_firings_ago(delay: int) -> None:
+    bench = Bench(2)
+    empty = Tick.empty()
+    held = HeldInlet(bench.inlets[1], delay=delay, timed=True, initial=empty)
+    main = InputPort("in", joined=False, members=(bench.inlets[0],))
+    join = Join([main, InputPort("back", joined=False, held=held)], window=0, slack=0)
+    for n in range(8):
+        bench.inlets[0].put(tick(n * 10, n))
+        time = join.ready()
+        assert time == n * 10
+        back = join.take(time)[0][1]
+        assert back is empty if n < delay else back.value == n - delay  # type: ignore[attr-defined]
+        bench.inlets[1].put(tick(n * 10, n))
+
+
+def test_delayed_input_waits_for_the_answer_to_the_firing_before() -> None:
+    bench = Bench(2)
+    held = HeldInlet(bench.inlets[1], delay=1, timed=True, initial=Tick.empty())
+    main = InputPort("in", joined=False, members=(bench.inlets[0],))
+    join = Join([main, InputPort("back", joined=False, held=held)], window=0, slack=0)
+    bench.inlets[0].put(tick(0))
+    bench.inlets[0].put(tick(10))
+    assert fire(join) is not None
+    assert join.ready() is None
+    bench.inlets[1].accept(Settled(1))
+    assert join.ready() == 10
+
+
+def test_latest_forward_input_is_sampled_by_capture_time_not_by_arrival() -> None:
+    bench = Bench(2)
+    held = HeldInlet(bench.inlets[1], delay=0, timed=True, initial=None)
+    main = InputPort("in", joined=False, members=(bench.inlets[0],))
+    join = Join([main, InputPort("latest", joined=False, held=held)], window=0, slack=0)
+    bench.inlets[1].put(tick(3, 3))
+    bench.inlets[1].put(tick(4, 4))
+    bench.inlets[1].put(tick(20, 20))
+    bench.inlets[0].put(tick(10))
+    assert fire(join)[1].value == 4  # type: ignore[index,attr-defined]
+    assert bench.ledger.count(1).dropped == 1
