@@ -8,7 +8,6 @@ import numpy as np
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-
 from followspot_balls.components import Components, above_local_peak, components, cut
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
 from followspot_balls.search import search_circles

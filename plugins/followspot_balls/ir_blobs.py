@@ -7,7 +7,6 @@ import numpy as np
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-
 from followspot_balls.components import above_local_peak, components, cut
 from followspot_balls.search import search_circles
 

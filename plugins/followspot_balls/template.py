@@ -11,7 +11,6 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-
 from followspot_balls.components import above_local_peak, components
 from followspot_balls.hue import BINS, hue_bin, normalised
 

@@ -1,0 +1,70 @@
+"""The Kalman filter of first-order motion, for all targets at once (Jin & Qian 2008, section 3.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from followspot.messages import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Position and velocity of T targets: state (T, 6) in m and m/s, covariance (T, 6, 6)."""
+
+    state: Array
+    covariance: Array
+
+    @classmethod
+    def zero(cls, count: int) -> Self:
+        """Nothing known of `count` targets."""
+        return cls(np.zeros((count, 6)), np.zeros((count, 6, 6)))
+
+    @property
+    def xyz(self) -> Array:
+        """(T, 3) m."""
+        return self.state[:, :3]
+
+    @property
+    def velocity(self) -> Array:
+        """(T, 3) m/s."""
+        return self.state[:, 3:]
+
+    def started(self, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
+        """With some targets newly at rest where they were measured.
+
+        target: (M,); xyz: (M, 3) m; noise: (M, 3, 3) m^2; speed: one sigma of the velocity, m/s.
+        """
+        state, covariance = self.state.copy(), self.covariance.copy()
+        state[target, :3], state[target, 3:] = xyz, 0.0
+        covariance[target] = 0.0
+        covariance[target, :3, :3] = noise
+        covariance[target, 3:, 3:] = np.eye(3) * speed**2
+        return Motion(state, covariance)
+
+
+def predict(motion: Motion, seconds: float, acceleration: float) -> Motion:
+    """One step ahead: x' = F x, P' = F P F^T + Q, with Q of a piecewise constant acceleration.
+
+    acceleration: one sigma, m/s^2.
+    """
+    F = np.kron([[1.0, seconds], [0.0, 1.0]], np.eye(3))
+    gain = np.array([seconds**2 / 2, seconds])
+    Q = np.kron(np.outer(gain, gain), np.eye(3)) * acceleration**2
+    return Motion(motion.state @ F.T, F @ motion.covariance @ F.T + Q)
+
+
+def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> Motion:
+    """Correct some targets by measured positions: K = P H^T (H P H^T + R)^-1.
+
+    target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2, R.
+    """
+    state, covariance = motion.state.copy(), motion.covariance.copy()
+    P = covariance[target]
+    innovation = P[:, :3, :3] + noise
+    gain = np.linalg.solve(innovation, P[:, :3]).swapaxes(1, 2)
+    state[target] += (gain @ (xyz - state[target, :3])[..., None])[..., 0]
+    covariance[target] = P - gain @ P[:, :3]
+    return Motion(state, covariance)

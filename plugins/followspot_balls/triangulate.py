@@ -1,0 +1,56 @@
+"""3D candidates from pairs, and the spheres that they must lie in (Jin & Qian 2008, section 3.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array, Field, Latest, Stage, StageParams
+from followspot.geometry import back_projection, triangulate_pairs
+from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.search import lost_targets, search_spheres
+
+
+class Triangulate(Stage):
+    """Turn every pair into a 3D candidate; reject those outside the spheres around the forecasts."""
+
+    class Params(StageParams):
+        radius: float = Field(
+            0.225, gt=0, unit="m", description="smallest radius of a sphere; raising it survives jumps"
+        )
+        scale: float = Field(2.0, gt=0, unit="1", description="radius of a sphere over the last displacement")
+
+    params: Params
+
+    def setup(self) -> None:
+        cameras = self.room.cameras.values()
+        self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
+        self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+
+    def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
+        rays = (self.back[pairs.view, :, :2] @ pairs.xy[..., None])[..., 0] + self.back[pairs.view, :, 2]
+        rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
+        xyz = triangulate_pairs(self.centers[pairs.view], rays)
+        targets = pairs.targets & self.within(xyz, forecast, pairs.targets.shape[1])
+        keep = targets.any(axis=1)
+        return Candidates(
+            cameras=pairs.cameras,
+            xyz=xyz[keep],
+            view=pairs.view[keep],
+            blob=pairs.blob[keep],
+            xy=pairs.xy[keep],
+            epipolar=pairs.epipolar[keep],
+            labelled=pairs.labelled[keep],
+            confirmed=pairs.confirmed[keep],
+            targets=targets[keep],
+        )
+
+    def within(self, xyz: Array, forecast: Forecast | None, count: int) -> Array:
+        """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room."""
+        lost = lost_targets(forecast, count)
+        real = ~np.isnan(xyz[:, :1])
+        if forecast is None or len(forecast.state) != count:
+            return np.asarray(real & lost)
+        distance = np.linalg.norm(xyz[:, None] - forecast.xyz, axis=2)
+        return np.asarray(
+            real & (lost | (distance <= search_spheres(forecast, self.params.radius, self.params.scale)))
+        )

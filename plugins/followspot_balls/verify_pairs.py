@@ -1,0 +1,122 @@
+"""Pairs of blobs over views, and which of them are projections (Jin & Qian 2008, section 3.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Array, Field, Joined, Room, Stage, StageParams
+from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
+from followspot.tracking import Blobs, Pairs
+
+
+class VerifyPairs(Stage):
+    """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes."""
+
+    class Params(StageParams):
+        epipolar: float = Field(
+            3.0,
+            gt=0,
+            unit="px",
+            description="largest distance from the epipolar line; raising it survives a poor calibration",
+        )
+        homography: float = Field(
+            3.0,
+            ge=0,
+            unit="px",
+            description="distance up to which a pair satisfies a plane; raising it rejects more projections, and"
+            " balls close to the plane; 0 switches the test off",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        self.cameras = tuple(self.room.cameras)
+        self.number = {name: i for i, name in enumerate(self.cameras)}
+        self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
+        self.fundamental = fundamental_stack(self.room)
+        self.homography = homography_stack(self.room)
+
+    def process(self, blobs: Joined[Blobs]) -> Pairs:
+        view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
+        row = np.concatenate([np.arange(len(b.xy)) for b in blobs])
+        xy = np.concatenate([b.xy for b in blobs])
+        targets = np.concatenate([b.targets for b in blobs])
+        pair = candidate_pairs(view, targets)
+        first, second = view[pair].T
+        distance = epipolar_distance(self.fundamental[first, second], *xy[pair].swapaxes(0, 1))
+        near = distance < self.params.epipolar
+        pair, distance = pair[near], distance[near]
+        keep = self.not_projections(pair, view, xy)
+        pair, distance = pair[keep], distance[keep]
+        color = self.color[view[pair]]
+        return Pairs(
+            cameras=self.cameras,
+            view=view[pair].astype(np.int32),
+            blob=row[pair].astype(np.int32),
+            xy=xy[pair],
+            epipolar=distance,
+            labelled=color.any(axis=1),
+            confirmed=color[:, 0] != color[:, 1],
+            targets=targets[pair[:, 0]] & targets[pair[:, 1]],
+        )
+
+    def not_projections(self, pair: Array, view: Array, xy: Array) -> Array:
+        """The homography test on every plane: (M, 2) pairs of blobs -> (M,) bool."""
+        first, second = view[pair].T
+        start, end = xy[pair].swapaxes(0, 1)
+        moved = transfer(self.homography[:, first, second], start)
+        offset = moved - end
+        on_plane = np.hypot(offset[..., 0], offset[..., 1]) < self.params.homography
+        color = self.color[view[pair]]
+        return homography_test(pair, color, on_plane, len(view))
+
+
+def candidate_pairs(view: Array, targets: Array) -> Array:
+    """All pairs of blobs in different views that may belong to one target: (M, 2), the first view lower.
+
+    view: (N,) ascending; targets: (N, T) bool.
+    """
+    weights = targets.astype(np.float32)
+    common = (weights @ weights.T > 0) & (view[:, None] < view)
+    return np.argwhere(common)
+
+
+def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> Array:
+    """Which pairs are no projections.
+
+    A pair on a plane is one, unless a colour blob of it is in list B of that plane: the colour blobs
+    of colour-infrared pairs that satisfy the plane too, for an infrared camera sees no projection, so
+    there the ball itself lies on the plane.
+    pair: (M, 2) numbers of blobs, of `blobs`; color: (M, 2) bool; on_plane: (planes, M) bool. Returns (M,).
+    """
+    color_infrared = color[:, 0] != color[:, 1]
+    listed = np.zeros((len(on_plane), blobs), bool)
+    plane, row = np.nonzero(on_plane & color_infrared)
+    listed[plane, np.where(color[row, 0], pair[row, 0], pair[row, 1])] = True
+    excused = (listed[:, pair] & color).any(axis=2)
+    return np.asarray(~(on_plane & ~excused).any(axis=0) | ~color.all(axis=1))
+
+
+def fundamental_stack(room: Room) -> Array:
+    """Fundamental matrices of all ordered pairs of cameras: (C, C, 3, 3); zero for a camera with itself."""
+    P = [camera.projection for camera in room.cameras.values()]
+    stack = np.zeros((len(P), len(P), 3, 3))
+    for i, j in _ordered_pairs(P):
+        stack[i, j] = fundamental_matrix(P[i], P[j])
+    return stack
+
+
+def homography_stack(room: Room) -> Array:
+    """Homographies over each plane for all ordered pairs of cameras: (planes, C, C, 3, 3)."""
+    cameras = list(room.cameras.values())
+    stack = np.zeros((len(room.planes), len(cameras), len(cameras), 3, 3))
+    for number, plane in enumerate(room.planes.values()):
+        for i, j in _ordered_pairs(cameras):
+            stack[number, i, j] = plane_homography(cameras[i], cameras[j], plane)
+    return stack
+
+
+def _ordered_pairs(items: Sequence[object]) -> list[tuple[int, int]]:
+    return [(i, j) for i in range(len(items)) for j in range(len(items)) if i != j]
