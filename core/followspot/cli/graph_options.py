@@ -38,7 +38,7 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         "--edges",
         choices=("auto", "reference", "ring", "zenoh"),
         default="auto",
-        help="force the kind of every edge (default: a call in a worker, a ring on a host, Zenoh between hosts)",
+        help="force the kind of every edge (default auto: call, ring or Zenoh as near as it can be)",
     )
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
 

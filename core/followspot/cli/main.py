@@ -17,7 +17,7 @@ from followspot.plugins.hooks import Command
 CORE = (run.COMMAND, check.COMMAND, graph.COMMAND, plugins.COMMAND)
 """Commands of the core, in the order of `followspot --help`."""
 
-_ABOUT = """Compose tracking graphs from stage plugins and run them in one process, several or on several hosts.
+_ABOUT = """Compose tracking graphs from stage plugins and run them in one process or many.
 
   followspot run graphs/glowballs.yaml          track glowing balls in a simulated room
   followspot check graphs/glowballs.yaml        find every mistake without starting anything

@@ -1,0 +1,108 @@
+"""All hooks that a package can implement, one line each, and the loading of what implements them.
+
+A package names a module in the entry-point group `followspot.hooks.v1`; the module's functions marked with
+`hookimpl` are the hooks. `followspot --help` imports these modules, so they import nothing heavy at the top.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+
+import pluggy
+
+GROUP = "followspot.hooks.v1"
+PROJECT = "followspot"
+
+hookspec = pluggy.HookspecMarker(PROJECT)
+hookimpl = pluggy.HookimplMarker(PROJECT)
+
+
+@dataclass(frozen=True)
+class Command:
+    """One command of the command line.
+
+    help: the first line stands in the list of commands, all of it in the command's own --help;
+    parent: name of a group, for `followspot PARENT NAME`; run: returns the exit code.
+    """
+
+    name: str
+    help: str
+    configure: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace], int]
+    parent: str | None = None
+
+    @property
+    def title(self) -> str:
+        """As the user types it."""
+        return f"{self.parent} {self.name}" if self.parent else self.name
+
+
+class Hooks:
+    """What a package can add to followspot."""
+
+    @hookspec
+    def followspot_commands(self) -> Sequence[Command]:  # type: ignore[empty-body]
+        """Commands to add to the command line."""
+
+
+@dataclass(frozen=True)
+class HookModule:
+    """A module of hooks and how it fared; problem is empty where it is well."""
+
+    name: str
+    value: str
+    distribution: str
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class LoadedHooks:
+    """All hook modules and what they offer."""
+
+    modules: tuple[HookModule, ...]
+    commands: tuple[Command, ...]
+
+
+@cache
+def load_hooks() -> LoadedHooks:
+    """Load every hook module on its own: one that is broken is named and left out, the others serve."""
+    modules, commands, taken = [], [], dict[str, str]()
+    for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
+        problem, offered = _load(entry)
+        for command in offered:
+            if command.title in taken:
+                problem = f'command "{command.title}" is already offered by {taken[command.title]}'
+            else:
+                taken[command.title] = entry.name
+                commands.append(command)
+        distribution = entry.dist.name if entry.dist is not None else "?"
+        modules.append(HookModule(entry.name, entry.value, distribution, problem))
+    return LoadedHooks(tuple(modules), tuple(commands))
+
+
+def load_commands() -> Sequence[Command]:
+    """The commands of all hook modules that are well."""
+    return load_hooks().commands
+
+
+def _load(entry: EntryPoint) -> tuple[str, list[Command]]:
+    """Import, register and ask one module; what went wrong, and its commands."""
+    manager = pluggy.PluginManager(PROJECT)
+    manager.add_hookspecs(Hooks)
+    try:
+        module = entry.load()
+        manager.register(module, name=entry.name)
+        manager.check_pending()
+        unknown = [n for n in vars(module) if n.startswith("followspot_") and not hasattr(Hooks, n)]
+        if unknown:
+            return f"there is no hook {unknown[0]}; known: followspot_commands", []
+        offered = [command for commands in manager.hook.followspot_commands() for command in commands]
+    except Exception as error:
+        return f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else entry.value}", []
+    if not all(isinstance(command, Command) for command in offered):
+        return "followspot_commands returns something that is no Command", []
+    return "", offered

@@ -1,0 +1,145 @@
+"""The ports of a stage, read from the signature of its `process`."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import types
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, Literal, get_args, get_origin
+
+from followspot.errors import FollowspotError
+from followspot.messages import Message
+from followspot.stage import JoinedInput, LatestInput, Source, Stage
+
+InputKind = Literal["plain", "latest", "joined"]
+ONE_OUTPUT = "out"
+"""Name of the port of a stage that returns one message type."""
+
+
+class SignatureError(FollowspotError):
+    """The signature of `process` does not say what the ports are; the text says what to write."""
+
+
+@dataclass(frozen=True)
+class InputPort:
+    """One parameter of `process`. required: it has no default, so an edge must feed it."""
+
+    name: str
+    type: type[Message]
+    kind: InputKind
+    required: bool
+
+
+@dataclass(frozen=True)
+class OutputPort:
+    """What `process` returns, or one field of it."""
+
+    name: str
+    type: type[Message]
+
+
+@dataclass(frozen=True)
+class Ports:
+    """All ports of a stage; a source has no inputs, a sink no outputs."""
+
+    inputs: tuple[InputPort, ...]
+    outputs: tuple[OutputPort, ...]
+    source: bool
+
+    def input(self, name: str) -> InputPort | None:
+        """The input of that name."""
+        return next((port for port in self.inputs if port.name == name), None)
+
+    def output(self, name: str) -> OutputPort | None:
+        """The output of that name."""
+        return next((port for port in self.outputs if port.name == name), None)
+
+
+@cache
+def ports(stage: type[Stage]) -> Ports:
+    """Read the ports. Raises SignatureError."""
+    process = getattr(stage, "process", None)
+    if not inspect.isfunction(process):
+        raise SignatureError(f"{stage.__name__} has no method `process`: define process(self, ...) -> ...")
+    hints = _hints(stage, process)
+    signature = inspect.signature(process)
+    inputs = tuple(_input(stage, p, hints) for p in list(signature.parameters.values())[1:])
+    if "return" not in hints:
+        raise SignatureError(f"{stage.__name__}.process says not what it returns: write `-> None` for a sink")
+    returned = hints["return"]
+    source = get_origin(returned) is get_origin(Source[Any])
+    if source and inputs:
+        raise SignatureError(f"{stage.__name__}.process yields and has inputs; a source has none")
+    if not source and not inputs:
+        raise SignatureError(f"{stage.__name__}.process has no inputs: a source returns Source[MessageType]")
+    return Ports(inputs, _outputs(stage, get_args(returned)[0] if source else returned), source)
+
+
+def accepts(wanted: type[Message], offered: type[Message]) -> bool:
+    """Whether an input of one type takes messages of another: the same, or derived from it."""
+    return issubclass(offered, wanted)
+
+
+def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:
+    try:
+        return typing.get_type_hints(process, include_extras=True)
+    except (NameError, TypeError, AttributeError) as error:
+        raise SignatureError(f"{stage.__name__}.process has an annotation that cannot be read: {error}") from error
+
+
+def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, Any]) -> InputPort:
+    name = parameter.name
+    if parameter.kind not in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):
+        raise SignatureError(f"{stage.__name__}.process: *{name} cannot be a port; name each input")
+    if name not in hints:
+        raise SignatureError(f"{stage.__name__}.process: input {name} has no type; write {name}: MessageType")
+    hint, kind = hints[name], "plain"
+    for mark in getattr(hint, "__metadata__", ()):
+        kind = {LatestInput: "latest", JoinedInput: "joined"}.get(type(mark), kind)
+    if get_origin(hint) is typing.Annotated:
+        hint = get_args(hint)[0]
+    if kind == "joined":
+        hint = get_args(hint)[0]
+    found = _message(hint)
+    if found is None:
+        raise SignatureError(
+            f"{stage.__name__}.process: input {name} is no message type;"
+            f" write {name}: MessageType, Joined[MessageType] or Latest[MessageType]"
+        )
+    return InputPort(name, found, typing.cast(InputKind, kind), parameter.default is parameter.empty)
+
+
+def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputPort, ...]:
+    if returned is types.NoneType:
+        return ()
+    message = _message(returned)
+    if message is not None:
+        return (OutputPort(ONE_OUTPUT, message),)
+    several = _optional(returned)
+    if dataclasses.is_dataclass(several):
+        hints = typing.get_type_hints(several)
+        found = [(f.name, _message(hints[f.name])) for f in dataclasses.fields(several)]
+        if found and all(kind is not None for _, kind in found):
+            return tuple(OutputPort(name, kind) for name, kind in found if kind is not None)
+    raise SignatureError(
+        f"{stage.__name__}.process returns {returned!r}: return a message type, a dataclass of message types,"
+        " Source[...] of either, or None"
+    )
+
+
+def _message(hint: Any) -> type[Message] | None:
+    """The message type behind `T` or `T | None`."""
+    hint = _optional(hint)
+    return hint if isinstance(hint, type) and issubclass(hint, Message) else None
+
+
+def _optional(hint: Any) -> Any:
+    """`T` for `T | None`, else the hint itself."""
+    if get_origin(hint) in (types.UnionType, typing.Union):
+        rest = [arg for arg in get_args(hint) if arg is not types.NoneType]
+        return rest[0] if len(rest) == 1 else hint
+    return hint
