@@ -44,12 +44,21 @@ class Images(Stage):
                 ]
             )
 
+    def length(self) -> int:
+        """Pictures that will come."""
+        return len(self.chosen)
+
+    @property
+    def chosen(self) -> list[Path]:
+        """The files from the first to the last that is to be played."""
+        first, frames = self.params.start_frame, self.params.frames
+        return self.files[first : first + frames if frames else None]
+
     def process(self) -> Source[Frame]:
         """Frames with their capture time and their number in the folder; unreadable files leave a gap."""
-        first, rate = self.params.start_frame, exact_rate(self.params.fps)
-        last = first + self.params.frames if self.params.frames else len(self.files)
+        rate = exact_rate(self.params.fps)
         unreadable = []
-        for number, path in enumerate(self.files[first:last], first):
+        for number, path in enumerate(self.chosen, self.params.start_frame):
             image = cv2.imread(str(path), cv2.IMREAD_COLOR)
             if image is None:
                 unreadable.append(path.name)

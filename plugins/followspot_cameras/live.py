@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from threading import Event
 from typing import Any, ClassVar, Protocol
 
@@ -44,9 +45,10 @@ class LiveCamera(Stage):
         """Open the camera once; whether that worked shows in `isOpened`."""
         raise NotImplementedError
 
-    def setup(self) -> None:
-        """Prepare to be stopped."""
-        self.stopped = Event()
+    @cached_property
+    def stopped(self) -> Event:
+        """Ends the waiting when it is set."""
+        return Event()
 
     def process(self) -> Source[Frame]:
         """Frames as they come, each with the time right after its exposure was grabbed, ns since 1970."""

@@ -21,6 +21,10 @@ class TruthCsv(Stage):
         """Read the file whole. Raises InputError with line numbers."""
         self.truth = read_truth_csv(self.params.path)
 
+    def length(self) -> int:
+        """Number of frames."""
+        return len(self.truth.time)
+
     def process(self) -> Source[Truth]:
         """One message per time, with the objects that are there."""
         truth = self.truth

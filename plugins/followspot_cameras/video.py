@@ -43,6 +43,11 @@ class Video(Stage):
         check_size(width, height, self.camera, str(path))
         self.rate = frame_rate(self.capture, path, self.params.fps)
 
+    def length(self) -> int | None:
+        """Frames that will come, after the container; None where its time stamps are of no use."""
+        total = announced_frames(self.params.path) - self.params.start_frame
+        return min(total, self.params.frames or total) if total > 0 else None
+
     def process(self) -> Source[Frame]:
         """Frames with their capture time and the number that they have in the file."""
         camera, loan = self.camera, self.context.loan
@@ -92,8 +97,8 @@ class Video(Stage):
 
 
 def open_video(path: Path) -> cv2.VideoCapture:
-    """A decoder with one thread, as each source has a thread of its own. Raises InputError."""
-    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 1])
+    """A decoder with a second thread, which works ahead while the graph has the first. Raises InputError."""
+    capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
     if not capture.isOpened():
         raise InputError(
             [
@@ -105,6 +110,16 @@ def open_video(path: Path) -> cv2.VideoCapture:
             ]
         )
     return capture
+
+
+def announced_frames(path: Path) -> int:
+    """Number of frames after the container; 0 where that rests on time stamps that do not advance."""
+    capture = open_video(path)
+    try:
+        advancing = capture.grab() and capture.grab() and capture.get(cv2.CAP_PROP_PTS) >= 1
+        return int(capture.get(cv2.CAP_PROP_FRAME_COUNT)) if advancing else 0
+    finally:
+        capture.release()
 
 
 def frame_rate(capture: cv2.VideoCapture, path: Path, given: float) -> Fraction:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Field, Joined, OutputPath, Stage, StageParams
+from followspot import Field, Joined, OutputPath, StageParams
 from followspot.tracking import Blobs
-from followspot_sinks.text_file import TextFile, seconds
-
-HEAD = "frame,time,camera,target,u,v,area,similarity\n"
+from followspot_sinks.line_sink import LineSink, seconds
 
 
-class CsvBlobs(Stage):
+class CsvBlobs(LineSink):
     """Write one row per blob and target that it may belong to: px in the picture as it was taken."""
+
+    head = "frame,time,camera,target,u,v,area,similarity\n"
 
     class Params(StageParams):
         path: OutputPath = Field("blobs.csv", description="the CSV file, below the output folder")
@@ -21,8 +21,7 @@ class CsvBlobs(Stage):
 
     def setup(self) -> None:
         """Create the file. Raises FollowspotError where that is not possible."""
-        self.file = TextFile(self.context.out, self.params.path)
-        self.file.write([HEAD])
+        super().setup()
         self.names = tuple(self.room.targets)
 
     def process(self, blobs: Joined[Blobs]) -> None:
@@ -32,10 +31,4 @@ class CsvBlobs(Stage):
             values = np.column_stack([one.pixel, one.area, one.similarity]).tolist()
             for row, target in np.argwhere(one.targets).tolist():
                 u, v, area, similarity = values[row]
-                self.file.write(
-                    [f"{start},{self.names[target]},{u:.3f},{v:.3f},{area:.0f},{similarity:.4f}\n"]
-                )
-
-    def close(self) -> None:
-        """Complete the file."""
-        self.file.close()
+                self.write([f"{start},{self.names[target]},{u:.3f},{v:.3f},{area:.0f},{similarity:.4f}\n"])

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Field, OutputPath, Stage, StageParams
+from followspot import Field, OutputPath, StageParams
 from followspot.tracking import STATES, Tracks
-from followspot_sinks.text_file import TextFile, seconds
-
-HEAD = "frame,time,object,state,x,y,z,vx,vy,vz,sx,sy,sz\n"
+from followspot_sinks.line_sink import LineSink, seconds
 
 
-class CsvTracks(Stage):
+class CsvTracks(LineSink):
     """Write one row per target and frame while its position is known: s, m, m/s and one sigma in m.
 
     Six decimals: a micrometre is far below any error, and equal runs give equal bytes.
     """
+
+    head = "frame,time,object,state,x,y,z,vx,vy,vz,sx,sy,sz\n"
 
     class Params(StageParams):
         path: OutputPath = Field("tracks.csv", description="the CSV file, below the output folder")
@@ -24,21 +24,16 @@ class CsvTracks(Stage):
 
     def setup(self) -> None:
         """Create the file. Raises FollowspotError where that is not possible."""
-        self.file = TextFile(self.context.out, self.params.path)
-        self.file.write([HEAD])
+        super().setup()
         self.names = tuple(self.room.targets)
 
     def process(self, tracks: Tracks) -> None:
         """Add the rows of one frame."""
         values = np.hstack([tracks.xyz, tracks.velocity, tracks.sigma])
         start = f"{tracks.header.seq},{seconds(tracks.header.time)}"
-        self.file.write(
+        self.write(
             f"{start},{self.names[target]},{STATES[state]}," + ",".join(f"{v:.6f}" for v in row) + "\n"
             for target, state, row in zip(
                 tracks.target.tolist(), tracks.state.tolist(), values.tolist(), strict=True
             )
         )
-
-    def close(self) -> None:
-        """Complete the file."""
-        self.file.close()

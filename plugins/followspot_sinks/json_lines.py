@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from followspot import Field, Message, OutputPath, Stage, StageParams
+from followspot import Field, Message, OutputPath, StageParams
 from followspot.messages import Array
-from followspot_sinks.text_file import TextFile
+from followspot_sinks.line_sink import LineSink
 
 
-class JsonLines(Stage):
+class JsonLines(LineSink):
     """Write a JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
 
     class Params(StageParams):
@@ -21,17 +21,9 @@ class JsonLines(Stage):
 
     params: Params
 
-    def setup(self) -> None:
-        """Create the file. Raises FollowspotError where that is not possible."""
-        self.file = TextFile(self.context.out, self.params.path)
-
     def process(self, message: Message) -> None:
         """Add one line."""
-        self.file.write([json.dumps(as_json(message), allow_nan=False, separators=(",", ":")) + "\n"])
-
-    def close(self) -> None:
-        """Complete the file."""
-        self.file.close()
+        self.write([json.dumps(as_json(message), allow_nan=False, separators=(",", ":")) + "\n"])
 
 
 def as_json(message: Message) -> dict[str, Any]:

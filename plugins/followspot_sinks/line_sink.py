@@ -1,0 +1,81 @@
+"""A text file that grows by whole lines below the run's output folder."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from io import FileIO
+from pathlib import Path
+from typing import ClassVar
+
+from followspot import Stage
+from followspot.errors import FollowspotError, InputError, Mistake
+
+FLUSH_BYTES = 1 << 13
+
+
+class LineSink(Stage):
+    """Base of sinks with a parameter `path`: collects lines and writes them together.
+
+    The file on disk ends with a whole line at any time, so that it is valid also after a kill.
+    """
+
+    head: ClassVar[str] = ""
+    """First line of the file."""
+    file: FileIO | None = None
+
+    def setup(self) -> None:
+        """Create the file, replacing an older one. Raises FollowspotError where that is not possible."""
+        path = below(self.context.out, self.params.path)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self.file = FileIO(path, "w")
+        except OSError as error:
+            raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+        self.pending = [self.head]
+        self.pending_bytes = len(self.head)
+
+    def write(self, lines: Iterable[str]) -> None:
+        """Add lines, each with its line end. Raises FollowspotError where the disk does not take them."""
+        for line in lines:
+            self.pending.append(line)
+            self.pending_bytes += len(line)
+        if self.pending_bytes >= FLUSH_BYTES:
+            self.flush()
+
+    def flush(self) -> None:
+        """Hand all lines to the operating system. Raises FollowspotError."""
+        if self.file is None:
+            return
+        data = memoryview("".join(self.pending).encode())
+        self.pending.clear()
+        self.pending_bytes = 0
+        try:
+            while data:
+                data = data[self.file.write(data) :]
+        except OSError as error:
+            remedy = "free space on the disk or choose another output folder"
+            raise FollowspotError(f"{self.file.name} is cut short: {error.strerror}\n    {remedy}") from None
+
+    def close(self) -> None:
+        """Write what is left and close. Raises FollowspotError."""
+        if self.file is not None:
+            try:
+                self.flush()
+            finally:
+                self.file.close()
+
+
+def below(folder: Path, name: Path) -> Path:
+    """The path of an output, which must stay below the run's output folder. Raises InputError."""
+    root = folder.resolve()
+    path = (root / name).resolve()
+    if root not in path.parents:
+        text = f"{name} lies outside the output folder {folder}"
+        raise InputError([Mistake(None, text, "outputs are named relative to it; --out chooses another")])
+    return path
+
+
+def seconds(time: int) -> str:
+    """Nanoseconds as exact decimal seconds."""
+    whole, rest = divmod(time, 1_000_000_000)
+    return f"{whole}.{rest:09d}"

@@ -1,0 +1,164 @@
+"""Devices and network streams: capture at grab, loss, recovery, prompt stop."""
+
+import threading
+import time
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import cv2
+import pytest
+from pydantic import ValidationError
+from tests.plugins.cameras.recordings import context, numbers, picture, record
+
+from followspot_cameras import live
+from followspot_cameras.device import Device
+from followspot_cameras.live import Capture, LiveCamera
+from followspot_cameras.stream import Stream, public_address
+
+
+class Unplugged:
+    """A device that is not there."""
+
+    def isOpened(self) -> bool:  # noqa: N802
+        return False
+
+    def grab(self) -> bool:
+        raise AssertionError("a device that is not open is never grabbed")
+
+    def retrieve(self, image=None, /):
+        raise AssertionError
+
+    def release(self) -> None:
+        """Nothing to release."""
+
+
+class Replugged(LiveCamera):
+    """A camera that plays a video, is then gone for two attempts, and plays again."""
+
+    origin = "camera 7"
+
+    def __init__(self, *args: object, path: Path) -> None:
+        super().__init__(*args)
+        video = str(path)
+        self.attempts: Iterator[Capture] = iter(
+            [cv2.VideoCapture(video), Unplugged(), Unplugged(), cv2.VideoCapture(video)]
+        )
+
+    def connect(self) -> Capture:
+        return next(self.attempts, Unplugged())
+
+
+@pytest.fixture(autouse=True)
+def _short_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "FIRST_WAIT", 0.001)
+
+
+def test_lost_camera_comes_back_and_both_are_reported_once(tmp_path: Path) -> None:
+    warnings: list[str] = []
+    camera = Replugged(context(warn=warnings.append), path=record(tmp_path / "a.mkv", frames=3))
+    frames = camera.process()
+    assert [numbers(next(frames).pixels) for _ in range(6)] == [0, 1, 2, 0, 1, 2]
+    frames.close()
+    assert warnings == [
+        "camera 7 gives no pictures; connecting again until it does",
+        "camera 7 is back",
+    ]
+
+
+def test_capture_time_is_that_of_the_grab(tmp_path: Path) -> None:
+    camera = Replugged(context(), path=record(tmp_path / "a.mkv", frames=3))
+    before = time.time_ns()
+    frames = camera.process()
+    times = [next(frames).header.time for _ in range(3)]
+    assert before <= times[0] <= times[1] <= times[2] <= time.time_ns()
+    frames.close()
+
+
+def test_waits_double_up_to_a_limit_and_start_anew_after_a_picture(tmp_path: Path) -> None:
+    class Clock(threading.Event):
+        def __init__(self) -> None:
+            super().__init__()
+            self.waits: list[float] = []
+
+        def wait(self, timeout: float | None = None) -> bool:
+            self.waits.append(timeout or 0.0)
+            if len(self.waits) == 6:
+                self.set()
+            return self.is_set()
+
+    attempts = iter([Unplugged(), Unplugged(), cv2.VideoCapture(str(record(tmp_path / "a.mkv", frames=1)))])
+    stopped = Clock()
+    pictures = list(live.grabs(lambda: next(attempts, Unplugged()), stopped, lambda text: None))
+    assert len(pictures) == 1
+    assert stopped.waits == [0.001, 0.002, 0.001, 0.002, 0.004, 0.008]
+
+
+def test_close_from_another_thread_ends_the_wait_for_a_lost_camera(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(live, "FIRST_WAIT", 600.0)
+    lost = threading.Event()
+
+    class Gone(LiveCamera):
+        origin = "camera 7"
+
+        def connect(self) -> Capture:
+            return Unplugged()
+
+    camera = Gone(context(warn=lambda text: lost.set()))
+    thread = threading.Thread(target=lambda: list(camera.process()), daemon=True)
+    thread.start()
+    assert lost.wait(10)
+    camera.close()
+    thread.join(10)
+    assert not thread.is_alive()
+
+
+def test_absent_device_is_not_opened() -> None:
+    assert not Device(context(), device="/dev/no-such-camera").connect().isOpened()
+
+
+class Mjpeg(BaseHTTPRequestHandler):
+    """Serves three pictures as motion JPEG, then hangs up."""
+
+    def do_GET(self) -> None:
+        self.send_response(200)
+        self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=next")
+        self.end_headers()
+        for number in (10, 20, 30):
+            _, jpeg = cv2.imencode(".jpg", picture(number))
+            head = f"--next\r\nContent-Type: image/jpeg\r\nContent-Length: {jpeg.size}\r\n\r\n"
+            self.wfile.write(head.encode() + jpeg.tobytes() + b"\r\n")
+        self.wfile.write(b"--next--\r\n")
+
+    def log_message(self, *args: object) -> None:
+        """Keep the test's output clean."""
+
+
+@pytest.fixture
+def server() -> Iterator[str]:
+    with ThreadingHTTPServer(("127.0.0.1", 0), Mjpeg) as http:
+        threading.Thread(target=http.serve_forever, daemon=True).start()
+        yield f"http://viewer:secret@127.0.0.1:{http.server_port}/video.mjpg"
+        http.shutdown()
+
+
+def test_stream_that_hangs_up_is_opened_again(server: str) -> None:
+    warnings: list[str] = []
+    stream = Stream(context(warn=warnings.append), url=server, open_timeout=5, read_timeout=5)
+    frames = stream.process()
+    seen = [numbers(next(frames).pixels) for _ in range(4)]
+    stream.close()
+    frames.close()
+    assert seen == [10, 20, 30, 10]
+    assert len(warnings) == 2
+    assert not any("secret" in text for text in warnings)
+
+
+@pytest.mark.parametrize("url", ["/etc/passwd", "file:///a.mkv", "concat:a|b", "rtsp://", "data:,x", "HTTP"])
+def test_only_network_addresses_are_streams(url: str) -> None:
+    with pytest.raises(ValidationError):
+        Stream(context(), url=url)
+
+
+def test_address_is_shown_without_credentials() -> None:
+    assert public_address("rtsp://u:p@[::1]:554/a?token=1") == "rtsp://[::1]:554/a"

@@ -1,0 +1,145 @@
+"""A video file as a camera."""
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.plugins.cameras.recordings import SIZE, context, numbers, record
+
+from followspot import InputError
+from followspot_cameras.clock import capture_time, exact_rate
+from followspot_cameras.video import Video
+
+GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"
+needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
+
+
+def play(path: Path, kind: str = "color", **params: object) -> tuple[list, list[str]]:
+    warnings: list[str] = []
+    video = Video(context(kind, warn=warnings.append), path=path, **params)
+    video.setup()
+    frames = list(video.process())
+    video.close()
+    return frames, warnings
+
+
+def test_every_frame_comes_once_with_its_number_and_exact_time(tmp_path: Path) -> None:
+    frames, warnings = play(record(tmp_path / "a.mkv"))
+    assert [numbers(f.pixels) for f in frames] == list(range(20))
+    assert [f.header.seq for f in frames] == list(range(20))
+    assert [f.header.time for f in frames] == [n * 1_000_000_000 // 30 for n in range(20)]
+    assert not warnings
+
+
+def test_color_camera_gives_three_channels_and_infrared_camera_one(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.avi", frames=2)
+    (color, *_), _ = play(path)
+    (infrared, *_), _ = play(path, "infrared")
+    assert color.pixels.shape == (SIZE[1], SIZE[0], 3)
+    assert infrared.pixels.shape == (SIZE[1], SIZE[0], 1)
+    assert infrared.camera == "cam3"
+
+
+def test_color_picture_is_decoded_into_the_loaned_array(tmp_path: Path) -> None:
+    loans: list[np.ndarray] = []
+
+    def loan(shape: tuple[int, ...], dtype: str) -> np.ndarray:
+        loans.append(np.empty(shape, dtype))
+        return loans[-1]
+
+    base = context()
+    video = Video(type(base)(camera=base.camera, loan=loan), path=record(tmp_path / "a.mkv", frames=3))
+    video.setup()
+    frames = list(video.process())
+    assert len(loans) == 3
+    assert all(np.shares_memory(f.pixels, a) for f, a in zip(frames, loans, strict=True))
+
+
+def test_start_frame_and_frames_choose_a_part_and_keep_the_numbers(tmp_path: Path) -> None:
+    frames, warnings = play(record(tmp_path / "a.mkv"), start_frame=5, frames=3)
+    assert [f.header.seq for f in frames] == [5, 6, 7]
+    assert [numbers(f.pixels) for f in frames] == [5, 6, 7]
+    assert not warnings
+
+
+def test_given_frame_rate_overrides_that_of_the_file(tmp_path: Path) -> None:
+    frames, _ = play(record(tmp_path / "a.mkv", frames=3), fps=50)
+    assert [f.header.time for f in frames] == [0, 20_000_000, 40_000_000]
+
+
+def test_length_is_known_before_the_first_frame(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mkv")
+    assert Video(context(), path=path).length() == 20
+    assert Video(context(), path=path, start_frame=15, frames=9).length() == 5
+
+
+@pytest.mark.parametrize("name", ["a.mkv", "a.avi"])
+def test_truncated_file_warns_how_far_it_went(tmp_path: Path, name: str) -> None:
+    path = record(tmp_path / name)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    frames, warnings = play(path)
+    assert 0 < len(frames) < 20
+    (warning,) = warnings
+    assert warning.startswith(f"{name} ended after {len(frames)} of 20 frames (the file is cut off: ")
+
+
+def test_mp4_without_its_end_is_refused_as_cut_off(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mp4", codec="mp4v")
+    path.write_bytes(path.read_bytes()[:-600])
+    with pytest.raises(InputError, match=r"a\.mp4 cannot be read as a video \(the file is cut off"):
+        Video(context(), path=path).setup()
+
+
+def test_damaged_frames_are_counted_and_later_frames_keep_their_time(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mkv")
+    data = bytearray(path.read_bytes())
+    middle = len(data) // 2
+    data[middle : middle + len(data) // 10] = bytes(len(data) // 10)
+    path.write_bytes(data)
+    frames, warnings = play(path)
+    lost = 20 - len(frames)
+    assert lost > 0
+    half_damaged = [f.header.seq for f in frames if f.header.seq != numbers(f.pixels)]
+    assert len(half_damaged) <= 2
+    assert frames[-1].header.seq == 19
+    assert warnings == [f"a.mkv: {lost} frames are missing or damaged"]
+
+
+def test_wrong_picture_size_names_file_camera_and_both_sizes(tmp_path: Path) -> None:
+    video = Video(context(size=(320, 240)), path=record(tmp_path / "a.mkv", frames=2))
+    with pytest.raises(InputError, match=r"a\.mkv has pictures of 64x48 px, but camera cam3 .* 320x240 px"):
+        video.setup()
+
+
+def test_file_that_is_no_video_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "notes.mkv"
+    path.write_text("not a video")
+    video = Video(context(), path=path)
+    with pytest.raises(InputError, match=r"notes\.mkv cannot be read as a video"):
+        video.setup()
+    video.close()
+
+
+@given(st.integers(0, 10**9), st.sampled_from([24.0, 25.0, 30000 / 1001, 59.94005994, 0.5]))
+def test_capture_times_never_drift(frame: int, fps: float) -> None:
+    rate = exact_rate(fps)
+    assert 0 <= frame / rate * 10**9 - capture_time(frame, rate) < 1
+
+
+def test_ntsc_rate_is_exact() -> None:
+    assert exact_rate(29.97002997) == Fraction(30000, 1001)
+
+
+@needs_shared
+def test_recording_with_useless_time_stamps_plays_at_its_frame_rate() -> None:
+    base = context("infrared", size=(320, 240))
+    video = Video(base, path=GLOWBALLS / "dev1/cam1.mkv")
+    video.setup()
+    times = [f.header.time for f in video.process()]
+    assert len(times) == 200
+    assert times[-1] == 199 * 10**9 // 30
+    assert video.length() is None

@@ -1,0 +1,105 @@
+"""Tracks and blobs as CSV files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from followspot import Context, FollowspotError, Header, InputError, Room, Target
+from followspot.accuracy import read_tracks_csv
+from followspot.messages import stamped
+from followspot.tracking import Blobs, Tracks
+from followspot_sinks.csv_blobs import CsvBlobs
+from followspot_sinks.csv_tracks import CsvTracks
+
+ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})
+
+
+def tracks(seq: int, time: int, rows: int = 2) -> Tracks:
+    xyz = np.array([[1.5, -2.25, 1 / 3], [0.0, 0.1, 2.0]])[:rows]
+    message = Tracks(
+        target=np.array([1, 0], "i4")[:rows],
+        state=np.array([1, 3], "u1")[:rows],
+        xyz=xyz,
+        velocity=xyz / 2,
+        sigma=np.abs(xyz) / 100,
+    )
+    return stamped(message, Header("track", seq, time))
+
+
+def saved(folder: Path, *messages: Tracks) -> Path:
+    sink = CsvTracks(Context(room=ROOM, out=folder))
+    sink.setup()
+    for message in messages:
+        sink.process(message)
+    sink.close()
+    return folder / "tracks.csv"
+
+
+def test_tracks_are_one_row_per_target_and_frame(tmp_path: Path) -> None:
+    lines = saved(tmp_path, tracks(7, 233_333_333)).read_text().splitlines()
+    assert lines == [
+        "frame,time,object,state,x,y,z,vx,vy,vz,sx,sy,sz",
+        "7,0.233333333,red,tracked,1.500000,-2.250000,0.333333,0.750000,-1.125000,0.166667,0.015000,0.022500,0.003333",
+        "7,0.233333333,green,predicted,0.000000,0.100000,2.000000,0.000000,0.050000,1.000000,0.000000,0.001000,0.020000",
+    ]
+
+
+def test_frame_without_known_positions_has_no_row(tmp_path: Path) -> None:
+    assert len(saved(tmp_path, tracks(0, 0, rows=0)).read_text().splitlines()) == 1
+
+
+def test_saved_tracks_read_back(tmp_path: Path) -> None:
+    table = read_tracks_csv(saved(tmp_path, tracks(0, 0), tracks(1, 1_700_000_000_123_456_789)))
+    assert table.objects == ("red", "green")
+    np.testing.assert_allclose(table.xyz[2:], [[1.5, -2.25, 1 / 3], [0, 0.1, 2]], atol=1e-6)
+    assert table.time[2] == pytest.approx(1_700_000_000.123456789, abs=1e-6)
+
+
+def test_file_ends_with_a_whole_line_also_before_close(tmp_path: Path) -> None:
+    sink = CsvTracks(Context(room=ROOM, out=tmp_path))
+    sink.setup()
+    for frame in range(500):
+        sink.process(tracks(frame, frame))
+    written = (tmp_path / "tracks.csv").read_text()
+    assert written.count("\n") > 900
+    assert written.endswith("\n")
+    sink.close()
+
+
+def test_output_cannot_leave_the_output_folder(tmp_path: Path) -> None:
+    for name in ("../tracks.csv", "/tmp/tracks.csv", "a/../../tracks.csv", "."):
+        sink = CsvTracks(Context(out=tmp_path / "run"), path=name)
+        with pytest.raises(InputError, match="outside the output folder"):
+            sink.setup()
+        sink.close()
+
+
+def test_full_disk_is_an_error_that_says_so(tmp_path: Path) -> None:
+    if not Path("/dev/full").exists():
+        pytest.skip("needs /dev/full")
+    sink = CsvTracks(Context(room=ROOM, out=Path("/dev")), path="full")
+    sink.setup()
+    with pytest.raises(FollowspotError, match=r"/dev/full is cut short: No space left on device"):
+        sink.close()
+
+
+def test_blobs_are_one_row_per_blob_and_target(tmp_path: Path) -> None:
+    blobs = Blobs(
+        camera="cam0",
+        xy=np.zeros((2, 2)),
+        pixel=np.array([[10.25, 20.5], [30.0, 40.0]]),
+        area=np.array([64.0, 12.0]),
+        similarity=np.array([0.91, 1.0]),
+        targets=np.array([[True, True], [False, True]]),
+    )
+    sink = CsvBlobs(Context(room=ROOM, out=tmp_path))
+    sink.setup()
+    sink.process((stamped(blobs, Header("color/cam0", 3, 100_000_000)),))
+    sink.close()
+    assert (tmp_path / "blobs.csv").read_text().splitlines() == [
+        "frame,time,camera,target,u,v,area,similarity",
+        "3,0.100000000,cam0,green,10.250,20.500,64,0.9100",
+        "3,0.100000000,cam0,red,10.250,20.500,64,0.9100",
+        "3,0.100000000,cam0,red,30.000,40.000,12,1.0000",
+    ]
