@@ -1,0 +1,140 @@
+"""`followspot plugins`: what is installed and in which state; for one stage its ports and parameters."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import asdict
+from typing import Any
+
+from followspot.plugins.hooks import Command
+
+_SIGNS = {
+    "Gt": ">",
+    "Ge": ">=",
+    "Lt": "<",
+    "Le": "<=",
+    "MultipleOf": "multiple of",
+    "MinLen": "length >=",
+    "MaxLen": "length <=",
+}
+"""Limits of a parameter as they are written."""
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", nargs="?", metavar="NAME", help="one stage, for example balls.mean_shift")
+    parser.add_argument(
+        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.plugins.registry import load_stage, use_plugin_files
+
+    use_plugin_files(args.plugin_files)
+    if args.name is None:
+        return _list(as_json=args.json)
+    described = _describe(args.name, load_stage(args.name))
+    print(json.dumps(described, indent=2) if args.json else _page(described))
+    return 0
+
+
+def _list(*, as_json: bool) -> int:
+    from followspot.cli.summary import table
+    from followspot.plugins.hooks import load_hooks
+    from followspot.plugins.registry import catalogue, examined
+
+    stages = [examined(entry) for entry in catalogue().values()]
+    hooks = load_hooks().modules
+    if as_json:
+        print(json.dumps({"stages": [vars(s) for s in stages], "hooks": [vars(h) for h in hooks]}, indent=2))
+    else:
+        rows = [(s.name, s.distribution, s.state, s.problem) for s in stages]
+        rows += [(f"({h.name})", h.distribution, "broken" if h.problem else "ok", h.problem) for h in hooks]
+        print(table(("stage (hooks)", "distribution", "state", "problem"), rows))
+    return 0
+
+
+def _describe(name: str, stage: Any) -> dict[str, Any]:
+    from followspot.ports import ports
+
+    found = ports(stage)
+    return {
+        "name": name,
+        "description": (stage.__doc__ or "").strip(),
+        "inputs": [
+            {"name": p.name, "type": p.type.__name__, "kind": p.kind, "required": p.required} for p in found.inputs
+        ],
+        "outputs": [{"name": p.name, "type": p.type.__name__} for p in found.outputs],
+        "parameters": [_parameter(key, info) for key, info in stage.Params.model_fields.items()],
+        "example": _example(name, stage),
+    }
+
+
+def _parameter(name: str, info: Any) -> dict[str, Any]:
+    limits = [
+        f"{_SIGNS[type(m).__name__]} {next(iter(asdict(m).values()))}"
+        for m in info.metadata
+        if type(m).__name__ in _SIGNS
+    ]
+    return {
+        "name": name,
+        "type": getattr(info.annotation, "__name__", str(info.annotation)),
+        "default": None if info.is_required() else _plain(info.default),
+        "required": info.is_required(),
+        "range": ", ".join(limits),
+        "unit": (info.json_schema_extra or {}).get("unit", ""),
+        "description": info.description or "",
+    }
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, (int, float, str, bool, list, dict, type(None))) else str(value)
+
+
+def _example(name: str, stage: Any) -> str:
+    """A line for a graph file."""
+    from followspot.ports import ports
+
+    feeds = ", ".join(f"{p.name}: ..." for p in ports(stage).inputs if p.required)
+    required = ", ".join(f"{k}: ..." for k, info in stage.Params.model_fields.items() if info.is_required())
+    parts = [f"uses: {name}"]
+    if stage.per_camera:
+        parts.append("each: cameras")
+    if feeds:
+        parts.append(f"in: {{{feeds}}}")
+    if required:
+        parts.append(f"with: {{{required}}}")
+    return f"{name.rpartition('.')[2]}: {{{', '.join(parts)}}}"
+
+
+def _page(described: dict[str, Any]) -> str:
+    from followspot.cli.summary import table
+
+    lines = [described["name"], "", described["description"], ""]
+    kinds = {"plain": "", "latest": " (latest: sampled, never fires)", "joined": " (joined: one per edge)"}
+    for port in described["inputs"]:
+        optional = "" if port["required"] else ", optional"
+        lines.append(f"  in   {port['name']}: {port['type']}{kinds[port['kind']]}{optional}")
+    lines += [f"  out  {port['name']}: {port['type']}" for port in described["outputs"]]
+    if described["parameters"]:
+        rows = [
+            (p["name"], "required" if p["required"] else str(p["default"]), p["range"], p["unit"])
+            for p in described["parameters"]
+        ]
+        lines += ["", table(("parameter", "default", "range", "unit"), rows), ""]
+        lines += [f"  {p['name']}: {p['description']}" for p in described["parameters"]]
+    return "\n".join([*lines, "", f"  {described['example']}"])
+
+
+COMMAND = Command(
+    "plugins",
+    """list the installed stages and their state; or show one stage's ports and parameters
+
+  followspot plugins
+  followspot plugins balls.mean_shift
+""",
+    _configure,
+    _run,
+)
