@@ -1,0 +1,111 @@
+"""People as capsules: a pose per person, and the limbs that follow from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array
+from followspot_sim.choreography import BAG, BALL_FROM_HAND, ROUND, SWITCH, WALK, Round, smoothstep
+
+PARTS = (
+    "leg", "leg", "torso", "bag", "head", "arm", "arm", "forearm", "forearm", "badge",
+)  # fmt: skip
+"""Limbs of one person; the badge is a scrap of reflecting cloth that shines in infrared."""
+RADII = np.array([0.08, 0.08, 0.17, 0.13, 0.11, 0.055, 0.055, 0.045, 0.045, 0.02])
+"""Radius of each limb, m."""
+SIDES = np.array([1.0, -1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """How P people stand: base (P, 2) m, heading (P,) rad, bow (P,) 0 to 1, stride (P,) m, hands (P, 2, 3) m."""
+
+    base: Array
+    heading: Array
+    bow: Array
+    stride: Array
+    hands: Array
+
+    def in_room(self, local: Array) -> Array:
+        """Points in the frames of the people, (P, ..., 3) forward, left, up in m, in the room."""
+        extra = (slice(None), *[None] * (local.ndim - 2))
+        c, s = np.cos(self.heading)[extra], np.sin(self.heading)[extra]
+        x = self.base[:, 0][extra] + c * local[..., 0] - s * local[..., 1]
+        y = self.base[:, 1][extra] + s * local[..., 0] + c * local[..., 1]
+        return np.stack([x, y, local[..., 2]], axis=-1)
+
+    def held(self, person: int, hand: int) -> Array:
+        """Centre of a ball in that hand, (3,) m."""
+        c, s = np.cos(self.heading[person]), np.sin(self.heading[person])
+        x, y, z = BALL_FROM_HAND
+        return np.asarray(self.hands[person, hand] + [c * x - s * y, s * x + c * y, z])
+
+    def bags(self) -> Array:
+        """Centre of everybody's bag, (P, 3) m; it goes down with a bowing body."""
+        local = np.tile(BAG, (len(self.base), 1))
+        local[:, 2] -= 0.3 * self.bow
+        return self.in_room(local)
+
+
+def pose(act: Round, u: float, time: float) -> Pose:
+    """The people at `u` seconds of a round, `time` seconds of the performance."""
+    people = len(act.start)
+    s = smoothstep(u / WALK)
+    turn = np.mod(act.end[:, 2] - act.start[:, 2] + np.pi, 2 * np.pi) - np.pi
+    weight = float(smoothstep((u - WALK) / (SWITCH - WALK - 0.05)))
+    if u > SWITCH:
+        weight = 1.0 - float(smoothstep((u - SWITCH - 0.05) / (ROUND - SWITCH - 0.05)))
+    walk = act.end[:, :2] - act.start[:, :2]
+    pace = np.hypot(walk[:, 0], walk[:, 1]) * float(4 * s * (1 - s))
+    at_rest = Pose(
+        base=act.start[:, :2] + s * walk,
+        heading=act.start[:, 2] + s * turn,
+        bow=act.bow * weight,
+        stride=0.22 * np.clip(pace, 0, 1) * np.sin(2 * np.pi * 1.4 * time + np.arange(people)),
+        hands=np.zeros((people, 2, 3)),
+    )
+    carried = at_rest.in_room(_carry(people, time))
+    reached = np.where(np.isnan(act.reach), carried, act.reach)
+    hands = carried + weight * (reached - carried)
+    return Pose(at_rest.base, at_rest.heading, at_rest.bow, at_rest.stride, hands)
+
+
+def _carry(people: int, time: float) -> Array:
+    """Where hands are when they do nothing: before the body, swaying. (P, 2, 3), local, m."""
+    phase = 1.7 * np.arange(people)[:, None] + 2.9 * np.arange(2)
+    return np.stack(
+        [
+            0.38 + 0.05 * np.sin(3.8 * time + phase),
+            SIDES * (0.27 + 0.03 * np.sin(2.3 * time + phase)),
+            1.08 + 0.1 * np.sin(2.8 * time + 2 * phase),
+        ],
+        axis=-1,
+    )
+
+
+def limbs(p: Pose) -> Array:
+    """End points of all capsules, person by person in the order of PARTS: (P * 10, 2, 3) m."""
+    people = len(p.base)
+    zero, lean = np.zeros(people), 1.1 * p.bow
+    hip = np.stack([-0.1 * p.bow, zero, 0.92 - 0.3 * p.bow], axis=-1)
+    up = np.stack([np.sin(lean), zero, np.cos(lean)], axis=-1)
+    neck = hip + 0.5 * up
+    left = np.array([0.0, 1.0, 0.0])
+    ends = np.empty((people, len(PARTS), 2, 3))
+    for side, k in zip(SIDES, (0, 1), strict=True):
+        ends[:, k, 0] = hip + 0.09 * side * left
+        ends[:, k, 1] = np.stack([side * p.stride, np.full(people, 0.1 * side), np.full(people, 0.08)], -1)
+        ends[:, 5 + k, 0] = neck + 0.2 * side * left
+    ends[:, 2, 0], ends[:, 2, 1] = hip, neck - 0.05 * up
+    ends[:, 4] = (neck + 0.24 * up)[:, None]
+    ends[:, 9] = (neck + 0.1 * up + 0.14 * left)[:, None]
+    ends[:, (5, 6), 1] = ends[:, (5, 6), 0]
+    placed = p.in_room(ends)
+    elbows = (placed[:, (5, 6), 0] + p.hands) / 2 - np.array([0.0, 0.0, 0.08])
+    placed[:, (5, 6), 1] = placed[:, (7, 8), 0] = elbows
+    placed[:, (7, 8), 1] = p.hands
+    bags = p.bags()
+    placed[:, 3, 0], placed[:, 3, 1] = bags - [0, 0, 0.06], bags + [0, 0, 0.04]
+    return placed.reshape(-1, 2, 3)

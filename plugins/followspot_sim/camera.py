@@ -1,0 +1,46 @@
+"""Stage `sim.camera`: one camera of the simulated room."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Iterator
+from typing import ClassVar
+
+from followspot import Source, Stage, at
+from followspot.tracking import Frame
+from followspot_sim.parameters import SimParams
+from followspot_sim.picture import Picture
+
+
+class SimCamera(Stage):
+    """Render the simulated room as this camera sees it, frame by frame.
+
+    Every instance plays the same performance by itself, so the pictures fit together wherever the
+    stages run. With `realtime` frames come no earlier than their time; none is ever left out.
+    """
+
+    per_camera: ClassVar[bool] = True
+
+    Params = SimParams
+    params: SimParams
+
+    def setup(self) -> None:
+        """Prepare what stays the same in all pictures. Raises ValueError for an unknown target."""
+        self._picture = Picture(self.params, self.room, self.camera)
+
+    def process(self) -> Source[Frame]:
+        """Pictures at the middle of their exposure: frame k at k / fps seconds."""
+        for frame, time_ns in schedule(self.params):
+            pixels = self.context.loan(self._picture.shape, "u1")
+            self._picture.render(frame, pixels)
+            yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)
+
+
+def schedule(params: SimParams) -> Iterator[tuple[int, int]]:
+    """Frame numbers with their capture times in ns, at the pace of the clock where that is wanted."""
+    begin = time.monotonic()
+    for frame in range(params.frames) if params.frames else itertools.count():
+        if params.realtime:
+            time.sleep(max(0.0, begin + frame / params.fps - time.monotonic()))
+        yield frame, round(frame * 1e9 / params.fps)

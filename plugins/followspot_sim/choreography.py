@@ -1,0 +1,293 @@
+"""Who does what with which ball: one round of the performance is planned from the end of the last.
+
+A round has two halves. In the first everybody walks to a new station, in the second they stand and
+act: put a ball down, pick one up, pass it from hand to hand, throw it, put it into a bag or show it
+again. Balls on the floor may roll meanwhile. A person does one thing a round.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from followspot import Array
+
+ROUND, WALK, SWITCH = 3.0, 1.5, 2.25
+"""Length of a round, end of the walk, and the moment at which a ball changes hands, s."""
+FLIGHT = 0.65
+"""Duration of a throw, s."""
+ROLL = (0.3, 2.8)
+"""When a rolling ball starts and comes to rest within its round, s."""
+BALL_FROM_HAND = np.array([0.11, 0.0, 0.02])
+BAG = np.array([-0.05, -0.32, 0.85])
+MEETING = np.array([0.42, 0.0, 1.12])
+"""In the frame of a person (forward, left, up; m): ball from hand, bag, where hands meet."""
+STAGE = 1.9
+"""Balls stay within this distance of the room's centre along x and y, m."""
+LAST_RADIUS = 1.6
+"""People stay within this circle unless they fetch a ball, m."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a ball is while nobody moves it."""
+
+    kind: Literal["hand", "bag", "floor"]
+    person: int = -1
+    hand: int = -1
+    xyz: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Move:
+    """One ball in one round: at `before` until `leave`, at `after` from `arrive`, between them under way."""
+
+    before: Place
+    after: Place
+    leave: float = SWITCH
+    arrive: float = SWITCH
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """One round of the performance.
+
+    start, end: (P, 3) station of each person, x and y in m and heading in rad; reach: (P, 2, 3) m,
+    the point that a hand goes to and comes back from, NaN for a hand that stays; bow: (P,) whether
+    the person bends down for it.
+    """
+
+    start: Array
+    end: Array
+    reach: Array
+    bow: Array
+    moves: tuple[Move, ...]
+
+
+def opening(people: int, balls: int, rest_height: Array) -> Round:
+    """The round before the first: people stand in a circle with the balls in their hands.
+
+    rest_height: (T,) height of each ball's centre when it lies on the floor, m. Balls that find no
+    hand lie on the floor.
+    """
+    angle = 2 * np.pi * np.arange(people) / max(people, 1) + 0.4
+    stations = np.column_stack([1.1 * np.cos(angle), 1.1 * np.sin(angle), angle + np.pi])
+    places = []
+    for ball in range(balls):
+        if ball < 2 * people:
+            places.append(Place("hand", ball % people, ball // people))
+        else:
+            x, y = -1.0 + 0.7 * (ball % 4), -0.8 + 0.8 * (ball // 4)
+            places.append(Place("floor", xyz=(x, y, float(rest_height[ball]))))
+    still = np.full((people, 2, 3), np.nan)
+    return Round(stations, stations, still, np.zeros(people), tuple(Move(p, p) for p in places))
+
+
+def in_room(station: Array, local: Array) -> Array:
+    """A point given in the frame of a person who stands at `station` (x, y, heading), in the room; m."""
+    c, s = np.cos(station[2]), np.sin(station[2])
+    return np.array(
+        [station[0] + c * local[0] - s * local[1], station[1] + s * local[0] + c * local[1], local[2]]
+    )
+
+
+def turned(heading: float, local: Array) -> Array:
+    """A vector in the frame of a person of this heading (rad), along the room's axes; m."""
+    return in_room(np.array([0.0, 0.0, heading]), local)
+
+
+def smoothstep(x: Array | float) -> Array:
+    """0 before 0, 1 after 1, at rest at both ends."""
+    x = np.clip(x, 0.0, 1.0)
+    return np.asarray(x * x * (3 - 2 * x))
+
+
+class Planner:
+    """Plans one round. `hide`: whether balls may vanish into bags."""
+
+    def __init__(self, rng: np.random.Generator, last: Round, rest_height: Array, hide: bool) -> None:
+        self.rng, self.start, self.rest_height, self.hide = rng, last.end, rest_height, hide
+        people = len(last.end)
+        self.places = [move.after for move in last.moves]
+        self.end = np.full((people, 3), np.nan)
+        self.reach = np.full((people, 2, 3), np.nan)
+        self.bow = np.zeros(people)
+        self.moves = [Move(place, place) for place in self.places]
+        self.idle = set(range(people))
+        self.full = {(p.person, p.hand) for p in self.places if p.kind == "hand"}
+        self.bags = {p.person for p in self.places if p.kind == "bag"}
+        self.lying = {b: self._still(p.xyz) for b, p in enumerate(self.places) if p.kind == "floor"}
+
+    def plan(self) -> Round:
+        """The round: fetch balls from the floor, walk, then let every ball have its act."""
+        order = [int(b) for b in self.rng.permutation(len(self.places))]
+        fetched = {b for b in order if self.places[b].kind == "floor" and self._fetch(b)}
+        for person in range(len(self.end)):
+            if np.isnan(self.end[person, 0]):
+                self._wander(person)
+        for ball in order:
+            if ball not in fetched:
+                self._act(ball)
+        return Round(self.start, self.end, self.reach, self.bow, tuple(self.moves))
+
+    def _act(self, ball: int) -> None:
+        kind = self.places[ball].kind
+        if kind == "floor":
+            self._roll(ball)
+        elif kind == "bag":
+            self._show(ball)
+        elif self.places[ball].person in self.idle:
+            acts: list[Callable[[int], bool]] = [self._put, self._throw, self._switch, self._stow]
+            likely = np.array([0.32, 0.3, 0.16, 0.22 * self.hide])
+            for k in self.rng.choice(4, size=4 - (not self.hide), replace=False, p=likely / likely.sum()):
+                if acts[k](ball):
+                    break
+
+    def _fetch(self, ball: int) -> bool:
+        """The nearest idle person with a free hand walks to the ball and picks it up."""
+        xy = np.array(self.places[ball].xyz[:2])
+        able = [p for p in sorted(self.idle) if self._free_hand(p) is not None]
+        if not able or self.rng.random() > 0.7:
+            return False
+        away = xy - self.start[able, :2]
+        distance = np.hypot(away[:, 0], away[:, 1])
+        nearest = int(distance.argmin())
+        if distance[nearest] > 2.5:
+            return False
+        person, heading = able[nearest], float(np.arctan2(*away[nearest][::-1]))
+        self.end[person] = [*(xy - 0.5 * np.array([np.cos(heading), np.sin(heading)])), heading]
+        hand = self._free_hand(person)
+        assert hand is not None  # noqa: S101  # able says so
+        self._reach_ball(person, hand, np.array(self.places[ball].xyz), bow=True)
+        self._hand_over(ball, Place("hand", person, hand))
+        return True
+
+    def _wander(self, person: int) -> None:
+        """Walk to where nobody else walks, and face the others."""
+        best, gap = self.start[person], -1.0
+        for _ in range(12):
+            radius, angle = LAST_RADIUS * np.sqrt(self.rng.random()), self.rng.uniform(-np.pi, np.pi)
+            xy = np.array([radius * np.cos(angle), radius * np.sin(angle)])
+            if np.hypot(*(xy - self.start[person, :2])) < 2.2:
+                clear = self._clearance(person, xy)
+                if clear > gap:
+                    best, gap = np.array([*xy, angle + np.pi + self.rng.uniform(-0.8, 0.8)]), clear
+                if clear > 0.8:
+                    break
+        self.end[person] = best
+
+    def _clearance(self, person: int, xy: Array) -> float:
+        """Smallest distance to the walks of the others planned so far, m."""
+        s = np.linspace(0, 1, 7)[:, None]
+        walk = self.start[person, :2] * (1 - s) + xy * s
+        gaps = [
+            np.hypot(*(walk - self.start[p, :2] * (1 - s) - self.end[p, :2] * s).T).min()
+            for p in range(len(self.end))
+            if p != person and not np.isnan(self.end[p, 0])
+        ]
+        return float(min(gaps, default=9.0))
+
+    def _roll(self, ball: int) -> bool:
+        """Roll to a free place, past a neighbour if there is one."""
+        start = np.array(self.places[ball].xyz)
+        others = [track for b, track in self.lying.items() if b != ball]
+        for attempt in range(12):
+            if attempt < len(others):
+                ahead = others[attempt][0] - start[:2]
+                side = np.array([-ahead[1], ahead[0]]) / max(float(np.hypot(*ahead)), 0.1)
+                goal = start[:2] + 1.8 * ahead + 0.4 * side
+            else:
+                goal = self.rng.uniform(-STAGE, STAGE, 2)
+            track = self._rolling(start[:2], goal)
+            if np.abs(goal).max() < STAGE and 0.5 < np.hypot(*(goal - start[:2])) < 2.3:
+                if all(np.hypot(*(track - other).T).min() > 0.17 for other in others):
+                    self.lying[ball] = track
+                    goal_place = Place("floor", xyz=(float(goal[0]), float(goal[1]), float(start[2])))
+                    self.moves[ball] = Move(self.places[ball], goal_place, *ROLL)
+                    return True
+        return False
+
+    def _put(self, ball: int) -> bool:
+        """Put the ball on the floor ahead."""
+        place = self.places[ball]
+        for side in self.rng.uniform(-0.25, 0.25, 4):
+            xyz = in_room(self.end[place.person], np.array([0.5, side, self.rest_height[ball]]))
+            track = self._still(xyz)
+            clear = all(np.hypot(*(track - other).T).min() > 0.2 for other in self.lying.values())
+            if np.abs(xyz[:2]).max() < STAGE and clear:
+                self.lying[ball] = track
+                self._reach_ball(place.person, place.hand, xyz, bow=True)
+                self._hand_over(ball, Place("floor", xyz=(float(xyz[0]), float(xyz[1]), float(xyz[2]))))
+                return True
+        return False
+
+    def _throw(self, ball: int) -> bool:
+        """Throw the ball to an idle person with a free hand; both turn to each other."""
+        place = self.places[ball]
+        for other in sorted(self.idle - {place.person}):
+            hand = self._free_hand(other)
+            ahead = self.end[other, :2] - self.end[place.person, :2]
+            if hand is not None and 1.0 < np.hypot(*ahead) < 2.8:
+                heading = float(np.arctan2(ahead[1], ahead[0]))
+                self.end[place.person, 2], self.end[other, 2] = heading, heading + np.pi
+                self.idle.discard(other)
+                leave = SWITCH - FLIGHT / 2
+                self._hand_over(ball, Place("hand", other, hand), leave, leave + FLIGHT)
+                return True
+        return False
+
+    def _switch(self, ball: int) -> bool:
+        """Pass the ball to the other hand."""
+        place = self.places[ball]
+        if (place.person, 1 - place.hand) in self.full:
+            return False
+        self.reach[place.person] = in_room(self.end[place.person], MEETING)
+        self._hand_over(ball, Place("hand", place.person, 1 - place.hand))
+        return True
+
+    def _stow(self, ball: int) -> bool:
+        """Put the ball into the bag."""
+        place = self.places[ball]
+        if place.person in self.bags:
+            return False
+        self.bags.add(place.person)
+        self._reach_ball(place.person, place.hand, in_room(self.end[place.person], BAG))
+        self._hand_over(ball, Place("bag", place.person))
+        return True
+
+    def _show(self, ball: int) -> bool:
+        """Take the ball out of the bag again."""
+        person = self.places[ball].person
+        hand = self._free_hand(person)
+        if person not in self.idle or hand is None or self.rng.random() > 0.75:
+            return False
+        self._reach_ball(person, hand, in_room(self.end[person], BAG))
+        self._hand_over(ball, Place("hand", person, hand))
+        return True
+
+    def _reach_ball(self, person: int, hand: int, ball: Array, bow: bool = False) -> None:
+        self.reach[person, hand] = ball - turned(self.end[person, 2], BALL_FROM_HAND)
+        self.bow[person] = bow
+
+    def _hand_over(self, ball: int, after: Place, leave: float = SWITCH, arrive: float = SWITCH) -> None:
+        """Note the move; whoever takes part is busy, and a hand that held or gets a ball is full."""
+        self.moves[ball] = Move(self.places[ball], after, leave, arrive)
+        for place in (self.places[ball], after):
+            self.idle.discard(place.person)
+            if place.kind == "hand":
+                self.full.add((place.person, place.hand))
+
+    def _free_hand(self, person: int) -> int | None:
+        free = [hand for hand in (0, 1) if (person, hand) not in self.full]
+        return free[0] if free else None
+
+    def _rolling(self, start: Array, goal: Array) -> Array:
+        """Where a rolling ball is at 40 moments of a round, (40, 2) m."""
+        u = np.linspace(0, ROUND, 40)[:, None]
+        return np.asarray(start + (goal - start) * smoothstep((u - ROLL[0]) / (ROLL[1] - ROLL[0])))
+
+    def _still(self, xyz: Array | tuple[float, float, float]) -> Array:
+        return np.tile(np.asarray(xyz)[:2], (40, 1))

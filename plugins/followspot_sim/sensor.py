@@ -1,0 +1,56 @@
+"""From light to a picture: defocus, noise, gamma, hot pixels."""
+
+from __future__ import annotations
+
+import zlib
+
+import cv2
+import numpy as np
+
+from followspot import Array
+
+GAMMA = 0.78
+"""Exponent of the colour cameras; infrared cameras are linear."""
+POOL = 48
+"""By how many pixels the noise can be shifted along each axis."""
+HOT = 6
+"""Number of hot pixels of a camera."""
+
+
+def linear(color: Array) -> Array:
+    """Light that a colour camera shows as this value, both 0 to 255."""
+    return np.asarray(255.0 * (np.asarray(color, float) / 255.0) ** (1 / GAMMA))
+
+
+def own_rng(seed: int, camera: str) -> np.random.Generator:
+    """Random numbers that belong to one camera, the same in every process."""
+    return np.random.default_rng([seed, zlib.crc32(camera.encode())])
+
+
+class Sensor:
+    """One camera's sensor. Noise is drawn once and shifted by a random offset in each frame."""
+
+    def __init__(self, shape: tuple[int, int, int], noise: float, gamma: float, rng: np.random.Generator) -> None:
+        """shape: (H, W, C) of the picture; noise: standard deviation in light, 0 to 255."""
+        height, width, channels = shape
+        grain = np.round(rng.normal(0.0, noise, (height + POOL, width + POOL, channels)))
+        self._brighter = np.maximum(grain, 0).clip(0, 255).astype(np.uint8)
+        self._darker = np.maximum(-grain, 0).clip(0, 255).astype(np.uint8)
+        self._curve = np.round(255.0 * (np.arange(256) / 255.0) ** gamma).astype(np.uint8)
+        self._hot = (rng.integers(0, height, HOT), rng.integers(0, width, HOT))
+        self._heat = rng.integers(60, 255, HOT).astype(np.uint8)[:, None]
+        self._seed = int(rng.integers(1 << 31))
+        self._shape = shape
+
+    def expose(self, light: Array, frame: int, out: Array) -> None:
+        """The picture of `light`, (H, W, C) uint8, which is spoilt, into `out`."""
+        height, width, _ = self._shape
+        sharp = light if light.shape[2] > 1 else light[:, :, 0]
+        cv2.GaussianBlur(sharp, (3, 3), 0.6, dst=sharp)
+        down, right = ((self._seed + frame) * step % 1000003 % POOL for step in (7919, 104729))
+        window = (slice(down, down + height), slice(right, right + width))
+        grain = self._brighter[window].reshape(sharp.shape), self._darker[window].reshape(sharp.shape)
+        cv2.add(sharp, grain[0], dst=sharp)
+        cv2.subtract(sharp, grain[1], dst=sharp)
+        light[self._hot] = self._heat
+        cv2.LUT(sharp, self._curve, dst=out.reshape(sharp.shape))

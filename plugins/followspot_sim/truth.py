@@ -1,0 +1,46 @@
+"""Stage `sim.truth`: where the balls of the simulated room really are, and who could see them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Source, Stage, at
+from followspot.tracking import Truth
+from followspot_sim.camera import schedule
+from followspot_sim.parameters import SimParams
+from followspot_sim.visibility import judge, visible_fraction
+from followspot_sim.world import setting, world_of
+
+
+class SimTruth(Stage):
+    """Give the ground truth of each frame; its parameters must equal those of the cameras."""
+
+    Params = SimParams
+    params: SimParams
+
+    def setup(self) -> None:
+        """Prepare the performance. Raises ValueError for an unknown target."""
+        self._world = world_of(setting(self.params, self.room))
+        self._radii = np.array([t.radius for t in self.room.targets.values()])
+        self._color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
+
+    def process(self) -> Source[Truth]:
+        """Centres of all targets shown, with what the cameras of the room could see of them."""
+        for frame, time_ns in schedule(self.params):
+            yield at(time_ns, self.truth(frame), seq=frame)
+
+    def truth(self, frame: int) -> Truth:
+        """The truth of one frame."""
+        scene = self._world.scene(frame)
+        cameras = self.room.cameras.values()
+        visible = np.array([visible_fraction(c, scene, self._radii) for c in cameras])
+        visible = visible.reshape(len(self._color), len(self._radii))
+        shown = ~np.isnan(scene.balls[:, 0])
+        hidden, trackable, pair = (column[shown] for column in judge(visible, self._color))
+        return Truth(
+            objects=tuple(name for name, there in zip(self.room.targets, shown, strict=True) if there),
+            xyz=scene.balls[shown],
+            hidden=hidden,
+            trackable=trackable,
+            pair=pair,
+        )
