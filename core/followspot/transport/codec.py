@@ -57,6 +57,8 @@ class Codec:
         shapes, spans = self._shapes(head[6])
         if starts is None:
             starts = _successive(spans, len(body))
+        elif len(starts) != len(spans):
+            raise InvalidMessage(f"{len(starts)} places for {len(spans)} arrays")
         body.flags.writeable = False
         for (name, _, _, dtype), shape, span, start in zip(self._columns, shapes, spans, starts, strict=True):
             if start % ALIGN or start < 0 or start + span > len(body):

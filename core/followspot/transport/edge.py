@@ -1,61 +1,80 @@
-"""What every edge between workers offers, whatever carries it: the writing end and the reading end."""
+"""The two ends of an edge between workers, alike for the ring and for Zenoh.
+
+One writer serves all readers of an output port; each reader gets every token, in order. Messages need
+credit: at most `depth` of them are on their way to the slowest reader. Settled times need none. Nothing
+here blocks: the runtime polls file descriptors and asks again. A peer that dies is `lost`, no exception.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Protocol
 
-from followspot.messages import Array
+from followspot.messages import Array, Message
 from followspot.transport.token import Settled, Token
 
 
 class PortWriter(Protocol):
-    """All edges of one kind that leave one output port. No call blocks."""
+    """The writing end of all edges of one kind from one output port.
 
-    def credit(self) -> int:
-        """Messages that may be sent now without exceeding the depth of the slowest living reader."""
-
-    def send(self, token: Token | Settled) -> None:
-        """Send a sealed message (only with credit) or a settled time (always taken, coalesced if need be)."""
-
-    def flush(self) -> bool:
-        """Retry what could not be written at once; True when nothing is pending."""
-
-    def loan(self, shape: tuple[int, ...], dtype: str) -> Array | None:
-        """A writable array in the memory that is sent from, or None where there is none free."""
-
-    def filenos(self) -> list[int]:
-        """Descriptors that become readable when credit may have come."""
-
-    def drain(self) -> None:
-        """Swallow the wake-ups of `filenos`."""
-
-    def want_credit(self) -> None:
-        """Ask the readers to wake us; look at `credit` again afterwards."""
+    To sleep until credit comes: `want_credit()`, look at `credit()` once more, poll `filenos()` with a time
+    limit (100 ms), `drain()`. To finish: send `Settled(END)`, `flush()` until it is true, `close()`.
+    """
 
     @property
-    def lost(self) -> Sequence[int]:
-        """Numbers of the readers that died."""
+    def lost(self) -> frozenset[int]:
+        """Readers, by their index, that are gone; they hold up nothing any more."""
+
+    def matched(self) -> bool:
+        """Whether every reader is there; until then what is sent may miss it."""
+
+    def credit(self) -> int:
+        """How many messages may be sent now; the depth where no reader is left."""
+
+    def send(self, token: Message | Settled) -> None:
+        """Send a sealed, stamped message, which needs credit, or a settled time.
+
+        Settled times that have to wait are merged. Raises InvalidMessage where a message cannot be put on
+        the wire (a head of over 64 kB), and RuntimeError where it has no credit; nothing was sent then.
+        """
+
+    def loan(self, shape: Sequence[int], dtype: str) -> Array:
+        """A writable array to compute an output into; sent without a copy where the memory is shared."""
+
+    def flush(self) -> bool:
+        """Send what had to wait. True when nothing waits."""
+
+    def filenos(self) -> list[int]:
+        """File descriptors that become readable when credit came, a reader died, or `flush` may go on."""
+
+    def want_credit(self) -> None:
+        """Ask to be woken through `filenos()` by the next credit."""
+
+    def drain(self) -> None:
+        """Swallow the wake-ups, and notice who died."""
 
     def close(self) -> None:
-        """Release everything."""
+        """Let go of everything; loans and messages in other hands stay valid."""
 
 
 class PortReader(Protocol):
-    """The reading end of one edge. No call blocks."""
-
-    def poll(self) -> list[Token]:
-        """Everything that has arrived."""
-
-    def fileno(self) -> int:
-        """A descriptor that becomes readable when something arrives."""
-
-    def consumed(self, count: int = 1) -> None:
-        """Give credit back: the stage has taken so many messages."""
+    """The reading end of one edge."""
 
     @property
     def lost(self) -> bool:
-        """Whether the writer died before its end of stream."""
+        """Whether the writer is gone without having ended the stream; `poll` still gives what had arrived."""
+
+    def matched(self) -> bool:
+        """Whether the writer is there."""
+
+    def poll(self) -> list[Token]:
+        """Everything that has arrived. An `Invalid` has given its credit back already."""
+
+    def fileno(self) -> int:
+        """Readable when `poll` has something to give, or the writer died."""
+
+    def consumed(self, count: int = 1) -> None:
+        """Give credit for messages that were taken out of the queue."""
 
     def close(self) -> None:
-        """Release everything; arrays already handed out stay valid."""
+        """Let go of everything; messages in other hands stay valid."""

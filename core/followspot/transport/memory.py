@@ -1,0 +1,39 @@
+"""Memory that two processes share and nobody can see, or leave behind, in the filesystem."""
+
+from __future__ import annotations
+
+import fcntl
+import mmap
+import os
+
+_SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+
+
+class Memory:
+    """A mapped memory file; it is gone when the last process that maps it is.
+
+    Its size is sealed: a peer that could shrink it could crash whoever maps it.
+    """
+
+    def __init__(self, fd: int, size: int, *, writable: bool) -> None:
+        """Takes over `fd`. Raises OSError where it is not a sealed memory file of at least `size` bytes."""
+        self.fd = fd
+        if not fcntl.fcntl(fd, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK or os.fstat(fd).st_size < size:
+            raise OSError(f"not a sealed memory file of {size} bytes")
+        access = mmap.PROT_READ | mmap.PROT_WRITE if writable else mmap.PROT_READ
+        self.bytes = mmap.mmap(fd, size, mmap.MAP_SHARED, access)
+
+    @classmethod
+    def create(cls, name: str, size: int) -> Memory:
+        """Zeroed memory of `size` bytes, of which only touched pages exist. Raises OSError."""
+        fd = os.memfd_create(name, os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
+        try:
+            os.ftruncate(fd, size)
+            fcntl.fcntl(fd, fcntl.F_ADD_SEALS, _SEALS)
+        except OSError:
+            os.close(fd)
+            raise
+        return cls(fd, size, writable=True)
+
+    def __del__(self) -> None:
+        os.close(self.fd)

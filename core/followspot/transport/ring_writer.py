@@ -1,0 +1,200 @@
+"""The writing end of the ring: a frame is written into shared memory once, for all readers of a port."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Sequence
+from math import prod
+
+import numpy as np
+
+from followspot.messages import MAX_BYTES, Array, Message
+from followspot.transport.codec import codec_of
+from followspot.transport.control import Control
+from followspot.transport.doorbell import (
+    ARENA,
+    DOORBELL,
+    HELLO,
+    INLINE,
+    INLINE_BYTES,
+    SETTLED,
+    SLOT,
+    Link,
+)
+from followspot.transport.memory import Memory
+from followspot.transport.slots import Slots
+from followspot.transport.token import Settled
+from followspot.transport.wire import ALIGN, padded
+
+
+class RingWriter:
+    """`PortWriter` for readers on this host.
+
+    Every reader, and this process with its loans, may keep `depth + 1` slots as long as it likes; two more
+    keep the stream going. Slots that nobody ever needed take no memory.
+    """
+
+    def __init__(self, sockets: Sequence[socket.socket], depth: int) -> None:
+        """sockets: one end of a `socketpair(AF_UNIX, SOCK_SEQPACKET)` per reader; depth: messages in flight.
+
+        Raises OSError where the system has no shared memory to give.
+        """
+        self._depth = depth
+        self._quota = depth + 1
+        self._slots = self._quota * (len(sockets) + 1) + 2
+        self._sequence = 0
+        self._pool: Slots | None = None
+        self._links = [self._linked(sock) for sock in sockets]
+
+    @property
+    def lost(self) -> frozenset[int]:
+        """Indices of the readers that are gone."""
+        return frozenset(i for i, link in enumerate(self._links) if not link.alive)
+
+    def matched(self) -> bool:
+        """True: the sockets exist before the processes do."""
+        return True
+
+    def replace(self, index: int, sock: socket.socket) -> None:
+        """Serve another reader, from the next message on, in the place of one that is gone."""
+        self._links[index].socket.close()
+        self._links[index] = self._linked(sock)
+
+    def credit(self) -> int:
+        """How many messages may be sent now."""
+        controls = self._controls()
+        if not controls:
+            return self._depth
+        slowest = min(control.consumed for control in controls)
+        credit = min(self._depth, max(0, self._depth - self._sequence + slowest))
+        if credit and self._pool is not None:
+            credit = min(credit, int(np.count_nonzero(self._pool.free(controls))))
+        return credit
+
+    def send(self, token: Message | Settled) -> None:
+        """Ring the readers' doorbells; see `PortWriter.send`."""
+        if isinstance(token, Settled):
+            self._post(DOORBELL.pack(SETTLED, 0, 0, 0, token.bound))
+            return
+        codec = codec_of(type(token))
+        arrays = codec.arrays(token)
+        head = codec.head(token, arrays)
+        size = sum(padded(array.nbytes) for array in arrays)
+        if not self._controls():
+            return
+        if self.credit() <= 0:
+            raise RuntimeError("a message was sent without credit")
+        if size <= INLINE_BYTES:
+            parts = [DOORBELL.pack(INLINE, 0, 0, size, self._sequence), head]
+            for array in arrays:
+                parts += array.tobytes(), bytes(-array.nbytes % ALIGN)
+            datagram = b"".join(parts)
+        else:
+            datagram = self._placed(head, arrays, size)
+        self._sequence += 1
+        self._post(datagram)
+
+    def loan(self, shape: Sequence[int], dtype: str) -> Array:
+        """A writable array in a free slot; in ordinary memory where there is none or the array is small."""
+        kind = np.dtype(dtype)
+        size = prod(shape) * kind.itemsize
+        controls = self._controls()
+        if controls and INLINE_BYTES < size <= MAX_BYTES:
+            pool = self._pool_for(size)
+            free = pool.free(controls)
+            # Two free slots are left: one would make the next credit hang on this loan.
+            if pool.lent() < self._quota and np.count_nonzero(free) > 2:
+                return pool.lend(int(free.argmax()), shape, kind, size)
+        return np.empty(shape, kind)
+
+    def flush(self) -> bool:
+        """Send what found no room in a socket. True when nothing waits."""
+        waiting = [link for link in self._links if not link.flush()]
+        return not waiting
+
+    def filenos(self) -> list[int]:
+        """The sockets of the living readers."""
+        return [link.socket.fileno() for link in self._links if link.alive]
+
+    def want_credit(self) -> None:
+        """Ask every reader for a wake-up."""
+        for link in self._links:
+            link.ask()
+
+    def drain(self) -> None:
+        """Swallow wake-ups, notice deaths, send what waited."""
+        for link in self._links:
+            if link.alive:
+                link.drain()
+        self.flush()
+
+    def close(self) -> None:
+        """Close the sockets; readers find the end of file after the last datagram."""
+        for link in self._links:
+            link.alive = False
+            link.socket.close()
+
+    def _linked(self, sock: socket.socket) -> Link:
+        """A new reader, that has consumed and released everything so far."""
+        control = Control(Memory.create("followspot-control", Control.size(self._slots)), self._slots)
+        control.consumed = self._sequence
+        link = Link(sock, control)
+        link.post(DOORBELL.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
+        if self._pool is not None:
+            control.released(self._pool.number)[:] = self._pool.stamps
+            link.post(_announced(self._pool), self._pool.arena.memory)
+        return link
+
+    def _controls(self) -> list[Control]:
+        return [link.control for link in self._links if link.alive]
+
+    def _post(self, datagram: bytes) -> None:
+        for link in self._links:
+            if link.alive:
+                link.post(datagram)
+
+    def _pool_for(self, size: int) -> Slots:
+        """The slots, or larger ones; the old ones live on as long as somebody looks at them."""
+        pool = self._pool
+        if pool is None or pool.arena.capacity < size:
+            pool = self._pool = Slots(0 if pool is None else pool.number + 1, self._slots, size)
+            for link in self._links:
+                if link.alive:
+                    link.post(_announced(pool), pool.arena.memory)
+        return pool
+
+    def _placed(self, head: bytes, arrays: Sequence[Array], size: int) -> bytes:
+        """Put the arrays into a slot, unless one is there already; the datagram that says where."""
+        kept, slot, end = self._slot_of_loan(arrays, size)
+        pool = self._pool_for(size)
+        if kept is None:
+            slot = int(pool.free(self._controls()).argmax())
+        memory = pool.arena.bytes[slot]
+        starts = []
+        for index, array in enumerate(arrays):
+            if index == kept:
+                starts.append(0)
+                continue
+            starts.append(end)
+            memory[end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
+            end += padded(array.nbytes)
+        pool.sent(slot, self._sequence + 1)
+        doorbell = DOORBELL.pack(SLOT, pool.number, slot, end, self._sequence)
+        return doorbell + head + np.array(starts, "<i8").tobytes()
+
+    def _slot_of_loan(self, arrays: Sequence[Array], size: int) -> tuple[int | None, int, int]:
+        """Array that is in its slot already or None, the slot, and where in it the other arrays may go.
+
+        They go behind all that was lent: they may be views of it themselves.
+        """
+        loan = None if self._pool is None else self._pool.in_place(arrays)
+        if loan is None or self._pool is None:
+            return None, 0, 0
+        index, slot, lent = loan
+        if padded(lent) + size - padded(arrays[index].nbytes) > self._pool.arena.capacity:
+            return None, 0, 0
+        return index, slot, padded(lent)
+
+
+def _announced(pool: Slots) -> bytes:
+    return DOORBELL.pack(ARENA, pool.number, 0, 0, pool.arena.capacity)
