@@ -1,8 +1,8 @@
-"""Connected bright components of many small pictures at once, with sub-pixel centroids."""
+"""Connected bright components of several small pictures at once, with sub-pixel centroids."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -11,23 +11,30 @@ from followspot.messages import Array
 
 REACH = 9
 """Side of the square in which the local peak is sought, px: a ball is 5 to 9 px wide."""
+MOST = 256
+"""Components kept, the largest first: more of them are noise, and pairs grow with the square."""
 
 
-class Components(NamedTuple):
-    """One row for each component."""
+@dataclass(frozen=True, eq=False)
+class Components:
+    """One row for each of N components; the tiles stand on top of each other, h rows each."""
 
     tile: Array
     """(N,) tile that it lies in."""
     center: Array
-    """(N, 2) px within the tile, x and y."""
+    """(N, 2) px, x and y of the weighted centroid within the tile."""
     area: Array
     """(N,) px."""
+    peak: Array
+    """(N,) largest weight in it."""
     clipped: Array
-    """(N, 4) bool: touches the left, top, right, bottom of its tile."""
+    """(N,) bool: touches the border of its tile."""
+    pixels: Array
+    """(P,) flat index of the pixels of all components in the tiles."""
     label: Array
-    """(P,) row of the component of each of its pixels."""
-    index: Array
-    """(P,) flat index of each pixel in the tiles."""
+    """(P,) row of the component of each of these pixels."""
+    labels: Array
+    """(tiles * h, w) u16: 1 + row of the component at each pixel, 0 outside."""
 
 
 def cut(pixels: Array, corners: Array, height: int, width: int) -> Array:
@@ -40,8 +47,9 @@ def cut(pixels: Array, corners: Array, height: int, width: int) -> Array:
     bottom, right = pixels.shape[:2]
     for tile, (x, y) in zip(tiles, corners.tolist(), strict=True):
         left, top = max(x, 0), max(y, 0)
-        part = pixels[top : min(y + height, bottom), left : min(x + width, right)]
-        tile[top - y : top - y + part.shape[0], left - x : left - x + part.shape[1]] = part
+        part = pixels[top : max(y + height, 0), left : max(x + width, 0)]
+        if part.size and left < right and top < bottom:
+            tile[top - y : top - y + part.shape[0], left - x : left - x + part.shape[1]] = part
     return tiles
 
 
@@ -49,32 +57,53 @@ def above_local_peak(level: Array, fraction: float) -> Array:
     """Pixels above a fraction of the brightest one near them.
 
     A ball is cut from a dimmer projection or halo that it touches, whatever the exposure.
-    level: (H, W) u8, 0 where nothing is sought. Returns (H, W) bool.
+    level: (N, h, w) u8, 0 where nothing is sought, last row of each tile empty. Returns bool, same shape.
     """
-    peak = cv2.dilate(level, np.ones((REACH, REACH), np.uint8))
-    return np.asarray((level > 0) & (level >= cv2.multiply(peak, fraction)))
+    tall = level.reshape(-1, level.shape[2])
+    floor = cv2.convertScaleAbs(cv2.dilate(tall, np.ones((REACH, REACH), np.uint8)), alpha=fraction)
+    return np.asarray(((tall > 0) & (tall >= floor)).reshape(level.shape))
 
 
-def components(mask: Array, weight: Array) -> Components:
-    """Connected components (8 neighbours) with centroids weighted by `weight`.
+def components(mask: Array, level: Array, area: Array) -> Components:
+    """Connected components (8 neighbours) of allowed size, with centroids weighted by `level`.
 
-    mask: (N, h, w) bool, last row of each tile empty; weight: (N, h, w), positive inside the mask.
+    mask: (N, h, w) bool, last row of each tile empty; level: (N, h, w), positive inside the mask;
+    area: (N, 2) smallest and largest for each tile, px.
     """
     tiles, height, width = mask.shape
     tall = mask.reshape(tiles * height, width).view(np.uint8)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(tall, connectivity=8, ltype=cv2.CV_32S)
-    index = np.flatnonzero(tall)
-    label = labels.ravel()[index] - 1
-    w = weight.ravel()[index].astype(float)
-    y, x = np.divmod(index, width)
-    total = np.bincount(label, w, count - 1)
-    left, top, across, down, area = stats[1:].T
-    tile, top = np.divmod(top, height)
-    center = np.column_stack(
-        [
-            np.bincount(label, w * x, count - 1) / total,
-            np.bincount(label, w * y, count - 1) / total - tile * height,
-        ]
-    )
-    clipped = np.column_stack([left == 0, top == 0, left + across == width, top + down == height - 1])
-    return Components(tile, center, area, clipped, label, index)
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(tall, connectivity=8, ltype=cv2.CV_32S)
+    tile, top = np.divmod(stats[:, cv2.CC_STAT_TOP], height)
+    keep = allowed(stats[:, cv2.CC_STAT_AREA], area[np.minimum(tile, tiles - 1)])
+    row = np.full(len(stats), -1)
+    row[keep] = np.arange(len(keep))
+    pixels = np.flatnonzero(tall)
+    label = row[labels.ravel()[pixels]]
+    pixels, label = pixels[label >= 0], label[label >= 0]
+    kept = np.zeros(tall.shape, np.uint16)
+    kept.ravel()[pixels] = label + 1
+    left, _, across, down, size = stats[keep].T
+    tile, top = tile[keep], top[keep]
+    center, peak = centroids(pixels, label, level.ravel()[pixels], len(keep), width)
+    center[:, 1] -= tile * height
+    edge = (left == 0) | (top == 0) | (left + across == width) | (top + down == height - 1)
+    return Components(tile, center, size.astype(float), peak, edge, pixels, label, kept)
+
+
+def allowed(size: Array, area: Array) -> Array:
+    """Rows of the components of allowed size, at most MOST; row 0 is the background."""
+    fits = (size >= area[:, 0]) & (size <= area[:, 1])
+    fits[0] = False
+    keep = np.flatnonzero(fits)
+    return keep if len(keep) <= MOST else np.sort(keep[np.argsort(-size[keep], kind="stable")[:MOST]])
+
+
+def centroids(pixels: Array, label: Array, level: Array, count: int, width: int) -> tuple[Array, Array]:
+    """Weighted centroid (count, 2) and largest weight (count,) of labelled pixels of a picture."""
+    weight = level.astype(float)
+    y, x = np.divmod(pixels, width)
+    total = np.bincount(label, weight, count)
+    moments = [np.bincount(label, weight * axis, count) / total for axis in (x, y)]
+    peak = np.zeros(count)
+    np.maximum.at(peak, label, weight)
+    return np.column_stack(moments), peak

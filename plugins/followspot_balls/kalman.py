@@ -76,7 +76,7 @@ class Kalman(Stage):
         new = ~known[target]
         motion = motion.started(target[new], xyz[new], covariance[new], self.params.speed)
         self.motion = update(motion, target[~new], xyz[~new], covariance[~new])
-        self.live(target, new)
+        self.age(target, new)
         return Outputs(self.tracks(), self.forecast())
 
     def advance(self, time: int) -> None:
@@ -90,7 +90,7 @@ class Kalman(Stage):
         constant = np.eye(3) * self.params.measurement**2
         return np.where(np.isfinite(covariance), covariance, constant)
 
-    def live(self, target: Array, new: Array) -> None:
+    def age(self, target: Array, new: Array) -> None:
         """Count the frames in which a target was missing, and move on the last two estimates."""
         seen = np.zeros(len(self.status), bool)
         seen[target] = True

@@ -23,6 +23,6 @@ class Mean(Stage):
             xyz=used @ candidates.xyz / support[:, None],
             covariance=np.full((len(target), 3, 3), np.nan),
             support=support.astype(np.int32),
-            confirmed=(used & candidates.confirmed).any(axis=1),
+            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             iterations=np.zeros(len(target), np.int32),
         )

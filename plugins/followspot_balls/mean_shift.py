@@ -18,7 +18,7 @@ class MeanShift(Stage):
             3.0,
             gt=0,
             unit="1",
-            description="bandwidth over the forecast's standard deviation; raising it averages more candidates",
+            description="bandwidth over the forecast's sigma; raising it averages more candidates",
         )
         smallest: float = Field(0.04, gt=0, unit="m", description="smallest bandwidth")
         lost: float = Field(0.1, gt=0, unit="m", description="bandwidth for a target without forecast")
@@ -53,7 +53,7 @@ class MeanShift(Stage):
             xyz=xyz,
             covariance=np.full((len(target), 3, 3), np.nan),
             support=used.sum(axis=1).astype(np.int32),
-            confirmed=(used & candidates.confirmed).any(axis=1),
+            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             iterations=steps.astype(np.int32),
         )
 

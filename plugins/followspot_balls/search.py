@@ -19,6 +19,8 @@ class Circles(NamedTuple):
     """(T, 2) px, as in the picture; NaN behind the camera and for lost targets."""
     radius: Array
     """(T,) px."""
+    ball: Array
+    """(T,) px, radius of the target's outline; NaN where the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
 
@@ -39,17 +41,34 @@ def search_radius(travel: Array, minimum: float, scale: float) -> Array:
 
 
 def search_circles(
-    camera: Camera, forecast: Forecast | None, count: int, minimum: float, scale: float
+    camera: Camera, forecast: Forecast | None, sizes: Array, minimum: float, scale: float
 ) -> Circles:
-    """Circles around the forecasts reprojected into one view (section 3.3)."""
+    """Circles around the forecasts reprojected into one view (section 3.3).
+
+    sizes: (T,) radii of the targets, m; minimum: px.
+    """
+    count = len(sizes)
     lost = lost_targets(forecast, count)
-    if forecast is None or len(forecast.state) != count:
-        return Circles(np.full((count, 2), np.nan), np.full(count, minimum), lost)
-    pixel = project(camera, np.concatenate([forecast.xyz, forecast.last, forecast.before]))
-    center, last, before = pixel.reshape(3, count, 2)
+    if forecast is None or lost.all():
+        nowhere = np.full((count, 2), np.nan)
+        return Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
+    xyz = forecast.xyz
+    points = np.concatenate([xyz, forecast.last, forecast.before, rim(camera, xyz, sizes)])
+    center, last, before, *sides = project(camera, points).reshape(5, count, 2)
     center[lost] = np.nan
-    travel = np.hypot(*(last - before).T)
-    return Circles(center, search_radius(np.nan_to_num(travel), minimum, scale), lost)
+    ball = np.hypot(*(sides - center).transpose(2, 0, 1)).mean(axis=0)
+    travel = np.nan_to_num(np.hypot(*(last - before).T))
+    return Circles(center, search_radius(travel, minimum, scale), ball, lost)
+
+
+def rim(camera: Camera, xyz: Array, sizes: Array) -> Array:
+    """Two points of each sphere's outline, across the viewing direction: (2 T, 3) m."""
+    direction = xyz - camera.center
+    level = np.cross(direction, camera.rotation[1])
+    steep = np.cross(direction, level)
+    across = np.stack([level, steep])
+    length = np.linalg.norm(across, axis=2, keepdims=True)
+    return (xyz + across * (sizes[:, None] / np.maximum(length, np.finfo(float).tiny))).reshape(-1, 3)
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
@@ -58,4 +77,4 @@ def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
     minimum: m. Returns (T,) m.
     """
     displacement = np.linalg.norm(forecast.last - forecast.before, axis=1)
-    return np.maximum(scale * displacement, minimum)
+    return np.asarray(np.maximum(scale * displacement, minimum))

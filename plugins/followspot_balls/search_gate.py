@@ -12,7 +12,7 @@ from followspot_balls.search import Circles, search_circles
 
 
 class SearchGate(Stage):
-    """Reject blobs outside the circle where their target is expected; a blob may belong to several targets."""
+    """Reject blobs outside the circle where their target is expected; a blob may serve several."""
 
     class Params(StageParams):
         radius: float = Field(
@@ -25,10 +25,12 @@ class SearchGate(Stage):
 
     params: Params
 
+    def setup(self) -> None:
+        self.sizes = np.array([t.radius for t in self.room.targets.values()])
+
     def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
         camera = self.room.cameras[blobs.camera]
-        count = blobs.targets.shape[1]
-        circles = search_circles(camera, forecast, count, self.params.radius, self.params.scale)
+        circles = search_circles(camera, forecast, self.sizes, self.params.radius, self.params.scale)
         targets = blobs.targets & within(circles, blobs.pixel)
         keep = targets.any(axis=1)
         return dataclasses.replace(

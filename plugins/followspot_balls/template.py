@@ -18,7 +18,7 @@ CONTRAST = 40
 """How much brighter than the room without it the target must be, grey levels."""
 SMALLEST = 4
 """Area below which a bright spot is no target but noise, px."""
-COLOR_EDGE, INFRARED_EDGE = 0.5, 0.35
+COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 """Edge of a blob over its brightest pixel, as in the detectors."""
 VIVID = 80
 """Least saturation of a pixel that shows its hue."""
@@ -71,14 +71,13 @@ def find_spots(levels: Sequence[Array], edge: float) -> list[tuple[int, Array]]:
     spots = []
     for number, level in enumerate(stack):
         risen = np.where(level > room + CONTRAST, level, 0).astype(np.uint8)
-        padded = np.pad(risen, ((0, 1), (0, 0)))
-        found = components(above_local_peak(padded, edge)[None], padded[None])
-        if len(found.area) and found.area.max() >= SMALLEST:
-            mask = np.zeros(padded.size, bool)
-            mask[found.index[found.label == found.area.argmax()]] = True
-            spots.append((number, mask.reshape(padded.shape)[:-1]))
+        tile = np.pad(risen, ((0, 1), (0, 0)))[None]
+        found = components(above_local_peak(tile, edge), tile, np.array([[SMALLEST, tile.size]]))
+        if len(found.area):
+            spots.append((number, found.labels[:-1] == found.area.argmax() + 1))
     if not spots:
         raise ValueError(
-            f"no frame of {len(stack)} shows a moving spot of {SMALLEST} px that is {CONTRAST} grey levels brighter than the room"
+            f"none of {len(stack)} frames shows a moving spot of at least {SMALLEST} px "
+            f"that is {CONTRAST} grey levels brighter than the room"
         )
     return spots

@@ -25,8 +25,8 @@ class VerifyPairs(Stage):
             3.0,
             ge=0,
             unit="px",
-            description="distance up to which a pair satisfies a plane; raising it rejects more projections, and"
-            " balls close to the plane; 0 switches the test off",
+            description="distance up to which a pair satisfies a plane; raising it rejects more projections,"
+            " and balls close to the plane; 0 switches the test off",
         )
 
     params: Params
@@ -57,7 +57,7 @@ class VerifyPairs(Stage):
             blob=row[pair].astype(np.int32),
             xy=xy[pair],
             epipolar=distance,
-            labelled=color.any(axis=1),
+            labelled=color[:, 0] | color[:, 1],
             confirmed=color[:, 0] != color[:, 1],
             targets=targets[pair[:, 0]] & targets[pair[:, 1]],
         )
