@@ -11,7 +11,8 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.ring import RingReader, RingWriter
+from followspot.transport.ring_reader import RingReader
+from followspot.transport.ring_writer import RingWriter
 
 if TYPE_CHECKING:
     import zenoh
@@ -48,7 +49,7 @@ class EdgeLinks:
         """The reading end of one edge."""
         planned = self.plan.edges[edge]
         if planned.kind == "ring":
-            return RingReader(self.receiving[edge], kind, _depth([planned]))
+            return RingReader(self.receiving[edge], kind)
         from followspot.transport.zenoh_edge import ZenohReader
 
         assert self.session is not None

@@ -15,6 +15,7 @@ from followspot.runtime.firing import Join
 from followspot.runtime.latency import LatencyHistogram
 from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
+from followspot.transport.token import END
 
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
@@ -76,6 +77,8 @@ class Cell:
         self.count = CellCount()
         self.paths: dict[str, LatencyHistogram] = {}
         self.is_sink = not self.outlets
+        self._passed = -END
+        """The bound that the outputs know."""
 
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
@@ -102,6 +105,8 @@ class Cell:
 
     def has_room(self) -> bool:
         """Whether every output takes a message."""
+        if self.single is not None:
+            return self.single.has_room()
         return all(outlet.has_room() for _, outlet in self.outlets)
 
     def send(self, result: Any, header: Header) -> None:
@@ -128,6 +133,7 @@ class Cell:
 
     def _fire(self, fire_at: int) -> None:
         arguments, fired = self.join.take(fire_at)
+        self._passed = self.join.closed + 1
         header = _header(fired, fire_at)
         started = time.monotonic_ns()
         try:
@@ -150,12 +156,14 @@ class Cell:
 
     def _idle(self) -> None:
         """Nothing to fire: pass the bound on, end with the last input, or start the deadline."""
-        if self.join.ended:
+        bound = self.join.bound()
+        if bound == END:
             self.finish()
             return
-        bound = self.join.bound()
-        for _, outlet in self.outlets:
-            outlet.settle(bound)
+        if bound > self._passed:
+            self._passed = bound
+            for _, outlet in self.outlets:
+                outlet.settle(bound)
         if self.deadline is not None:
             if not self.join.waiting:
                 self.overdue_at = None

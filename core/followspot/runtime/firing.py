@@ -41,6 +41,8 @@ class Join:
         self.members = tuple(inlet for port in ports for inlet in port.members)
         self.held = tuple(port.held for port in ports if port.held is not None)
         self.required = tuple(inlet for port in ports if not port.joined for inlet in port.members)
+        self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
+        """The single member of the commonest stage, which fires for each message as it is."""
         self.window = window
         self.slack = slack
         self.closed = -END
@@ -56,7 +58,10 @@ class Join:
         """
         if len(self.members) == 1:
             queue = self.members[0].queue
-            return self._held_ready(queue[0].header.time) if queue else None
+            if not queue:
+                return None
+            time = queue[0].header.time
+            return time if not self.held else self._held_ready(time)
         while True:
             time = self._earliest()
             if time is None or not (overdue or self._certain(time + self.window)):
@@ -69,6 +74,10 @@ class Join:
 
     def take(self, time: int) -> tuple[list[object], list[Message]]:
         """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
+        self.closed = time + self.slack
+        if self.only is not None:
+            message = self.only.take()
+            return [(message,) if self.ports[0].joined else message], [message]
         arguments: list[object] = []
         fired: list[Message] = []
         limit = time + self.window
@@ -82,7 +91,6 @@ class Join:
             found = [i.take() for i in port.members if i.queue and i.queue[0].header.time <= limit]
             fired += found
             arguments.append(tuple(found) if port.joined else found[0])
-        self.closed = time + self.slack
         return arguments, fired
 
     def expire(self) -> None:
@@ -90,7 +98,7 @@ class Join:
         self.in_time = LATE
 
     def bound(self) -> int:
-        """Nothing fires earlier than this capture time, ns."""
+        """Nothing fires earlier than this capture time, ns; `END` when the stage will not fire again."""
         earliest = END
         for inlet in self.members:
             earliest = min(earliest, inlet.queue[0].header.time if inlet.queue else inlet.bound)
@@ -100,11 +108,6 @@ class Join:
     def waiting(self) -> bool:
         """Whether a message is here that waits for others."""
         return any(inlet.queue for inlet in self.members)
-
-    @property
-    def ended(self) -> bool:
-        """Whether the stage will not fire again."""
-        return all(inlet.ended for inlet in self.members)
 
     def _earliest(self) -> int | None:
         """Time of the first message that no closed window claims, ns."""

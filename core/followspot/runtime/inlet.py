@@ -49,11 +49,6 @@ class Inlet:
         self.reopened: Callable[[], None] = _nothing
         self.invalid_reason = ""
 
-    @property
-    def ended(self) -> bool:
-        """Whether nothing is left and nothing more will come."""
-        return self.bound == END and not self.queue
-
     def put(self, message: Message) -> None:
         """A message from a stage of the same worker; the call is the edge."""
         self.words[self.row + SENT] += 1

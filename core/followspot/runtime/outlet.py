@@ -38,21 +38,22 @@ class Outlet:
         for inlet in self.inlets:
             if len(inlet.queue) >= inlet.depth:
                 return False
-        return all(writer.credit() > 0 for writer in self.writers)
+        return not self.writers or all(writer.credit() > 0 for writer in self.writers)
 
     def send(self, message: Message, header: Header) -> None:
         """Stamp, check and deliver; one that breaks its contract is counted as invalid on every edge."""
-        if message.header is not header:
-            message = stamped(message, header)
         try:
             if type(message) is not self.type:
                 raise InvalidMessage(f"is a {type(message).__name__}, declared {self.type.__name__}")
             if header.time < self.bound:
                 raise InvalidMessage(f"time {header.time} ns lies before {self.bound} ns, which was settled")
-            seal(message)
+            if not message.header.source:  # else it was sent before, and sealed then
+                seal(message)
         except InvalidMessage as error:
             self._refuse(str(error), header)
             return
+        if message.header is not header:
+            message = stamped(message, header)
         self.bound = header.time + 1 + self.slack
         for inlet in self.inlets:
             inlet.put(message)

@@ -20,9 +20,12 @@ from followspot.runtime.cell import Cell
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.transport.edge import PortWriter
+from followspot.transport.token import END
 
 _TURNS = 32
 """Firings between two looks at what other workers sent."""
+_NAP_MS = 100
+"""Longest sleep, ms; a wake-up that was missed costs no more."""
 _GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
 """The other end is closed; what it sent before has been read by then."""
 _SWITCH_INTERVAL = 0.0005
@@ -182,7 +185,7 @@ class Worker:
         if not deadlines and len(self._watched) == 1 and not self.live:
             raise StuckError(self._why_stuck())
         if not deadlines:
-            self._receive(500)
+            self._receive(_NAP_MS)
             return
         self._receive(max(0, int((min(deadlines) - time.monotonic()) * 1000) + 1))
         for cell in self.cells:
@@ -230,7 +233,7 @@ class Worker:
         lines = []
         for cell in self.cells:
             full = [i.name for _, o in cell.outlets for i in o.inlets if len(i.queue) >= i.depth]
-            dry = [i.name for i in cell.join.members if not i.queue and not i.ended]
+            dry = [i.name for i in cell.join.members if not i.queue and i.bound != END]
             if not cell.done:
                 lines.append(f"  {cell.name}: " + (f"full: {full}" if cell.blocked else f"waits for: {dry}"))
         return "the graph is stuck; raise `depth` of the full edges\n" + "\n".join(lines)
