@@ -1,1 +1,1 @@
-"""Command package: see hooks.py."""
+"""`followspot calibrate targets`: templates of the targets from clips of each of them alone."""

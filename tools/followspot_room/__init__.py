@@ -1,1 +1,1 @@
-"""Command package: see hooks.py."""
+"""`followspot room import`: a room file from a calibration that another program wrote."""

@@ -1,1 +1,1 @@
-"""Command package: see hooks.py."""
+"""`followspot score`: tracks against ground truth."""

@@ -1,0 +1,33 @@
+"""Which recording belongs to which camera: one video, or one folder of pictures, named like it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from followspot.errors import InputError, Mistake
+
+SUFFIXES = frozenset({".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpg", ".ts", ".webm"})
+
+
+def find_recordings(folder: Path, cameras: Iterable[str]) -> dict[str, Path]:
+    """Camera -> video file or folder of pictures; cameras without one are left out.
+
+    Raises InputError where the folder is none, or a camera has several videos.
+    """
+    if not folder.is_dir():
+        raise InputError([Mistake(None, f"{folder} is not a folder")])
+    entries = sorted(folder.iterdir())
+    videos = [p for p in entries if p.suffix.lower() in SUFFIXES and p.is_file()]
+    found, mistakes = {}, []
+    for camera in cameras:
+        pictures = [p for p in entries if p.name == camera and p.is_dir()]
+        matches = [p for p in videos if p.stem == camera] or pictures
+        if len(matches) > 1:
+            names = ", ".join(p.name for p in matches)
+            mistakes.append(Mistake(None, f"camera {camera} has several videos: {names}", "keep one of them"))
+        elif matches:
+            found[camera] = matches[0]
+    if mistakes:
+        raise InputError(mistakes)
+    return found

@@ -1,0 +1,94 @@
+"""Templates of targets from clips: one target alone, seen by one camera after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Camera, Context, Room, Target
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.messages import Array
+from followspot_balls.template import learn_color, learn_infrared
+from followspot_cameras.images import Images
+from followspot_cameras.recordings import find_recordings
+from followspot_cameras.video import Video
+
+MOST_FRAMES = 300
+"""Of one clip; more teach nothing new and fill the memory."""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """What one clip taught: the template's parts for this camera, or why there are none."""
+
+    camera: Camera
+    frames: int
+    hue_histogram: Array | None = None
+    gray: tuple[float, float] | None = None
+    area: tuple[float, float] | None = None
+    problem: str = ""
+
+
+def clips_of(folder: Path) -> list[Path]:
+    """The targets' folders in the order of their names. Raises InputError where there is none."""
+    targets = sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else []
+    if not targets:
+        text = f"{folder} has no folder per target"
+        raise InputError(
+            [Mistake(None, text, "needs CLIPS/<target>/<camera>.mkv, for example clips/red/cam0.mkv")]
+        )
+    return targets
+
+
+def learn(clips: Path, room: Room) -> Iterator[Lesson]:
+    """One lesson per camera of the room from the clips of one target."""
+    recordings = find_recordings(clips, room.cameras)
+    for name, camera in room.cameras.items():
+        if name in recordings:
+            yield learn_from(recordings[name], camera)
+        else:
+            yield Lesson(camera, 0, problem=f"there is no clip {clips / name}.mkv; record one")
+
+
+def learn_from(recording: Path, camera: Camera) -> Lesson:
+    """What a clip teaches; the problem names the remedy where it teaches nothing."""
+    try:
+        frames = read_frames(recording, camera)
+    except FollowspotError as error:
+        return Lesson(camera, 0, problem=str(error))
+    try:
+        if camera.kind == "color":
+            histogram, area = learn_color(frames)
+            return Lesson(camera, len(frames), hue_histogram=histogram, area=area)
+        gray, area = learn_infrared(frames)
+        return Lesson(camera, len(frames), gray=gray, area=area)
+    except ValueError as error:
+        return Lesson(camera, len(frames), problem=f"{error}; move the target through the camera's view")
+
+
+def read_frames(recording: Path, camera: Camera) -> list[Array]:
+    """Pictures of the clip as the camera's frames. Raises InputError."""
+    stage = (Images if recording.is_dir() else Video)(
+        Context(name=str(recording), camera=camera), path=recording, frames=MOST_FRAMES
+    )
+    stage.setup()
+    try:
+        return [frame.pixels for frame in stage.process()]
+    finally:
+        stage.close()
+
+
+def with_lessons(target: Target, lessons: list[Lesson]) -> Target:
+    """The target with a template made of these lessons only."""
+    taught = [lesson for lesson in lessons if not lesson.problem]
+    return replace(
+        target,
+        hue_histogram={
+            s.camera.name: np.round(s.hue_histogram, 6) for s in taught if s.hue_histogram is not None
+        },
+        gray={s.camera.name: s.gray for s in taught if s.gray is not None},
+        area={s.camera.name: s.area for s in taught if s.area is not None},
+    )
