@@ -13,6 +13,7 @@ import argparse
 import json
 import statistics
 import time
+from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -53,7 +54,7 @@ def chain(hops: int, messages: int) -> Plan:
         PlannedStage(name, name, use, values, None, "main", live=False)
         for name, use, values in zip(names, uses, params, strict=True)
     )
-    edges = tuple(PlannedEdge(a, "out", b, "blobs", "reference") for a, b in zip(names, names[1:], strict=False))
+    edges = tuple(PlannedEdge(a, "out", b, "blobs", "reference") for a, b in pairwise(names))
     return Plan("hops", Room(), stages, edges, (PlannedWorker("main"),))
 
 
@@ -77,7 +78,9 @@ def call_seconds(hops: int, messages: int) -> float:
 
 def main() -> None:
     """Measure in interleaved rounds and print medians."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--hops", type=int, default=20)
     parser.add_argument("--messages", type=int, default=5000)
     parser.add_argument("--rounds", type=int, default=5)

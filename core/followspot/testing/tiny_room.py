@@ -1,0 +1,30 @@
+"""The smallest room that every tracking stage works in: two cameras, a floor, one target."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot.room import Camera, Kind, Room, Target
+
+
+def tiny_room() -> Room:
+    """A colour camera `cam0` and an infrared camera `cam1`, 64 x 48 px, 3 m up; a floor; one red ball."""
+    cameras = {"cam0": _camera("cam0", "color", 1.0), "cam1": _camera("cam1", "infrared", -1.0)}
+    hue = np.zeros(16)
+    hue[0] = 1.0
+    area = {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}
+    red = Target("red", 0.0762, {"cam0": hue}, area, {"cam1": (90.0, 255.0)})
+        "red", 0.0762, {"cam0": hue}, {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}, {"cam1": (90.0, 255.0)}
+    )
+    return Room("tiny", cameras, {"floor": np.array([0.0, 0.0, 1.0, 0.0])}, {"red": red})
+
+
+def _camera(name: str, kind: Kind, side: float) -> Camera:
+    """A camera at (0, 2 side, 3) m that looks at the origin."""
+    center = np.array([0.0, 2.0 * side, 3.0])
+    forward = -center / np.linalg.norm(center)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    rotation = np.stack([right, np.cross(forward, right), forward])
+    matrix = np.array([[60.0, 0.0, 31.5], [0.0, 60.0, 23.5], [0.0, 0.0, 1.0]])
+    return Camera(name, kind, (64, 48), matrix, np.zeros(5), rotation, -rotation @ center)

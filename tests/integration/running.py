@@ -1,0 +1,100 @@
+"""Runs graphs of the test stages as a user does: the command, in a process of its own."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+STAGES = Path(__file__).parent.parent / "stages" / "ticks.py"
+COMMAND = [sys.executable, "-m", "followspot.cli.main"]
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A run that has ended."""
+
+    code: int
+    summary: dict[str, Any]
+    errors: str
+    out: Path
+
+    def lines(self, name: str = "ticks.csv") -> list[str]:
+        return (self.out / name).read_text().splitlines()
+
+    def values(self, name: str = "ticks.csv") -> list[int]:
+        return [int(line.split(",")[2]) for line in self.lines(name)]
+
+    def edge(self, start: str, end: str) -> dict[str, Any]:
+        """Counts of all edges between two stages or ports, summed up."""
+        found = [e for e in self.summary["edges"] if e["from"].startswith(start) and e["to"].startswith(end)]
+        assert found, f"no edge {start} -> {end}"
+        numbers = [key for key in found[0] if isinstance(found[0][key], int)]
+        return {key: sum(edge[key] for edge in found) for key in numbers}
+
+
+def balanced(summary: dict[str, Any]) -> bool:
+    """Whether every message of every edge was accounted for."""
+    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "in_flight")
+    sums = all(e["sent"] == sum(e[p] for p in parts) for e in summary["edges"])
+    return sums and all(e["in_flight"] == 0 for e in summary["edges"])
+
+
+def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:
+    """A graph file with these stages, given as YAML lines."""
+    path = folder / f"{name}.yaml"
+    indented = "\n".join(f"  {line}" for line in stages.strip().splitlines())
+    path.write_text(f"graph: {name}\nstages:\n{indented}\n")
+    return path
+
+
+def start(graph: Path, out: Path, *options: str) -> subprocess.Popen[str]:
+    """Begin `followspot run`."""
+    command = [*COMMAND, "run", str(graph), "--plugin", str(STAGES), "--out", str(out), "--json", *options]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def finish(process: subprocess.Popen[str], out: Path) -> Finished:
+    """Wait for a run that was begun."""
+    stdout, stderr = process.communicate(timeout=90)
+    summary = json.loads(stdout.splitlines()[-1]) if stdout.strip() else {}
+    return Finished(process.returncode, summary, stderr, out)
+
+
+def run(graph: Path, *options: str, out: str = "out") -> Finished:
+    """`followspot run` to its end."""
+    folder = graph.parent / out
+    return finish(start(graph, folder, *options), folder)
+
+
+def children(pid: int) -> list[int]:
+    """Processes whose parent is `pid`."""
+    try:
+        text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
+    except OSError:
+        return []
+    return [int(word) for word in text.split()]
+
+
+def wait_until(condition: Any, seconds: float = 20.0) -> bool:
+    """Whether the condition came true within the time; the time only bounds a failure."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return True
+        time.sleep(0.01)
+    return bool(condition())
+
+
+def alive(pid: int) -> bool:
+    """Whether a process still runs."""
+    try:
+        os.kill(pid, 0)
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False

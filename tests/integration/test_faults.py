@@ -1,0 +1,133 @@
+"""Signals and deaths: outputs complete, the culprit named, nothing left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+from pathlib import Path
+
+import pytest
+from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
+
+ENDLESS = """
+a:    {uses: ticks.count, with: {count: 1000000, size: 5000}}
+b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.001}}
+save: {uses: ticks.write, in: {number: b}}
+"""
+PLACEMENTS = [(), ("--placement", "stage"), ("--placement", "stage", "--edges", "zenoh")]
+
+
+def leftovers() -> set[str]:
+    """What a run could leave behind on this host: shared memory, and sockets with names."""
+    unix = {line.split()[-1] for line in Path("/proc/net/unix").read_text().splitlines()[1:] if "/" in line}
+    return {str(p) for p in Path("/dev/shm").glob("*")} | unix
+
+
+def running(out: Path) -> bool:
+    """Whether tracks are being written."""
+    path = out / "ticks.csv"
+    return path.exists() and path.stat().st_size > 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("options", PLACEMENTS, ids=["one", "stages", "zenoh"])
+def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
+    tmp_path: Path, options: tuple[str, ...], number: signal.Signals
+) -> None:
+    process = start(write_graph(tmp_path, ENDLESS), tmp_path / "out", *options)
+    assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
+    process.send_signal(number)
+    finished = finish(process, tmp_path / "out")
+    assert finished.code == 0, finished.errors
+    assert finished.summary["stopped"]
+    assert balanced(finished.summary)
+    values = finished.values()
+    assert values == list(range(1, len(values) + 1)), "every line is whole, none is missing"
+    assert len(values) == finished.summary["frames"], "what was in flight was finished"
+
+
+@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+@pytest.mark.parametrize("victim", ["a", "b", "save"])
+def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, victim: str, edges: str) -> None:
+    before = leftovers()
+    process = start(
+        write_graph(tmp_path, ENDLESS), tmp_path / "out", "--placement", "stage", "--edges", edges
+    )
+    assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
+    workers = children(process.pid)
+    os.kill(worker_of(process.pid, victim), signal.SIGKILL)
+    finished = finish(process, tmp_path / "out")
+    assert finished.code == 1
+    assert any(f"worker {victim} " in e and "SIGKILL" in e for e in finished.summary["errors"])
+    check_counts(finished)
+    assert wait_until(lambda: not any(alive(pid) for pid in workers))
+    assert leftovers() <= before
+
+
+def worker_of(launcher: int, stage: str) -> int:
+    """The process that runs a stage: workers start in the order of the plan."""
+    order = ["a", "b", "save"]
+    return sorted(children(launcher))[order.index(stage)]
+
+
+def check_counts(finished: Finished) -> None:
+    """Even then every message is delivered, or in flight to or in the worker that died."""
+    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "in_flight")
+    for edge in finished.summary["edges"]:
+        assert edge["sent"] == sum(edge[part] for part in parts)
+        assert 0 <= edge["in_flight"] <= 10, edge
+    written = len([line for line in finished.lines() if line.count(",") == 3])
+    assert written <= finished.edge("b.", "save.")["sent"]
+
+
+@pytest.mark.parametrize("options", PLACEMENTS[1:], ids=["stages", "zenoh"])
+def test_workers_end_when_their_launcher_is_killed(tmp_path: Path, options: tuple[str, ...]) -> None:
+    before = leftovers()
+    process = start(write_graph(tmp_path, ENDLESS), tmp_path / "out", *options)
+    assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
+    workers = children(process.pid)
+    assert len(workers) == 3
+    process.kill()
+    process.communicate()
+    assert wait_until(lambda: not any(alive(pid) for pid in workers))
+    assert leftovers() <= before
+    lines = (tmp_path / "out" / "ticks.csv").read_text().splitlines()
+    assert [int(line.split(",")[2]) for line in lines] == list(range(1, len(lines) + 1))
+
+
+def test_zenoh_listens_on_loopback_only(tmp_path: Path) -> None:
+    process = start(
+        write_graph(tmp_path, ENDLESS), tmp_path / "out", "--placement", "stage", "--edges", "zenoh"
+    )
+    assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
+    inodes = {
+        str(link.readlink())[8:-1]
+        for pid in children(process.pid)
+        for link in Path(f"/proc/{pid}/fd").iterdir()
+        if str(link.readlink()).startswith("socket:[")
+    }
+    listening = [
+        socket.inet_ntoa(bytes.fromhex(fields[1].partition(":")[0])[::-1])
+        for line in Path("/proc/net/tcp").read_text().splitlines()[1:]
+        if (fields := line.split())[3] == "0A" and fields[9] in inodes
+    ]
+    process.send_signal(signal.SIGINT)
+    finish(process, tmp_path / "out")
+    assert listening
+    assert set(listening) == {"127.0.0.1"}
+
+
+def test_a_stage_that_cannot_be_set_up_stops_the_run_before_it_starts(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.count}
+save: {uses: ticks.write, in: {number: a}, with: {path: no/such/folder.csv}}
+""",
+    )
+    for options in PLACEMENTS[:2]:
+        finished = finish(start(graph, tmp_path / "out", *options), tmp_path / "out")
+        assert finished.code == 1
+        assert any("stage save failed" in error for error in finished.summary["errors"])
+        assert finished.edge("a.", "save.")["sent"] == 0

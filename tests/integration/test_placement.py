@@ -1,0 +1,72 @@
+"""Placement never changes the result: workers and kinds of edge, on a graph with joins, gaps and feedback."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from running import balanced, run, write_graph
+
+GRAPH = """
+left:   {uses: ticks.count, with: {count: 60, size: 9000}}
+right:  {uses: ticks.count, with: {count: 55, shift: 2000000, skip: 7}}
+more:   {uses: ticks.add, in: {number: left}, with: {term: 3}}
+odd:    {uses: ticks.odd, in: {number: right}}
+sort:   {uses: ticks.sort, in: {number: more}}
+sum:    {uses: ticks.sum, in: {numbers: [more, odd, sort.even]}}
+loop:   {uses: ticks.accumulate, in: {number: sum, before: {from: loop, delay: 2}}}
+both:   {uses: ticks.both, in: {left: more, right: odd}}
+save:   {uses: ticks.write, in: {number: loop}}
+pairs:  {uses: ticks.write, in: {number: both}, with: {path: pairs.csv}}
+"""
+TWO = """
+placement: two
+workers:
+  one: {stages: [left, more, loop]}
+  two: {stages: [right, sum, save]}
+"""
+WAYS = [
+    ("--placement", "stage"),
+    ("--placement", "two.yaml"),
+    ("--edges", "ring"),
+    ("--edges", "zenoh"),
+    ("--placement", "stage", "--edges", "zenoh"),
+]
+
+
+@pytest.mark.parametrize("options", WAYS, ids=" ".join)
+def test_every_placement_and_kind_of_edge_gives_the_same_bytes(
+    tmp_path: Path, options: tuple[str, ...]
+) -> None:
+    graph = write_graph(tmp_path, GRAPH)
+    (tmp_path / "two.yaml").write_text(TWO)
+    options = tuple(str(tmp_path / o) if o.endswith(".yaml") else o for o in options)
+    once = run(graph, out="once")
+    other = run(graph, *options, out="other")
+    assert once.code == other.code == 0, once.errors + other.errors
+    assert len(once.lines()) == 60
+    for name in ("ticks.csv", "pairs.csv"):
+        assert (other.out / name).read_bytes() == (once.out / name).read_bytes()
+    assert balanced(once.summary)
+    assert balanced(other.summary)
+    counts = [{k: e[k] for k in e if k != "kind"} for e in once.summary["edges"]]
+    assert [{k: e[k] for k in e if k != "kind"} for e in other.summary["edges"]] == counts
+
+
+def test_forced_edges_are_what_they_say(tmp_path: Path) -> None:
+    graph = write_graph(tmp_path, GRAPH)
+    for kind in ("reference", "ring", "zenoh"):
+        finished = run(graph, "--edges", kind, "--frames", "3", out=kind)
+        assert {edge["kind"] for edge in finished.summary["edges"]} == {kind}, finished.errors
+
+
+def test_feedback_of_two_firings_ago(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.count, with: {count: 6}}
+loop: {uses: ticks.accumulate, in: {number: a, before: {from: loop, delay: 2}}}
+save: {uses: ticks.write, in: {number: loop}}
+""",
+    )
+    assert run(graph).values() == [0, 1, 2, 4, 6, 9]
