@@ -14,8 +14,6 @@ def tiny_room() -> Room:
     hue[0] = 1.0
     area = {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}
     red = Target("red", 0.0762, {"cam0": hue}, area, {"cam1": (90.0, 255.0)})
-        "red", 0.0762, {"cam0": hue}, {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}, {"cam1": (90.0, 255.0)}
-    )
     return Room("tiny", cameras, {"floor": np.array([0.0, 0.0, 1.0, 0.0])}, {"red": red})
 
 
