@@ -71,9 +71,9 @@ class Child:
         plan = plan_from_data(order["plan"])
         session = None
         if uses_zenoh(plan, order["worker"]):
-            from followspot.transport.zenoh_edge import locators, open_session
+            from followspot.transport.zenoh_session import LOOPBACK, locators, open_session
 
-            session = open_session(listen=["tcp/127.0.0.1:0"], connect=order["peers"])
+            session = open_session(LOOPBACK, order["peers"])
             self.channel.send("listening", locators=locators(session))
         sending = {int(edge): socket.socket(fileno=fd) for edge, fd in order["sending"].items()}
         receiving = {int(edge): socket.socket(fileno=fd) for edge, fd in order["receiving"].items()}

@@ -43,7 +43,7 @@ class EdgeLinks:
         self.receiving = receiving
         self.session = session
         self.run = run
-        self._zenoh_ends: list[ZenohReader | ZenohWriter] = []
+        self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
@@ -54,7 +54,7 @@ class EdgeLinks:
 
         assert self.session is not None
         reader = ZenohReader(self.session, self._key(planned), str(edge), kind, _depth([planned]))
-        self._zenoh_ends.append(reader)
+        self._zenoh_ends.append((planned.name, reader))
         return reader
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
@@ -67,7 +67,7 @@ class EdgeLinks:
         assert self.session is not None
         names = [str(edge) for edge in edges]
         writer = ZenohWriter(self.session, self._key(planned[0]), names, _depth(planned))
-        self._zenoh_ends.append(writer)
+        self._zenoh_ends.append((planned[0].name, writer))
         return writer
 
     def wait_matched(self) -> None:
@@ -78,10 +78,10 @@ class EdgeLinks:
         deadline = time.monotonic() + _MATCH_TIMEOUT
         waiting = self._zenoh_ends
         while waiting:
-            waiting = [end for end in waiting if not end.matched()]
+            waiting = [(name, end) for name, end in waiting if not end.matched()]
             if waiting and time.monotonic() > deadline:
-                keys = ", ".join(sorted({end.key for end in waiting}))
-                raise FollowspotError(f"Zenoh found no other end for {keys} within {_MATCH_TIMEOUT:.0f} s")
+                names = ", ".join(sorted({name for name, _ in waiting}))
+                raise FollowspotError(f"Zenoh found no other end for {names} within {_MATCH_TIMEOUT:.0f} s")
             if waiting:
                 time.sleep(0.005)
 

@@ -90,9 +90,9 @@ def _links(plan: Plan) -> EdgeLinks:
     pairs = {number: socket_pair() for number in ring_edges(plan)}
     session = None
     if uses_zenoh(plan):
-        from followspot.transport.zenoh_edge import open_session
+        from followspot.transport.zenoh_session import open_session
 
-        session = open_session(listen=[], connect=[])
+        session = open_session()
     sending = {number: pair[0] for number, pair in pairs.items()}
     receiving = {number: pair[1] for number, pair in pairs.items()}
     return EdgeLinks(plan, sending, receiving, session, uuid.uuid4().hex)

@@ -60,8 +60,8 @@ class Join:
             queue = self.members[0].queue
             if not queue:
                 return None
-            time = queue[0].header.time
-            return time if not self.held else self._held_ready(time)
+            arrived = queue[0].header.time
+            return arrived if not self.held else self._held_ready(arrived)
         while True:
             time = self._earliest()
             if time is None or not (overdue or self._certain(time + self.window)):
