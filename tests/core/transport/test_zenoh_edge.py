@@ -1,0 +1,203 @@
+"""What is particular to Zenoh: strangers on the network, sessions, one session with both ends."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+
+import numpy as np
+import pytest
+import zenoh
+
+from followspot.errors import FollowspotError
+from followspot.messages import Header, Message, identical, seal, stamped
+from followspot.tracking import Blobs, Frame
+from followspot.transport.bell import Bell
+from followspot.transport.codec import pack
+from followspot.transport.token import END, Invalid, Settled, Token
+from followspot.transport.zenoh_edge import CREDIT, NUMBER, ZenohReader, ZenohWriter, locators, open_session
+
+KEY = "test/camera/cam0/out"
+NAME = "color/cam0.frame"
+DEPTH = 4
+
+
+class Pair:
+    """Both ends in one session, and a stranger's session beside it."""
+
+    def __init__(self) -> None:
+        self._sessions = ExitStack()
+        self.session = self._sessions.enter_context(open_session())
+        self.stranger = self._sessions.enter_context(open_session(connect=locators(self.session)))
+        self.writer = ZenohWriter(self.session, KEY, [NAME], DEPTH)
+        self.reader = ZenohReader(self.session, KEY, NAME, Frame, DEPTH)
+        until(lambda: self.writer.matched() and self.reader.matched())
+
+    def close(self) -> None:
+        self.writer.close()
+        self.reader.close()
+        self._sessions.close()
+
+
+@pytest.fixture
+def pair() -> Iterator[Pair]:
+    made = Pair()
+    yield made
+    made.close()
+
+
+def until(condition: Callable[[], bool]) -> None:
+    limit = time.monotonic() + 30.0
+    while not condition():
+        assert time.monotonic() < limit, "it never happened"
+        time.sleep(0.005)
+
+
+def arrived(reader: ZenohReader, count: int) -> list[Token]:
+    tokens: list[Token] = []
+
+    def enough() -> bool:
+        tokens.extend(reader.poll())
+        return len(tokens) >= count
+
+    until(enough)
+    return tokens
+
+
+def frame(number: int) -> Frame:
+    pixels = np.full((30, 40, 3), number, np.uint8)
+    return stamped(seal(Frame("cam0", pixels)), Header("camera/cam0", number, number))
+
+
+def test_both_ends_may_share_a_session(pair: Pair) -> None:
+    for number in range(DEPTH):
+        pair.writer.send(frame(number))
+    pair.writer.send(Settled(END))
+    assert pair.writer.credit() == 0
+    tokens = arrived(pair.reader, DEPTH + 1)
+    assert all(isinstance(t, Message) and identical(t, frame(n)) for n, t in enumerate(tokens[:DEPTH]))
+    pair.reader.consumed(DEPTH)
+    until(lambda: pair.writer.credit() == DEPTH)
+    until(pair.writer.flush)
+    assert not pair.writer.lost
+    assert not pair.reader.lost
+
+
+def test_the_writer_is_not_done_before_the_end_was_read(pair: Pair) -> None:
+    pair.writer.send(Settled(END))
+    assert not pair.writer.flush()
+    arrived(pair.reader, 1)
+    until(pair.writer.flush)
+    pair.writer.close()
+    until(lambda: pair.reader._gone)
+    assert not pair.reader.lost
+
+
+def test_a_message_without_credit_is_a_mistake_of_the_caller(pair: Pair) -> None:
+    for number in range(DEPTH):
+        pair.writer.send(frame(number))
+    with pytest.raises(RuntimeError, match="credit"):
+        pair.writer.send(frame(DEPTH))
+
+
+def test_what_strangers_put_on_the_key_is_invalid_with_a_reason(pair: Pair) -> None:
+    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
+    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    pair.writer.send(frame(0))
+    publisher.put(b"hello")
+    publisher.put(b"", attachment=b"")
+    publisher.put(pack(frame(0)), attachment=NUMBER.pack(0, 1))
+    tokens = arrived(pair.reader, 4)
+    reasons = [token.reason for token in tokens if isinstance(token, Invalid)]
+    assert sum("no number" in reason for reason in reasons) == 2
+    assert sum("came again" in reason for reason in reasons) == 1
+    assert sum(isinstance(token, Message) for token in tokens) == 1
+
+
+def test_lost_and_invalid_messages_are_named_and_their_credit_returns(pair: Pair) -> None:
+    """A stranger takes the numbers of the writer: two are skipped, the third is of another type."""
+    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
+    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    publisher.put(pack(stamped(seal(Blobs.empty()), Header("", 0, 0))), attachment=NUMBER.pack(2, 3))
+    gap, wrong = arrived(pair.reader, 2)
+    assert isinstance(gap, Invalid)
+    assert gap.reason == "gap: expected token 0, 2 are missing"
+    assert isinstance(wrong, Invalid)
+    assert "Frame" in wrong.reason
+    assert pair.reader._consumed == 3
+
+
+def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
+    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
+    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    for number in range(2000):
+        publisher.put(bytes(1000), attachment=NUMBER.pack(number, number))
+    publisher.put(bytes(1000), attachment=b"last")
+    until(lambda: len(pair.reader._arrived) == pair.reader._limit)
+    assert len(pair.reader.poll()) == pair.reader._limit
+
+
+def test_false_reports_give_no_more_credit_than_was_sent(pair: Pair) -> None:
+    pair.writer.send(frame(0))
+    pair.stranger.put(f"{KEY}/credit/nobody", CREDIT.pack(5, 5, True))
+    pair.stranger.put(f"{KEY}/credit/color%2Fcam0.frame", b"short")
+    pair.stranger.put(f"{KEY}/credit/color%2Fcam0.frame", CREDIT.pack(2**63, 2**63, False))
+    until(lambda: pair.writer.credit() == DEPTH)
+
+
+def test_a_session_on_an_endpoint_that_is_taken_or_nonsense_says_so(pair: Pair) -> None:
+    for endpoint in (*locators(pair.session), "carrier-pigeon/roof"):
+        with pytest.raises(FollowspotError, match="Zenoh cannot listen on"):
+            open_session([endpoint])
+
+
+def test_by_default_only_this_host_is_reached(pair: Pair) -> None:
+    assert all(locator.startswith("tcp/127.0.0.1:") for locator in locators(pair.session))
+
+
+def test_peers_may_start_in_any_order() -> None:
+    with open_session() as first:
+        (place,) = locators(first)
+    with open_session(connect=[place]) as early, open_session([place]):
+        until(lambda: len(early.info.peers_zid()) == 1)
+
+
+def test_peers_of_one_peer_find_each_other() -> None:
+    with ExitStack() as sessions:
+        hub = sessions.enter_context(open_session())
+        spokes = [sessions.enter_context(open_session(connect=locators(hub))) for _ in range(3)]
+        until(lambda: all(len(spoke.info.peers_zid()) == 3 for spoke in spokes))
+
+
+def test_closing_twice_or_after_the_session_harms_nobody(pair: Pair) -> None:
+    pair.session.close()  # type: ignore[no-untyped-call]
+    pair.writer.send(Settled(5))
+    pair.reader.consumed()
+    for _ in range(2):
+        pair.writer.close()
+        pair.reader.close()
+
+
+def test_a_process_that_closes_its_edges_exits() -> None:
+    script = (
+        "from followspot.transport.zenoh_edge import *; from followspot.tracking import Frame;"
+        "session = open_session(); writer = ZenohWriter(session, 'k', ['r'], 4);"
+        "reader = ZenohReader(session, 'k', 'r', Frame, 4); writer.close(); reader.close(); session.close()"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=30)
+
+
+def test_a_closed_bell_does_not_touch_the_next_owner_of_its_descriptor() -> None:
+    bell = Bell()
+    number = bell.fileno()
+    bell.close()
+    other = Bell()
+    assert other.fileno() == number
+    bell.ring()
+    with pytest.raises(BlockingIOError):
+        os.eventfd_read(number)
+    other.close()
