@@ -2,113 +2,116 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.kernels import epipolar_weight, kernel
+from followspot_balls.kernels import epipolar_weight
+from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.search import lost_targets
 
 
 class MeanShift(Stage):
-    """Seek the mode of each target's candidates, from the forecast; a lost target's from the densest one."""
+    """Seek the mode of each target's candidates, from the forecast or from where they are densest."""
 
     class Params(StageParams):
+        start: Literal["forecast", "densest", "mean"] = Field(
+            "forecast",
+            description="initial centre of a target that has a forecast: that, the densest candidate, or the "
+            "weighted mean of the candidates",
+        )
         bandwidth: float = Field(
-            3.0,
+            2.5,
             gt=0,
             unit="1",
             description="bandwidth over the forecast's sigma; raising it averages more candidates",
         )
-        smallest: float = Field(0.04, gt=0, unit="m", description="smallest bandwidth")
-        lost: float = Field(0.1, gt=0, unit="m", description="bandwidth for a target without forecast")
-        epipolar: float = Field(
-            3.0, gt=0, unit="px", description="T_ED of the weights; lowering it trusts exact pairs more"
+        smallest: float = Field(
+            0.03, gt=0, unit="m", description="smallest bandwidth; raising it lets more biased candidates in"
         )
-        tolerance: float = Field(0.0005, gt=0, unit="m", description="converged when a step is shorter")
-        steps: int = Field(30, gt=0, unit="1", description="most steps")
+        lost: float = Field(
+            0.1, gt=0, unit="m", description="bandwidth for a target without forecast; raising it finds more"
+        )
+        epipolar: float = Field(
+            1.0,
+            gt=0,
+            unit="px",
+            description="T_ED of the weights; lowering it trusts exact pairs more (the paper's 3 px suit "
+            "centroids of whole pixels)",
+        )
+        held: float = Field(
+            0.5,
+            ge=0,
+            le=1,
+            unit="1",
+            description="part of a target's weight up to which the mode at the forecast is left for the "
+            "densest candidate; raising it leaves wrong forecasts sooner",
+        )
+        prior: float = Field(
+            0.1,
+            gt=0,
+            unit="m",
+            description="one sigma of the densest candidate's distance from the forecast; raising it lets "
+            "targets jump",
+        )
+        tolerance: float = Field(
+            0.0005, gt=0, unit="m", description="a centre rests when its step is shorter"
+        )
+        steps: int = Field(30, gt=0, unit="1", description="most steps of a centre")
 
     params: Params
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
         weights = epipolar_weight(candidates.epipolar, self.params.epipolar) * candidates.targets.T
         lost = lost_targets(forecast, len(weights))
-        weights[lost] *= (weights[lost] * candidates.confirmed).any(axis=1, keepdims=True)
-        target = np.flatnonzero(weights.any(axis=1))
+        evident = (candidates.targets.T & candidates.confirmed).any(axis=1)
+        target = np.flatnonzero(weights.any(axis=1) & (evident | ~lost))
         weights, lost = weights[target], lost[target]
-        bandwidth = self.bandwidth(forecast, target, lost)
-        start = self.start(candidates, weights, bandwidth, forecast, target, lost)
-        xyz, kernels, steps = shift_to_modes(
-            start,
-            bandwidth,
-            candidates.xyz,
-            candidates.labelled,
-            weights,
-            self.params.tolerance,
-            self.params.steps,
-        )
-        used = kernels > 0
+        center, sigma = expectation(forecast, target, lost)
+        bandwidth = np.maximum(self.params.bandwidth * sigma, self.params.smallest)
+        bandwidth[lost] = self.params.lost
+        sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
+        credit = np.where(lost[:, None], candidates.confirmed, self.nearness(candidates.xyz, center))
+        modes = self.modes(sample, center, credit, lost)
+        used = modes.held > 0
         return Positions(
             target=target.astype(np.int32),
-            xyz=xyz,
+            xyz=modes.center,
             covariance=np.full((len(target), 3, 3), np.nan),
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            iterations=steps.astype(np.int32),
+            iterations=modes.steps.astype(np.int32),
         )
 
-    def bandwidth(self, forecast: Forecast | None, target: Array, lost: Array) -> Array:
-        """Ellipsoid h = s sqrt(diag P) with a floor, (M, 3) m."""
-        h = np.full((len(target), 3), self.params.lost)
-        if forecast is not None and not lost.all():
-            variance = np.diagonal(forecast.covariance[target[~lost]], axis1=1, axis2=2)
-            h[~lost] = np.maximum(self.params.bandwidth * np.sqrt(variance), self.params.smallest)
-        return h
+    def nearness(self, xyz: Array, center: Array) -> Array:
+        """Credit of candidates by their distance from the forecast: (N, 3), (M, 3) m -> (M, N)."""
+        distance2 = np.square(xyz - center[:, None]).sum(axis=2)
+        return np.asarray(np.exp(-distance2 / (2 * self.params.prior**2)))
 
-    def start(
-        self,
-        candidates: Candidates,
-        weights: Array,
-        bandwidth: Array,
-        forecast: Forecast | None,
-        target: Array,
-        lost: Array,
-    ) -> Array:
-        """Initial centres, (M, 3) m."""
-        center = np.zeros((len(target), 3))
-        if forecast is not None and not lost.all():
-            center[~lost] = forecast.xyz[target[~lost]]
-        for row in np.flatnonzero(lost):
-            seed = candidates.xyz[(weights[row] > 0) & candidates.confirmed]
-            offsets = candidates.xyz - seed[:, None]
-            h = np.broadcast_to(bandwidth[row], (len(seed), 3))
-            density = (kernel(offsets, h, candidates.labelled) * weights[row]).sum(axis=1)
-            center[row] = seed[density.argmax()]
-        return center
+    def modes(self, sample: Sample, center: Array, credit: Array, lost: Array) -> Modes:
+        """Modes from the initial centres; those that hold too little give way to the densest candidate."""
+        p = self.params
+        start = weighted_mean(sample.xyz, sample.weights) if p.start == "mean" else center.copy()
+        dense = lost | (p.start == "densest")
+        start[dense] = densest(sample.rows(dense), credit[dense])
+        first = seek_modes(start, sample, p.tolerance, p.steps)
+        poor = ~dense & (first.held.sum(axis=1) <= p.held * sample.weights.sum(axis=1))
+        if not poor.any():
+            return first
+        rest = sample.rows(poor)
+        second = seek_modes(densest(rest, credit[poor]), rest, p.tolerance, p.steps)
+        for old, new in zip(first, second, strict=True):
+            old[poor] = new
+        return first
 
 
-def shift_to_modes(
-    center: Array, bandwidth: Array, xyz: Array, labelled: Array, weights: Array, tolerance: float, steps: int
-) -> tuple[Array, Array, Array]:
-    """Move each centre to the weighted mean of what its kernel holds (eq. 4) until it rests.
-
-    An empty kernel at the start is put on the weighted mean of all its candidates.
-    center, bandwidth: (M, 3) m; xyz: (N, 3) m; labelled: (N,) bool; weights: (M, N), each row with one
-    above 0; tolerance: m. Returns centres (M, 3), weighted kernels (M, N), steps taken (M,).
-    """
-    center = center.copy()
-    taken = np.zeros(len(center), int)
-    values = weights
-    for step in range(1, steps + 1):
-        values = kernel(xyz - center[:, None], bandwidth, labelled) * weights
-        total = values.sum(axis=1)
-        empty = total == 0
-        values[empty] = weights[empty]
-        mean = (values @ xyz) / values.sum(axis=1, keepdims=True)
-        moved = np.linalg.norm(mean - center, axis=1)
-        center = mean
-        moving = moved >= tolerance
-        taken[moving | (taken == step - 1)] = step
-        if not moving.any():
-            break
-    return center, values, taken
+def expectation(forecast: Forecast | None, target: Array, lost: Array) -> tuple[Array, Array]:
+    """Forecast place and sigma along each axis, (M, 3) m each; zero for lost targets."""
+    center, sigma = np.zeros((len(target), 3)), np.zeros((len(target), 3))
+    if forecast is not None and not lost.all():
+        known = target[~lost]
+        center[~lost] = forecast.xyz[known]
+        sigma[~lost] = np.sqrt(np.diagonal(forecast.covariance[known], axis1=1, axis2=2))
+    return center, sigma

@@ -68,7 +68,8 @@ def rim(camera: Camera, xyz: Array, sizes: Array) -> Array:
     steep = np.cross(direction, level)
     across = np.stack([level, steep])
     length = np.linalg.norm(across, axis=2, keepdims=True)
-    return (xyz + across * (sizes[:, None] / np.maximum(length, np.finfo(float).tiny))).reshape(-1, 3)
+    outline = xyz + across * (sizes[:, None] / np.maximum(length, np.finfo(float).tiny))
+    return np.asarray(outline.reshape(-1, 3))
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

@@ -1,0 +1,79 @@
+"""Mean shift: modes of weighted candidates, for all targets at once (Jin & Qian 2008, section 3.6, eq. 4)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot_balls.kernels import kernel
+
+
+class Sample(NamedTuple):
+    """N candidates as M targets see them."""
+
+    xyz: Array
+    """(N, 3) m."""
+    labelled: Array
+    """(N,) bool."""
+    weights: Array
+    """(M, N); 0 where a candidate is not the target's. Each row has one above 0."""
+    bandwidth: Array
+    """(M, 3) m."""
+
+    def rows(self, chosen: Array) -> Sample:
+        """As some of the targets see them."""
+        return self._replace(weights=self.weights[chosen], bandwidth=self.bandwidth[chosen])
+
+
+class Modes(NamedTuple):
+    """Where the centres came to rest."""
+
+    center: Array
+    """(M, 3) m."""
+    held: Array
+    """(M, N) weight of each candidate inside the kernel, 0 outside."""
+    steps: Array
+    """(M,) steps until the centre rested."""
+
+
+def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Modes:
+    """Move each centre to the weighted mean of what its kernel holds (eq. 4) until it rests.
+
+    A centre whose kernel holds nothing stays where it is.
+    start: (M, 3) m; tolerance: length of the last step, m; steps: at most.
+    """
+    center, taken = start, np.zeros(len(start), int)
+    held = sample.weights
+    for step in range(1, steps + 1):
+        held = kernel(sample.xyz - center[:, None], sample.bandwidth, sample.labelled) * sample.weights
+        mean = np.where(held.any(axis=1, keepdims=True), weighted_mean(sample.xyz, held), center)
+        moving = np.linalg.norm(mean - center, axis=1) >= tolerance
+        center = mean
+        taken[taken == step - 1] += 1
+        taken[~moving & (taken == step)] = step
+        if not moving.any():
+            break
+    return Modes(center, held, taken)
+
+
+def weighted_mean(xyz: Array, weights: Array) -> Array:
+    """Sum w x / sum w: (N, 3) m and (M, N) -> (M, 3) m; zero where all weights are."""
+    total = weights.sum(axis=1, keepdims=True)
+    return np.asarray(weights @ xyz / np.maximum(total, np.finfo(float).tiny))
+
+
+def densest(sample: Sample, credit: Array) -> Array:
+    """The candidate around which each target's are densest.
+
+    credit: (M, N) factor of each candidate's density, 0 where it must not be chosen. Returns (M, 3) m.
+    """
+    center = np.empty((len(credit), 3))
+    for row, (weights, bandwidth) in enumerate(zip(sample.weights, sample.bandwidth, strict=True)):
+        mine, seeds = np.flatnonzero(weights), np.flatnonzero(credit[row] * weights)
+        offsets = sample.xyz[mine] - sample.xyz[seeds, None]
+        wide = np.broadcast_to(bandwidth, (len(seeds), 3))
+        density = kernel(offsets, wide, sample.labelled[mine]) @ weights[mine]
+        center[row] = sample.xyz[seeds[(density * credit[row, seeds]).argmax()]]
+    return center
