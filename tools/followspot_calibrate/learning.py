@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +62,7 @@ def learn_from(recording: Path, camera: Camera) -> Lesson:
     try:
         if camera.kind == "color":
             histogram, area = learn_color(frames)
-            return Lesson(camera, len(frames), hue_histogram=histogram, area=area)
+            return Lesson(camera, len(frames), hue_histogram=np.round(histogram, 6), area=area)
         gray, area = learn_infrared(frames)
         return Lesson(camera, len(frames), gray=gray, area=area)
     except ValueError as error:
@@ -81,14 +81,13 @@ def read_frames(recording: Path, camera: Camera) -> list[Array]:
         stage.close()
 
 
-def with_lessons(target: Target, lessons: list[Lesson]) -> Target:
-    """The target with a template made of these lessons only."""
-    taught = [lesson for lesson in lessons if not lesson.problem]
-    return replace(
-        target,
-        hue_histogram={
-            s.camera.name: np.round(s.hue_histogram, 6) for s in taught if s.hue_histogram is not None
-        },
-        gray={s.camera.name: s.gray for s in taught if s.gray is not None},
-        area={s.camera.name: s.area for s in taught if s.area is not None},
+def taught(target: Target, radius: float | None, lessons: Sequence[Lesson]) -> Target:
+    """The target with this radius (m; None: its own) and a template made of these lessons only."""
+    good = [lesson for lesson in lessons if not lesson.problem]
+    return Target(
+        name=target.name,
+        radius=target.radius if radius is None else radius,
+        hue_histogram={s.camera.name: s.hue_histogram for s in good if s.hue_histogram is not None},
+        gray={s.camera.name: s.gray for s in good if s.gray is not None},
+        area={s.camera.name: s.area for s in good if s.area is not None},
     )

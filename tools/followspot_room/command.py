@@ -1,0 +1,90 @@
+"""What `followspot room import` does."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from followspot import Camera, Room
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.room import StageUse
+from followspot.room_file import save
+from followspot_cameras.recordings import find_recordings
+from followspot_room.calibration import Calibration, read_calibration
+
+TRUTH = "truth.csv"
+
+
+def import_room(calibration: Path, videos: Path, output: Path, *, allow_missing: bool, as_json: bool) -> int:
+    """Write the room file and say what is in it; returns the exit code. Raises InputError."""
+    known = read_calibration(calibration)
+    recordings = find_recordings(videos, [camera.name for camera in known.cameras])
+    missing = [camera.name for camera in known.cameras if camera.name not in recordings]
+    if missing and not allow_missing:
+        raise InputError([_no_recording(name, videos) for name in missing])
+    truth = videos / TRUTH if (videos / TRUTH).is_file() else None
+    room = room_of(known, recordings, truth, output)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        save(room, output)
+    except OSError as error:
+        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
+    for name in missing:
+        print(f"warning: camera {name} has no recording in {videos} and no source", file=sys.stderr)
+    print(_as_json(room, missing) if as_json else _summary(room, known.ball_radius, output))
+    return 0
+
+
+def room_of(
+    calibration: Calibration, recordings: Mapping[str, Path], truth: Path | None, output: Path
+) -> Room:
+    """The room that is to be written to the output; paths are relative to its folder."""
+    folder = output.parent
+
+    def with_source(camera: Camera) -> Camera:
+        path = recordings.get(camera.name)
+        if path is None:
+            return camera
+        stage = "cameras.images" if path.is_dir() else "cameras.video"
+        return replace(camera, source=_use(stage, path, folder))
+
+    return Room(
+        name=output.stem,
+        cameras={camera.name: with_source(camera) for camera in calibration.cameras},
+        planes=calibration.planes,
+        truth=_use("cameras.truth_csv", truth, folder) if truth else None,
+    )
+
+
+def _use(stage: str, path: Path, folder: Path) -> StageUse:
+    relative = os.path.relpath(path.resolve(), folder.resolve())
+    return StageUse(stage, {"path": relative}, str(folder))
+
+
+def _no_recording(camera: str, videos: Path) -> Mistake:
+    return Mistake(
+        None,
+        f"camera {camera} has no recording in {videos}",
+        f"add {videos / camera}.mkv, or leave the camera without a source: --allow-missing",
+    )
+
+
+def _summary(room: Room, ball_radius: float | None, output: Path) -> str:
+    kinds = [camera.kind for camera in room.cameras.values()]
+    radius = f" --radius {ball_radius:g}" if ball_radius else ""
+    return (
+        f"{output}: {kinds.count('color')} color and {kinds.count('infrared')} infrared cameras, "
+        f"planes {', '.join(room.planes) or 'none'}, {'with' if room.truth else 'without'} truth\n"
+        f"next: followspot calibrate targets --room {output} --clips CLIPS{radius}"
+    )
+
+
+def _as_json(room: Room, missing: Sequence[str]) -> str:
+    sources = {c.name: c.source.params["path"] if c.source else None for c in room.cameras.values()}
+    truth = room.truth.params["path"] if room.truth else None
+    found = {"room": room.name, "cameras": sources, "planes": list(room.planes), "truth": truth}
+    return json.dumps({**found, "missing": missing})
