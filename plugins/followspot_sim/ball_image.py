@@ -1,4 +1,4 @@
-"""The picture of a glowing ball, exact to a small part of a pixel."""
+"""The picture of glowing balls, exact to a small part of a pixel; all balls of a picture at once."""
 
 from __future__ import annotations
 
@@ -9,92 +9,105 @@ import numpy as np
 from followspot import Array
 from followspot_sim.sight import approach, blocked
 
-MARGIN = 6
-"""The glow reaches this many pixels beyond the ball."""
+DEFOCUS = 1.7
+"""Width of the soft edge of a ball, px."""
 HALO = 0.16
 """Brightness of the glow at the edge of the ball, over that of the ball."""
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera's eye: centre (3,) m, rays (H, W, 3) unit vectors, focal length in px."""
+    """A camera's eye: center (3,) m; rays (3, H, W) float32, unit vectors; focal length in px;
+    margin, how many pixels around a ball are drawn."""
 
     center: Array
     rays: Array
     focal: float
+    margin: int
 
 
 @dataclass(frozen=True, eq=False)
-class Patch:
-    """A ball in its window of the picture.
+class Stamps:
+    """Balls in square windows of the picture, from far to near.
 
-    window: rows and columns; cover: (h, w) share of each pixel that the ball fills and nothing
-    hides; halo: (h, w) share of its light that its glow adds; facing: (h, w, 3) where on the ball
-    the pixel looks, across the line of sight, in radii.
+    ball: (B,) number of the ball; corner: (B, 2) row and column where its window begins; cover:
+    (B, S, S) share of each pixel that the ball fills and nothing hides; halo: (B, S, S) share of its
+    light that its glow adds; facing: (3, B, S, S) where on the ball the pixel looks, across the line
+    of sight, in radii; distance: (B,) m.
     """
 
-    window: tuple[slice, slice]
+    ball: Array
+    corner: Array
     cover: Array
     halo: Array
     facing: Array
+    distance: Array
 
 
-def patch(view: View, pixel: Array, ball: Array, radius: float, limbs: Array, thick: Array) -> Patch | None:
-    """The ball as the camera sees it; None where it is outside the picture.
+def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, thick: Array) -> Stamps:
+    """The balls as the camera sees them; those outside the picture or not shown are left out.
 
-    pixel: (2,) px, its projected centre; ball: (3,) m; limbs: (K, 2, 3) m and thick: (K,) m may hide it.
-    A ray meets the ball where it passes the centre at less than the radius; the edge of the disc is
-    that distance in units of its own change per pixel, so the ellipse and the lens come out right.
+    pixel: (T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m; limbs: (K, 2, 3) m and
+    thick: (K,) m may hide them. A ray meets a ball where it passes the centre at less than the
+    radius; the edge of the disc is that distance in units of its own change per pixel, so the
+    ellipse of the sphere and the lens come out right.
     """
-    away = ball - view.center
-    distance = float(np.linalg.norm(away))
-    window = _window(pixel, view.focal * radius / distance, view.rays.shape)
-    if window is None:
-        return None
-    rays = view.rays[window]
-    along = rays @ away
-    across = rays * along[..., None] - away
-    miss = np.sqrt(np.einsum("hwi,hwi->hw", across, across))
-    down, right = np.gradient(miss)
-    pitch = np.sqrt(down * down + right * right) + 1e-9
-    cover = np.clip(0.5 + (radius - miss) / pitch, 0.0, 1.0)
+    away = balls - view.center
+    distance = np.sqrt(np.square(away).sum(axis=1))
+    reach = view.focal * radii / distance + view.margin
+    height, width = view.rays.shape[1:]
+    with np.errstate(invalid="ignore"):
+        seen = np.all((pixel > -reach[:, None]) & (pixel < [width, height] + reach[:, None]), axis=1)
+    ball = np.flatnonzero(seen)[np.argsort(-distance[seen])]
+    away, distance = away[ball].astype(np.float32), distance[ball].astype(np.float32)
+    radius = radii[ball].astype(np.float32)[:, None, None]
+    span = np.arange(2 * int(np.ceil(reach[ball].max(initial=1.0))) + 1)
+    corner = np.clip(
+        np.round(pixel[ball])[:, ::-1] - len(span) // 2, 0, [height - len(span), width - len(span)]
+    )
+    corner = corner.astype(int)
+    rows, columns = corner[:, 0, None, None] + span[:, None], corner[:, 1, None, None] + span
+    rays = view.rays[:, rows, columns]
+    along = np.einsum("ibhw,bi->bhw", rays, away)
+    across = rays * along - away.T[:, :, None, None]
+    miss = np.sqrt(np.einsum("ibhw,ibhw->bhw", across, across))
+    cover = np.minimum(np.maximum(0.5 + (radius - miss) / (DEFOCUS * _pitch(miss)), 0), 1)
     halo = HALO * np.exp(-1.6 * np.maximum(miss / radius - 1.0, 0.0)) * (1.0 - cover)
-    near = approach(view.center, away[None] / distance, limbs)[0][0] < thick + 3 * radius
-    if near.any():
-        surface = along - np.sqrt(np.maximum(radius**2 - miss**2, 0.0))
-        soft = distance / view.focal
-        hidden = blocked(
-            view.center, rays.reshape(-1, 3), surface.ravel(), limbs[near], thick[near], soft
-        ).reshape(miss.shape)
-        seen = cover * (1.0 - hidden)
-        halo *= seen.sum() / max(cover.sum(), 1e-9) * (1.0 - hidden)
-        cover = seen
-    return Patch(window, cover, halo, across / radius)
+    if len(limbs) and len(ball):
+        nearness, _ = approach(view.center, away.T / distance, limbs)
+        near = np.any(nearness < thick[:, None] + 1.3 * radius[:, 0, 0], axis=1)
+        if near.any():
+            filled = cover > 0
+            surface = along - np.sqrt(np.maximum(radius * radius - miss * miss, 0))
+            soft = np.broadcast_to((distance / view.focal)[:, None, None], cover.shape)[filled]
+            whole = cover.sum(axis=(1, 2))
+            veil = blocked(view.center, rays[:, filled], surface[filled], limbs[near], thick[near], soft)
+            cover[filled] *= 1.0 - veil
+            halo *= (cover.sum(axis=(1, 2)) / np.maximum(whole, 1e-9))[:, None, None]
+    return Stamps(ball, corner, cover, halo, across / radius, distance)
 
 
-def _window(pixel: Array, radius: float, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
-    """Rows and columns around a disc and its glow; None where fewer than two remain in the picture."""
-    reach = radius + MARGIN
-    if not np.isfinite(pixel).all():
-        return None
-    low = np.maximum(np.floor(pixel - reach), 0).astype(int)
-    high = np.minimum(np.ceil(pixel + reach) + 1, [shape[1], shape[0]]).astype(int)
-    if (high - low < 2).any():
-        return None
-    return slice(int(low[1]), int(high[1])), slice(int(low[0]), int(high[0]))
+def _pitch(miss: Array) -> Array:
+    """Change per pixel of a distance, (B, S, S)."""
+    down, right = np.gradient(miss, axis=(1, 2))
+    return np.asarray(np.sqrt(down * down + right * right) + 1e-9)
 
 
 def color_light(color: Array, facing: Array) -> Array:
-    """Light of a glowing ball: its colour, and a core that is too bright for the sensor and turns white.
+    """Light of glowing balls: their colour, and a core too bright for the sensor, which turns white.
 
-    color: (3,) linear BGR; facing: (h, w, 3) in radii. Returns (h, w, 3).
+    color: (B, 3) linear BGR; facing: (3, B, S, S) in radii. Returns (B, S, S, 3).
     """
-    square = np.einsum("hwi,hwi->hw", facing, facing)[..., None]
+    square = np.einsum("ibhw,ibhw->bhw", facing, facing)[..., None]
+    base = color[:, None, None, :]
     core = 0.45 * np.exp(-square / 0.12)
-    return np.asarray(color * (1.0 - 0.12 * square.clip(0, 1)) + core * (255.0 - color))
+    return np.asarray(base * (1.0 - 0.12 * np.minimum(square, 1.0)) + core * (255.0 - base))
 
 
-def infrared_light(brightness: float, facing: Array) -> Array:
-    """Light of the reflecting patches, (h, w): a pattern without a preferred side, so the centre stays."""
-    seams = np.cos(5.0 * facing).prod(axis=-1)
-    return np.asarray(brightness * (0.8 + 0.2 * seams))
+def infrared_light(brightness: Array, facing: Array) -> Array:
+    """Light of the reflecting patches, (B, S, S, 1): a pattern without a preferred side, so the centre stays.
+
+    brightness: (B,) grey levels; facing: (3, B, S, S) in radii.
+    """
+    seams = np.cos(5.0 * facing).prod(axis=0)
+    return np.asarray(brightness[:, None, None] * (0.8 + 0.2 * seams))[..., None]

@@ -149,7 +149,7 @@ class Planner:
     def _fetch(self, ball: int) -> bool:
         """The nearest idle person with a free hand walks to the ball and picks it up."""
         xy = np.array(self.places[ball].xyz[:2])
-        able = [p for p in sorted(self.idle) if self._free_hand(p) is not None]
+        able = [p for p in sorted(self.idle) if self._hand_for_more(p) is not None]
         if not able or self.rng.random() > 0.7:
             return False
         away = xy - self.start[able, :2]
@@ -159,7 +159,7 @@ class Planner:
             return False
         person, heading = able[nearest], float(np.arctan2(*away[nearest][::-1]))
         self.end[person] = [*(xy - 0.5 * np.array([np.cos(heading), np.sin(heading)])), heading]
-        hand = self._free_hand(person)
+        hand = self._hand_for_more(person)
         assert hand is not None  # noqa: S101  # able says so
         self._reach_ball(person, hand, np.array(self.places[ball].xyz), bow=True)
         self._hand_over(ball, Place("hand", person, hand))
@@ -228,7 +228,7 @@ class Planner:
         """Throw the ball to an idle person with a free hand; both turn to each other."""
         place = self.places[ball]
         for other in sorted(self.idle - {place.person}):
-            hand = self._free_hand(other)
+            hand = self._hand_for_more(other)
             ahead = self.end[other, :2] - self.end[place.person, :2]
             if hand is not None and 1.0 < np.hypot(*ahead) < 2.8:
                 heading = float(np.arctan2(ahead[1], ahead[0]))
@@ -251,7 +251,7 @@ class Planner:
     def _stow(self, ball: int) -> bool:
         """Put the ball into the bag."""
         place = self.places[ball]
-        if place.person in self.bags:
+        if place.person in self.bags or (place.person, 1 - place.hand) in self.full:
             return False
         self.bags.add(place.person)
         self._reach_ball(place.person, place.hand, in_room(self.end[place.person], BAG))
@@ -262,7 +262,7 @@ class Planner:
         """Take the ball out of the bag again."""
         person = self.places[ball].person
         hand = self._free_hand(person)
-        if person not in self.idle or hand is None or self.rng.random() > 0.75:
+        if person not in self.idle or hand is None or self.rng.random() > 0.8:
             return False
         self._reach_ball(person, hand, in_room(self.end[person], BAG))
         self._hand_over(ball, Place("hand", person, hand))
@@ -283,6 +283,13 @@ class Planner:
     def _free_hand(self, person: int) -> int | None:
         free = [hand for hand in (0, 1) if (person, hand) not in self.full]
         return free[0] if free else None
+
+    def _hand_for_more(self, person: int) -> int | None:
+        """A hand for another ball; who has one in the bag keeps a hand free to show it again."""
+        return None if person in self.bags and self._hands_full(person) else self._free_hand(person)
+
+    def _hands_full(self, person: int) -> bool:
+        return any((person, hand) in self.full for hand in (0, 1))
 
     def _rolling(self, start: Array, goal: Array) -> Array:
         """Where a rolling ball is at 40 moments of a round, (40, 2) m."""

@@ -71,19 +71,23 @@ class LightShow:
         self.active = bool(lighting.spots and self.screens and len(colors))
         self.atlas = lru_cache(maxsize=16)(self._draw)
         self.splashes = lru_cache(maxsize=16)(self._splash)
+        self._spots = lru_cache(maxsize=4)(self._place_spots)
         rng = np.random.default_rng([lighting.setting.seed, 77])
         self._colors = colors * lighting.brightness
         self._target = np.tile(np.arange(len(colors)), lighting.spots)
         spots = len(self._target)
         self._trailing = np.arange(spots) < len(colors)
-        self._screen = np.where(self._trailing, 0, np.arange(spots) // max(len(colors), 1) % max(len(self.screens), 1))
+        self._screen = np.where(
+            self._trailing, 0, np.arange(spots) // max(len(colors), 1) % max(len(self.screens), 1)
+        )
         self._radius = np.where(self._trailing, 0.085, rng.uniform(0.06, 0.15, spots))
         self._rate = rng.uniform(0.15, 0.55, (2, spots, 2)) * rng.choice([-1, 1], (2, spots, 2))
         self._phase = rng.uniform(0, 2 * np.pi, (2, spots, 2))
-        self._flash = [lighting.setting.seed, 78]
+        self._seed = lighting.setting.seed
+        self._flash = lru_cache(maxsize=8)(self._plan_flash)
         self._scenery = _scenery(atlas_size(self.screens), self._colors, rng) if self.active else None
 
-    def _spots(self, time: float) -> Array:
+    def _place_spots(self, time: float) -> Array:
         """Where every spot is on its screen, (N, 2) m along its axes."""
         size = np.array([s.size for s in self.screens])[self._screen]
         sway = np.sin(self._rate * time * np.pi + self._phase)
@@ -106,8 +110,8 @@ class LightShow:
             first, last, columns = screen.window()
             part = atlas[first:last, :columns]
             for spot in np.flatnonzero(self._screen == k):
-                centre = where[spot] / TEXEL
-                _disc(part, centre, self._radius[spot] / TEXEL, self._colors[self._target[spot]])
+                color = self._colors[self._target[spot]]
+                _disc(part, where[spot] / TEXEL, self._radius[spot] / TEXEL, color)
             self._draw_flash(part, k, scene.time)
             self._draw_shadows(part, screen, scene)
         return atlas
@@ -116,27 +120,35 @@ class LightShow:
         """A bar of light that turns about the middle of the first screen."""
         first, last, columns = self.screens[0].window()
         angle = 0.4 * time
-        middle, arm = np.array([columns, last - first]) / 2, np.array([np.cos(angle), np.sin(angle)]) * columns
+        middle, arm = (
+            np.array([columns, last - first]) / 2,
+            np.array([np.cos(angle), np.sin(angle)]) * columns,
+        )
         color = self._colors[int(time / 4) % len(self._colors)] * 0.12
         a, b = (tuple(int(v) for v in middle + s * arm) for s in (-1, 1))
         cv2.line(atlas[first:last, :columns], a, b, color.tolist(), 9, cv2.LINE_AA)
 
     def _draw_flash(self, part: Array, screen: int, time: float) -> None:
         slot = int(time / SLOT)
-        rng = np.random.default_rng([*self._flash, screen, slot])
-        begin, color = rng.uniform(0, SLOT - FLASH), self._colors[rng.integers(len(self._colors))]
+        begin, where, radius, color = self._flash(screen, slot)
         if 0 <= time - slot * SLOT - begin < FLASH:
-            _disc(part, rng.uniform(0.2, 0.8, 2) * part.shape[1::-1], rng.uniform(8, 40), color * 0.8)
+            _disc(part, where * part.shape[1::-1], radius, color)
+
+    def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
+        """When the flash of a slot begins (s), where (share of the screen), its radius (texels) and colour."""
+        rng = np.random.default_rng([self._seed, 78, screen, slot])
+        color = self._colors[rng.integers(len(self._colors))] * 0.8
+        return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(8, 40), color
 
     def _draw_shadows(self, part: Array, screen: Screen, scene: Scene) -> None:
         solid = SOLID[scene.part]
-        ends = scene.limbs[solid]
-        shade, scale = screen.shadow(ends.reshape(-1, 3))
-        texel = (screen.texel(shade) - [0, screen.row]).reshape(-1, 2, 2)
+        shade, scale = screen.shadow(scene.limbs[solid].reshape(-1, 3))
+        texel = (screen.texel(shade) - [0, screen.row]).reshape(-1, 4)
         thick = 2 * scene.radius[solid] * scale.reshape(-1, 2).mean(axis=1) / TEXEL
-        for (a, b), width in zip(texel, thick, strict=True):
-            if np.isfinite(width) and max(np.abs(a).max(), np.abs(b).max()) < 2000:
-                cv2.line(part, _whole(a), _whole(b), (0, 0, 0), max(1, round(width)), cv2.LINE_8)
+        near = np.abs(texel).max(axis=1) < 2000  # also leaves out what is not a number
+        lines = np.round(np.column_stack([texel, thick])[near]).astype(int).tolist()
+        for x1, y1, x2, y2, width in lines:
+            cv2.line(part, (x1, y1), (x2, y2), (0, 0, 0), max(1, width))
 
     def _splash(self, frame: int) -> Splashes:
         """Spots that meet a body before they meet their screen."""
@@ -147,15 +159,15 @@ class LightShow:
         where, hits = self._spots(scene.time), []
         for k, screen in enumerate(self.screens):
             spots = np.flatnonzero(self._screen == k)
-            aim = screen.point(where[spots]) - screen.projector
-            aim /= np.linalg.norm(aim, axis=1, keepdims=True)
+            aim = (screen.point(where[spots]) - screen.projector).T
+            aim /= np.sqrt(np.square(aim).sum(axis=0))
             distance, along = approach(screen.projector, aim, scene.limbs[solid])
-            reach = np.where(distance < scene.radius[solid], along, np.inf)
-            first = reach.argmin(axis=1)
-            met = np.isfinite(reach.min(axis=1))
-            depth = scene.radius[solid][first] ** 2 - distance[np.arange(len(spots)), first] ** 2
-            go = reach.min(axis=1)[met] - np.sqrt(depth[met])
-            xyz = screen.projector + aim[met] * go[:, None]
+            thick = scene.radius[solid][:, None]
+            entry = along - np.sqrt(np.maximum(thick * thick - distance * distance, 0.0))
+            entry[distance >= thick] = np.inf
+            first, go = entry.argmin(axis=0), entry.min(axis=0)
+            met = np.isfinite(go)
+            xyz = screen.projector + (aim[:, met] * go[met]).T
             target = self._target[spots[met]]
             hits.append((xyz, self._radius[spots[met]], self._colors[target] * 0.7, solid[first[met]]))
         xyz, radius, color, limb = (np.concatenate(column) for column in zip(*hits, strict=True))
@@ -164,13 +176,9 @@ class LightShow:
 
 def _disc(image: Array, centre: Array, radius: float, color: Array) -> None:
     """A disc at a place between pixels; places far outside are left out."""
-    if np.abs(centre).max() < 4000:
-        x, y, r = (int(v) for v in np.round(np.array([*centre, radius]) * (1 << SUBPIXEL)))
-        cv2.circle(image, (x, y), r, color.tolist(), -1, cv2.LINE_AA, SUBPIXEL)
-
-
-def _whole(point: Array) -> tuple[int, int]:
-    return round(float(point[0])), round(float(point[1]))
+    x, y = (round(v * (1 << SUBPIXEL)) for v in centre.tolist())
+    if abs(x) + abs(y) < 1 << 16:
+        cv2.circle(image, (x, y), round(radius * (1 << SUBPIXEL)), color.tolist(), -1, cv2.LINE_AA, SUBPIXEL)
 
 
 def _scenery(size: tuple[int, int], colors: Array, rng: np.random.Generator) -> Array:
@@ -178,4 +186,6 @@ def _scenery(size: tuple[int, int], colors: Array, rng: np.random.Generator) -> 
     rows, columns = size[0] + 80, size[1]
     coarse = rng.random((7, 5, len(colors))) ** 3
     coarse = coarse @ colors / len(colors) * 0.35
-    return np.asarray(cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC).clip(0, 255).astype("u1"))
+    return np.asarray(
+        cv2.resize(coarse, (columns, rows), interpolation=cv2.INTER_CUBIC).clip(0, 255).astype("u1")
+    )

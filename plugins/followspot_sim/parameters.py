@@ -28,7 +28,9 @@ class SimParams(StageParams):
     projection_brightness: float = Field(
         0.6, ge=0, le=1, description="projected light over that of the balls", unit="1"
     )
-    noise: float = Field(1.0, ge=0, le=20, description="standard deviation of sensor noise", unit="grey level")
+    noise: float = Field(
+        1.0, ge=0, le=20, description="standard deviation of sensor noise", unit="grey level"
+    )
     hide: bool = Field(True, description="people put balls into their bags for a while")
     alone: str = Field("", description="show this target only: no people, no projections (for templates)")
     realtime: bool = Field(False, description="deliver at the pace of fps instead of as fast as wanted")

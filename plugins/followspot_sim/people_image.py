@@ -27,10 +27,10 @@ def outlines(camera: Camera, limbs: Array, radius: Array) -> tuple[Array, Array,
     focal = float(camera.matrix[0, 0])
     across = focal * radius[:, None] / safe
     axis = pixel[:, 1] - pixel[:, 0]
-    angle = np.arctan2(axis[:, 1], axis[:, 0])[:, None]
-    far, back = angle + FAN, angle + np.pi + FAN
-    tip = pixel[:, 1, None] + across[:, 1, None, None] * np.stack([np.cos(far), np.sin(far)], axis=-1)
-    root = pixel[:, 0, None] + across[:, 0, None, None] * np.stack([np.cos(back), np.sin(back)], axis=-1)
+    angle = np.arctan2(axis[:, 1], axis[:, 0])[:, None] + FAN
+    round_end = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    tip = pixel[:, 1, None] + across[:, 1, None, None] * round_end
+    root = pixel[:, 0, None] - across[:, 0, None, None] * round_end
     polygon = np.concatenate([tip, root], axis=1)
     size = np.array(camera.size)
     with np.errstate(invalid="ignore"):

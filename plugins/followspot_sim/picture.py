@@ -7,7 +7,7 @@ import numpy as np
 
 from followspot import Array, Camera, Room
 from followspot.geometry import project
-from followspot_sim.ball_image import View, color_light, infrared_light, patch
+from followspot_sim.ball_image import View, color_light, infrared_light, stamps
 from followspot_sim.body import PARTS
 from followspot_sim.light import NO_SPLASHES, Lighting, Splashes, show_of
 from followspot_sim.parameters import SimParams
@@ -54,7 +54,12 @@ class Picture:
             )
         )
         rays = rays_of(camera)
-        self._view = View(camera.center, rays, float(camera.matrix[0, 0]))
+        self._view = View(
+            camera.center,
+            np.ascontiguousarray(np.moveaxis(rays, 2, 0), np.float32),
+            float(camera.matrix[0, 0]),
+            margin=2 if infrared else 5,
+        )
         place, number = lookup(camera, rays, self._show.screens)
         self._map = fixed_point(place)
         self._dark = _dark_room(number, infrared, rng).reshape(self.shape)
@@ -97,26 +102,19 @@ class Picture:
         return bool((point - limb[0] - t * axis) @ (self.camera.center - point) > 0)
 
     def _draw_balls(self, light: Array, scene: Scene) -> None:
-        shown = np.flatnonzero(~np.isnan(scene.balls[:, 0]))
-        distance = np.linalg.norm(scene.balls[shown] - self.camera.center, axis=1)
-        pixel = project(self.camera, scene.balls[shown])
-        for k in np.argsort(-distance):
-            ball = shown[k]
-            seen = patch(
-                self._view, pixel[k], scene.balls[ball], self._radii[ball], scene.limbs, scene.radius
-            )
-            if seen is None:
-                continue
-            if self.shape[2] == 3:
-                glow = color_light(self._glow[ball], seen.facing)
-                halo = seen.halo[..., None] * self._glow[ball]
-            else:
-                brightness = INFRARED_BALL * (INFRARED_RANGE / distance[k]) ** 2
-                glow = infrared_light(brightness, seen.facing)[..., None]
-                halo = 0.0
-            area = light[seen.window]
-            cover = seen.cover[..., None]
-            area[...] = np.minimum(area * (1.0 - cover) + glow * cover + halo + 0.5, 255.0)
+        pixel = project(self.camera, scene.balls)
+        seen = stamps(self._view, pixel, scene.balls, self._radii, scene.limbs, scene.radius)
+        cover = seen.cover[..., None]
+        if self.shape[2] == 3:
+            glow = color_light(self._glow[seen.ball], seen.facing)
+            added = glow * cover + seen.halo[..., None] * self._glow[seen.ball][:, None, None]
+        else:
+            brightness = INFRARED_BALL * np.square(INFRARED_RANGE / seen.distance)
+            added = infrared_light(brightness, seen.facing) * cover
+        side = cover.shape[1]
+        for (row, column), kept, plus in zip(seen.corner.tolist(), 1.0 - cover, added + 0.5, strict=True):
+            area = light[row : row + side, column : column + side]
+            area[...] = np.minimum(area * kept + plus, 255.0)
 
 
 def _dark_room(number: Array, infrared: bool, rng: np.random.Generator) -> Array:

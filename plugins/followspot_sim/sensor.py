@@ -1,4 +1,4 @@
-"""From light to a picture: defocus, noise, gamma, hot pixels."""
+"""From light to a picture: noise, gamma, hot pixels."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ GAMMA = 0.78
 """Exponent of the colour cameras; infrared cameras are linear."""
 POOL = 48
 """By how many pixels the noise can be shifted along each axis."""
-HOT = 6
+HOT = 4
 """Number of hot pixels of a camera."""
 
 
@@ -30,7 +30,9 @@ def own_rng(seed: int, camera: str) -> np.random.Generator:
 class Sensor:
     """One camera's sensor. Noise is drawn once and shifted by a random offset in each frame."""
 
-    def __init__(self, shape: tuple[int, int, int], noise: float, gamma: float, rng: np.random.Generator) -> None:
+    def __init__(
+        self, shape: tuple[int, int, int], noise: float, gamma: float, rng: np.random.Generator
+    ) -> None:
         """shape: (H, W, C) of the picture; noise: standard deviation in light, 0 to 255."""
         height, width, channels = shape
         grain = np.round(rng.normal(0.0, noise, (height + POOL, width + POOL, channels)))
@@ -45,12 +47,11 @@ class Sensor:
     def expose(self, light: Array, frame: int, out: Array) -> None:
         """The picture of `light`, (H, W, C) uint8, which is spoilt, into `out`."""
         height, width, _ = self._shape
-        sharp = light if light.shape[2] > 1 else light[:, :, 0]
-        cv2.GaussianBlur(sharp, (3, 3), 0.6, dst=sharp)
+        flat = light if light.shape[2] > 1 else light[:, :, 0]
         down, right = ((self._seed + frame) * step % 1000003 % POOL for step in (7919, 104729))
         window = (slice(down, down + height), slice(right, right + width))
-        grain = self._brighter[window].reshape(sharp.shape), self._darker[window].reshape(sharp.shape)
-        cv2.add(sharp, grain[0], dst=sharp)
-        cv2.subtract(sharp, grain[1], dst=sharp)
+        grain = self._brighter[window].reshape(flat.shape), self._darker[window].reshape(flat.shape)
+        cv2.add(flat, grain[0], dst=flat)
+        cv2.subtract(flat, grain[1], dst=flat)
         light[self._hot] = self._heat
-        cv2.LUT(sharp, self._curve, dst=out.reshape(sharp.shape))
+        cv2.LUT(flat, self._curve, dst=out.reshape(flat.shape))

@@ -11,29 +11,34 @@ from followspot import Array
 
 
 def approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
-    """How near rays come to segments: distance (N, K) m, and how far along the ray that is (N, K) m.
+    """How near rays come to segments, (K, N) m, and how far along the ray that is, (K, N) m.
 
-    origin: (3,) m; rays: (N, 3) unit vectors; ends: (K, 2, 3) m.
+    origin: (3,) m; rays: (3, N), unit vectors; ends: (K, 2, 3) m.
     """
-    axis, start = ends[:, 1] - ends[:, 0], ends[:, 0] - origin
-    along_axis, along_start = rays @ axis.T, rays @ start.T
-    across = np.maximum(np.einsum("kj,kj->k", axis, axis) - along_axis**2, 1e-12)
-    both = np.einsum("kj,kj->k", axis, start) - along_start * along_axis
-    t = np.clip(-both / across, 0.0, 1.0)
-    square = np.einsum("kj,kj->k", start, start) - along_start**2 + 2 * t * both + t * t * across
+    start, axis = ends[:, 0] - origin, ends[:, 1] - ends[:, 0]
+    fixed = np.stack([axis, start], axis=1) @ start[..., None]
+    length = np.einsum("kj,kj->k", axis, axis)[:, None]
+    along_axis, along_start = axis @ rays, start @ rays
+    across = np.maximum(length - along_axis * along_axis, 1e-12)
+    both = fixed[:, 0] - along_start * along_axis
+    t = np.minimum(np.maximum(-both / across, 0.0), 1.0)
+    square = fixed[:, 1] - along_start * along_start + t * (2 * both + t * across)
     return np.sqrt(np.maximum(square, 0.0)), along_start + t * along_axis
 
 
-def blocked(origin: Array, rays: Array, surface: Array, ends: Array, radius: Array, soft: float) -> Array:
+def blocked(
+    origin: Array, rays: Array, surface: Array, ends: Array, radius: Array, soft: Array | float
+) -> Array:
     """Share of each ray, 0 to 1, that meets a capsule before it has gone `surface` metres.
 
-    surface: (N,) m; soft: width of the edge of a capsule, m (a pixel at the ball's distance).
-    Returns (N,).
+    rays: (3, N) unit vectors; surface: (N,) m; soft: width of the edge of a capsule, m (a pixel at
+    the ball's distance) for all rays or each. Returns (N,).
     """
     distance, along = approach(origin, rays, ends)
-    entry = along - np.sqrt(np.maximum(radius**2 - distance**2, 0.0))
-    share = np.clip(0.5 + (radius - distance) / soft, 0.0, 1.0) * (entry < surface[:, None])
-    return np.asarray(share.max(axis=1, initial=0.0))
+    thick = radius[:, None]
+    entry = along - np.sqrt(np.maximum(thick * thick - distance * distance, 0.0))
+    share = np.minimum(np.maximum(0.5 + (thick - distance) / soft, 0.0), 1.0) * (entry < surface)
+    return np.asarray(share.max(axis=0, initial=0.0))
 
 
 def disc(samples: int) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_sim.sight import blocked, disc
+from followspot_sim.sight import approach, blocked, disc
 from followspot_sim.world import Scene
 
 SAMPLES = disc(64)
@@ -20,41 +20,48 @@ def visible_fraction(camera: Camera, scene: Scene, radii: Array) -> Array:
 
     radii: (T,) m. Returns (T,), 0 to 1; 0 for balls that are not shown.
     """
+    shown = np.flatnonzero(~np.isnan(scene.balls[:, 0]))
+    centres, radius = scene.balls[shown], radii[shown]
+    points = faces(camera.center, centres, radius).reshape(-1, 3)
+    away = (points - camera.center).T
+    distance = np.sqrt(np.square(away).sum(axis=0))
+    rays = away / distance
+    ends = np.concatenate([scene.limbs, np.repeat(centres[:, None], 2, axis=1)])
+    thick = np.concatenate([scene.radius, radius])
+    seen = inside(camera, points)
+    middle = (centres - camera.center).T
+    middle /= np.sqrt(np.square(middle).sum(axis=0))
+    near = approach(camera.center, middle, ends)[0] < thick[:, None] + 1.2 * radius
+    near[len(scene.limbs) :] &= ~np.eye(len(shown), dtype=bool)
+    near = near.any(axis=1)
+    if near.any():  # the face lies on its own ball, so it stops just before, lest the ball hide itself
+        seen &= blocked(camera.center, rays, distance - HARD, ends[near], thick[near], HARD) < 0.5
     fraction = np.zeros(len(radii))
-    capsules = np.concatenate([scene.limbs, np.repeat(scene.balls[:, None], 2, axis=1)])
-    thickness = np.concatenate([scene.radius, radii])
-    for ball in np.flatnonzero(~np.isnan(scene.balls[:, 0])):
-        points = face(camera.center, scene.balls[ball], radii[ball])
-        others = np.arange(len(capsules)) != len(scene.limbs) + ball
-        others &= ~np.isnan(capsules[:, 0, 0])
-        away = points - camera.center
-        distance = np.linalg.norm(away, axis=1)
-        hidden = blocked(
-            camera.center, away / distance[:, None], distance, capsules[others], thickness[others], HARD
-        )
-        fraction[ball] = np.mean((hidden < 0.5) & inside(camera, points))
+    fraction[shown] = seen.reshape(len(shown), -1).mean(axis=1)
     return fraction
 
 
-def face(eye: Array, centre: Array, radius: float) -> Array:
-    """Points on the half of a ball that faces `eye`, evenly over its silhouette: (64, 3) m."""
-    away = centre - eye
-    distance = float(np.linalg.norm(away))
-    forward = away / distance
-    side = np.cross(forward, [0.0, 0.0, 1.0])
-    side /= np.linalg.norm(side)
+def faces(eye: Array, centres: Array, radii: Array) -> Array:
+    """Points on the half of each ball that faces `eye`, evenly over its silhouette.
+
+    eye: (3,) m; centres: (T, 3) m; radii: (T,) m. Returns (T, 64, 3) m.
+    """
+    away = centres - eye
+    forward = away / np.sqrt(np.square(away).sum(axis=1, keepdims=True))
+    x, y, z = forward.T
+    level = np.maximum(np.hypot(x, y), 1e-9)
+    side = np.stack([y, -x, np.zeros_like(x)], axis=1) / level[:, None]
+    up = np.stack([-x * z, -y * z, level * level], axis=1) / level[:, None]
     height = np.sqrt(1.0 - np.square(SAMPLES).sum(axis=1))
-    across = SAMPLES @ np.stack([side, np.cross(side, forward)])
-    return np.asarray(centre + radius * (across - height[:, None] * forward))
+    across = SAMPLES[:, :1] * side[:, None] + SAMPLES[:, 1:] * up[:, None]
+    return np.asarray(centres[:, None] + radii[:, None, None] * (across - height[:, None] * forward[:, None]))
 
 
 def inside(camera: Camera, points: Array) -> Array:
     """Whether points of the room fall into the picture, (N,) bool."""
     pixel = project(camera, points)
-    width, height = camera.size
-    edge = np.array([width, height]) - 0.5
     with np.errstate(invalid="ignore"):
-        return np.asarray(np.all((pixel >= -0.5) & (pixel < edge), axis=1))
+        return np.asarray(((pixel >= -0.5) & (pixel < np.array(camera.size) - 0.5)).all(axis=1))
 
 
 def judge(visible: Array, color: Array) -> tuple[Array, Array, Array]:

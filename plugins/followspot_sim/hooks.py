@@ -1,0 +1,47 @@
+"""Joins `followspot simulate` to the command line."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from followspot.plugins.hooks import Command, hookimpl
+
+HELP = """Record a simulated room: one lossless video per camera, and the ground truth.
+
+The room file says with which parameters its cameras are simulated (source: {uses: sim.camera, with: ...}).
+DIR gets CAMERA.mkv and truth.csv; with --templates it gets TARGET/CAMERA.mkv instead, 20 frames of each
+target alone, for `followspot calibrate targets`.
+
+  followspot simulate --room graphs/rooms/simulated.yaml --out recording --frames 300
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The command `simulate`."""
+    return [Command("simulate", HELP, configure, run)]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--room", type=Path, required=True, metavar="ROOM.yaml", help="a simulated room")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder to write into")
+    parser.add_argument("--frames", type=int, metavar="N", help="record N frames (default: as the room says)")
+    parser.add_argument("--seed", type=int, metavar="S", help="another performance")
+    parser.add_argument("--templates", action="store_true", help="record each target alone")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Read the room, record."""
+    from followspot.room_file import read_room
+    from followspot_sim.recording import parameters_of, record, record_templates
+
+    room = read_room(args.room)
+    params = parameters_of(room, frames=args.frames, seed=args.seed)
+    if args.templates:
+        record_templates(room, params, args.out, args.frames)
+    else:
+        record(room, params, args.out)
+    return 0
