@@ -59,9 +59,13 @@ class Ports:
         return next((port for port in self.outputs if port.name == name), None)
 
 
-@cache
 def ports(stage: type[Stage]) -> Ports:
     """Read the ports. Raises SignatureError."""
+    return _ports(typing.cast(Any, stage))  # a class is hashable, whatever its instances are
+
+
+@cache
+def _ports(stage: Any) -> Ports:
     process = getattr(stage, "process", None)
     if not inspect.isfunction(process):
         raise SignatureError(f"{stage.__name__} has no method `process`: define process(self, ...) -> ...")
@@ -88,7 +92,9 @@ def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:
     try:
         return typing.get_type_hints(process, include_extras=True)
     except (NameError, TypeError, AttributeError) as error:
-        raise SignatureError(f"{stage.__name__}.process has an annotation that cannot be read: {error}") from error
+        raise SignatureError(
+            f"{stage.__name__}.process has an annotation that cannot be read: {error}"
+        ) from error
 
 
 def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, Any]) -> InputPort:

@@ -1,4 +1,4 @@
-"""Which stages are installed and in which state, from metadata alone; and the import of the one that is used."""
+"""Which stages are installed and in which state, from metadata alone; the import of those in use."""
 
 from __future__ import annotations
 
@@ -50,7 +50,9 @@ def use_plugin_files(paths: Sequence[str]) -> None:
                 raise PluginError(f"{path}: stage {stage.name} is already offered by {known.path}")
             if stage.name in catalogue():
                 taken = catalogue()[stage.name].distribution
-                raise PluginError(f"{path}: stage {stage.name} is already offered by {taken}; rename the file")
+                raise PluginError(
+                    f"{path}: stage {stage.name} is already offered by {taken}; rename the file"
+                )
             _files[stage.name] = stage
 
 
@@ -108,7 +110,9 @@ def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
         found[entry.name] = entry
     elif entry.state != "outdated":
         both = f"{known.distribution} and {entry.distribution}"
-        found[entry.name] = replace(known, state="duplicate", problem=f"offered by both {both}; uninstall one")
+        found[entry.name] = replace(
+            known, state="duplicate", problem=f"offered by both {both}; uninstall one"
+        )
 
 
 def _entry(entry: EntryPoint, distribution: Distribution) -> StageEntry:
@@ -126,7 +130,9 @@ def _entry(entry: EntryPoint, distribution: Distribution) -> StageEntry:
 def _outdated(entry: EntryPoint, distribution: Distribution) -> str:
     """Why a plugin is of another time than this followspot; empty where it is not."""
     if entry.group != GROUP:
-        return f"{distribution.name} speaks {entry.group}, this followspot {GROUP}; upgrade the older of the two"
+        return (
+            f"{distribution.name} speaks {entry.group}, this followspot {GROUP}; upgrade the older of the two"
+        )
     for text in distribution.requires or ():
         try:
             requirement = Requirement(text)

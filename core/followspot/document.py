@@ -1,0 +1,294 @@
+"""YAML files as trees of nodes that know their place; every mistake is reported at once.
+
+YAML 1.2 core scalars: only `true` and `false` are switches and `012` is twelve; keys are text.
+Built on the events of PyYAML's C parser. Untrusted files meet limits on bytes, depth and nodes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from followspot.errors import InputError, Mistake, Place
+
+MAX_FILE_BYTES = 1_000_000
+MAX_DEPTH = 50
+MAX_NODES = 100_000
+"""Counted after aliases, so that a short file cannot unfold into a long one."""
+
+Scalar = str | int | float | bool | None
+_STR_TAG = "tag:yaml.org,2002:str"
+_INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WORDS: dict[str, Scalar] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+    **{sign + dot: float(sign + "inf") for sign in ("", "+", "-") for dot in (".inf", ".Inf", ".INF")},
+    **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
+}
+
+
+@dataclass(frozen=True)
+class Node:
+    """A scalar, a sequence or a mapping, with its place.
+
+    key: place of the key that leads to it, the node's own place where there is none;
+    nodes, depth: size of the tree below, itself included.
+    """
+
+    value: Scalar | tuple[Node, ...] | Mapping[str, Node]
+    place: Place
+    key: Place
+    nodes: int = 1
+    depth: int = 1
+
+
+def read(path: str | Path) -> Node:
+    """The tree of a YAML file. Raises InputError with every mistake."""
+    file = str(path)
+    try:
+        with Path(path).open("rb") as stream:
+            data = stream.read(MAX_FILE_BYTES + 1)
+    except OSError as error:
+        raise _one(Place(file, 1, 1), f"cannot read {file}: {error.strerror}", "check the path") from None
+    except ValueError:  # a NUL in the name
+        raise _one(Place(repr(file), 1, 1), "this is not a file name", "check the path") from None
+    if len(data) > MAX_FILE_BYTES:
+        raise _one(Place(file, 1, 1), f"the file is larger than {MAX_FILE_BYTES} bytes", "split the file")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        place = _offset(file, data[: error.start].decode("utf-8-sig"))
+        raise _one(place, "this byte is not UTF-8 text", "save the file as UTF-8") from None
+    return parse(text, file)
+
+
+def parse(text: str, file: str) -> Node:
+    """The tree of a YAML text; `file` is its name in places. Raises InputError with every mistake."""
+    builder = _Builder(file)
+    try:
+        for event in yaml.parse(text, Loader=yaml.CSafeLoader):
+            builder.take(event)
+    except yaml.MarkedYAMLError as error:
+        builder.mistakes.append(_syntax(error, text, file))
+    except yaml.reader.ReaderError as error:
+        head = text.encode()[: error.position].decode("utf-8", "ignore")
+        builder.fail(_offset(file, head), "this character is not allowed in YAML", "remove it")
+    except UnicodeEncodeError as error:
+        builder.fail(_offset(file, text[: error.start]), "this character is not Unicode text", "remove it")
+    except _TooLarge:
+        pass  # noted where it was found
+    if builder.mistakes:
+        raise InputError(builder.mistakes)
+    return builder.root or Node(None, Place(file, 1, 1), Place(file, 1, 1))
+
+
+def plain(node: Node) -> Any:
+    """The node as plain Python values: dict, list, str, int, float, bool, None."""
+    if isinstance(node.value, Mapping):
+        return {key: plain(child) for key, child in node.value.items()}
+    if isinstance(node.value, tuple):
+        return [plain(child) for child in node.value]
+    return node.value
+
+
+def node_of(value: Any, place: Place) -> Node:
+    """The inverse of `plain`: a tree whose nodes all stand at one place. Raises InputError at a limit."""
+    return _node_of(value, place, MAX_DEPTH)
+
+
+def resolve(text: str) -> Scalar:
+    """The value of an unquoted scalar. Raises ValueError for a number with too many digits."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if _INT.fullmatch(text):
+        return int(text, {"0o": 8, "0x": 16}.get(text[:2], 10)) if text[1:2] in ("o", "x") else int(text)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    return text
+
+
+class _TooLarge(Exception):
+    """A limit was met; the rest of the text is not read."""
+
+
+@dataclass
+class _Open:
+    """A sequence or mapping whose end has not come yet."""
+
+    place: Place
+    anchor: str | None
+    items: list[Node]
+    mapping: bool
+
+
+class _Builder:
+    """Folds parser events into a tree, without recursion, so that depth is a number and not a crash."""
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.mistakes: list[Mistake] = []
+        self.root: Node | None = None
+        self.open: list[_Open] = []
+        self.anchors: dict[str, Node] = {}
+        self.total = 0
+
+    def fail(self, place: Place, text: str, remedy: str) -> None:
+        self.mistakes.append(Mistake(place, text, remedy))
+
+    def take(self, event: Any) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            self._add(self._scalar(event), event.anchor)
+        elif isinstance(event, yaml.AliasEvent):
+            self._alias(event)
+        elif isinstance(event, yaml.MappingStartEvent | yaml.SequenceStartEvent):
+            self._start(event)
+        elif isinstance(event, yaml.MappingEndEvent | yaml.SequenceEndEvent):
+            self._end()
+        elif isinstance(event, yaml.DocumentStartEvent) and self.root is not None:
+            self.fail(self._place(event), "a second document begins here", "one file holds one document")
+            raise _TooLarge
+
+    def _place(self, event: Any) -> Place:
+        start, end = event.start_mark, event.end_mark
+        width = end.column - start.column if end.line == start.line else 1
+        return Place(self.file, start.line + 1, start.column + 1, max(1, width))
+
+    def _scalar(self, event: yaml.ScalarEvent) -> Node:
+        place = self._place(event)
+        value: Scalar = event.value
+        if event.tag not in (None, "!", _STR_TAG):
+            self.fail(place, f"the tag {event.tag} is not used here", "remove it, or quote the text")
+        elif event.implicit[0] and event.tag is None:
+            try:
+                value = resolve(event.value)
+            except ValueError:
+                self.fail(place, "this number has too many digits", "shorten it, or quote it as text")
+        return Node(value, place, place)
+
+    def _alias(self, event: yaml.AliasEvent) -> None:
+        place = self._place(event)
+        found = self.anchors.get(str(event.anchor))
+        if found is None:
+            self.fail(place, f'no anchor "&{event.anchor}" stands before this alias', "define it above")
+            found = Node(None, place, place)
+        self._add(replace(found, key=place), None)
+
+    def _start(self, event: yaml.MappingStartEvent | yaml.SequenceStartEvent) -> None:
+        place = replace(self._place(event), width=1)
+        if event.tag not in (None, "!"):
+            self.fail(place, f"the tag {event.tag} is not used here", "remove it")
+        if len(self.open) >= MAX_DEPTH:
+            self._too_deep(place)
+        self.open.append(_Open(place, event.anchor, [], isinstance(event, yaml.MappingStartEvent)))
+
+    def _end(self) -> None:
+        done = self.open.pop()
+        value: tuple[Node, ...] | Mapping[str, Node]
+        value = self._mapping(done.items) if done.mapping else tuple(done.items)
+        children = tuple(value.values()) if isinstance(value, dict) else tuple(done.items)
+        nodes = 1 + sum(child.nodes for child in children)
+        depth = 1 + max((child.depth for child in children), default=0)
+        self._add(Node(value, done.place, done.place, nodes, depth), done.anchor)
+
+    def _mapping(self, items: list[Node]) -> dict[str, Node]:
+        own: dict[str, Node] = {}
+        merged: dict[str, Node] = {}
+        for key, node in zip(items[::2], items[1::2], strict=True):
+            name = self._key(key)
+            if name is None:
+                continue
+            if name == "<<":
+                for part in node.value if isinstance(node.value, tuple) else (node,):
+                    merged = {**self._merge(part, key.place), **merged}
+            elif name in own:
+                first = own[name].key
+                self.fail(
+                    key.place, f'the key "{name}" stands here twice', f"first in line {first.line}; keep one"
+                )
+            else:
+                own[name] = replace(node, key=key.place)
+        return {**own, **{name: node for name, node in merged.items() if name not in own}}
+
+    def _key(self, key: Node) -> str | None:
+        if isinstance(key.value, tuple | Mapping):
+            self.fail(
+                key.place, "a key must be text", "write NAME: VALUE; quote a text that starts with [ or {"
+            )
+            return None
+        return key.value if isinstance(key.value, str) else str(key.value)
+
+    def _merge(self, part: Node, place: Place) -> Mapping[str, Node]:
+        if isinstance(part.value, Mapping):
+            return part.value
+        self.fail(place, '"<<" merges mappings only', "write <<: *anchor of a mapping")
+        return {}
+
+    def _add(self, node: Node, anchor: str | None) -> None:
+        if len(self.open) + node.depth > MAX_DEPTH:
+            self._too_deep(node.key)
+        aliased = node.key != node.place
+        self.total += node.nodes if aliased else 1
+        if self.total > MAX_NODES:
+            self.fail(node.key, f"the file has more than {MAX_NODES} values", "split the file")
+            raise _TooLarge
+        if anchor:
+            self.anchors[anchor] = node
+        if self.open:
+            self.open[-1].items.append(node)
+        else:
+            self.root = node
+
+    def _too_deep(self, place: Place) -> None:
+        self.fail(place, f"values are nested more than {MAX_DEPTH} deep", "flatten the file")
+        raise _TooLarge
+
+
+def _syntax(error: yaml.MarkedYAMLError, text: str, file: str) -> Mistake:
+    mark = error.problem_mark or error.context_mark
+    problem = error.problem or "this is not YAML"
+    lines = text.splitlines() or [""]
+    if mark is None:
+        place = Place(file, 1, 1)
+    elif mark.line < len(lines):
+        place = Place(file, mark.line + 1, mark.column + 1)
+    else:  # libyaml points behind the end of the file
+        place = Place(file, len(lines), len(lines[-1]) + 1)
+    return Mistake(place, f"not valid YAML: {problem}", _remedy(error))
+
+
+def _remedy(error: yaml.MarkedYAMLError) -> str:
+    mark = error.context_mark
+    if error.context and mark is not None:
+        return f"{error.context} that begins in line {mark.line + 1}, column {mark.column + 1}"
+    return "check quotes, brackets and indentation"
+
+
+def _offset(file: str, head: str) -> Place:
+    lines = head.split("\n")
+    return Place(file, len(lines), len(lines[-1]) + 1)
+
+
+def _one(place: Place, text: str, remedy: str) -> InputError:
+    return InputError([Mistake(place, text, remedy)])
+
+
+def _node_of(value: Any, place: Place, depth: int) -> Node:
+    if depth == 0:
+        raise _one(place, f"values are nested more than {MAX_DEPTH} deep", "flatten them")
+    if isinstance(value, Mapping):
+        inner = {str(key): _node_of(child, place, depth - 1) for key, child in value.items()}
+        return Node(inner, place, place)
+    if isinstance(value, list | tuple):
+        return Node(tuple(_node_of(child, place, depth - 1) for child in value), place, place)
+    if value is None or isinstance(value, str | int | float):
+        return Node(value, place, place)
+    raise _one(
+        place, f"a {type(value).__name__} is not a YAML value", "use numbers, text, lists and mappings"
+    )

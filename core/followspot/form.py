@@ -1,0 +1,172 @@
+"""A mapping that a user wrote, read key by key; every mistake is collected with its place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from followspot.document import Node, plain
+from followspot.errors import Mistake, did_you_mean
+from followspot.messages import Array
+
+Shape = tuple[int, ...]
+
+
+class Form:
+    """Reads one mapping. Each reader returns None and notes a mistake where the value is missing or wrong.
+
+    noun: what the mapping is, as in "camera cam0"; keys: all that it may hold.
+    """
+
+    def __init__(self, node: Node, noun: str, keys: Sequence[str], mistakes: list[Mistake]) -> None:
+        self.node = node
+        self.noun = noun
+        self.mistakes = mistakes
+        self.entries: Mapping[str, Node] = {}
+        if isinstance(node.value, Mapping):
+            self.entries = node.value
+        else:
+            self.wrong(
+                node, f"{noun} is a mapping of keys to values, not {kind_of(node)}", f"keys: {_list(keys)}"
+            )
+        for key, entry in self.entries.items():
+            if key not in keys:
+                self.unknown(entry, f'{noun} has no key "{key}"', key, keys, "keys")
+
+    def wrong(self, node: Node, text: str, remedy: str = "") -> None:
+        """Note a mistake at a value."""
+        self.mistakes.append(Mistake(node.place, text, remedy))
+
+    def unknown(self, node: Node, text: str, word: str, known: Iterable[str], noun: str) -> None:
+        """Note a mistake at the key of a value: a word that is none of the known ones."""
+        self.mistakes.append(Mistake(node.key, text, did_you_mean(word, known, noun)))
+
+    def get(self, key: str, *, required: bool = False) -> Node | None:
+        """The value of a key; a missing required one is a mistake at the key of the mapping."""
+        found = self.entries.get(key)
+        if found is None and required and isinstance(self.node.value, Mapping):
+            self.mistakes.append(Mistake(self.node.key, f'{self.noun} lacks "{key}"', f"add {key}: ..."))
+        return found
+
+    def text(self, key: str, *, required: bool = False, choices: Sequence[str] = ()) -> str | None:
+        """A text, one of the choices where there are any."""
+        node = self.get(key, required=required)
+        if node is None:
+            return None
+        if not isinstance(node.value, str) or not node.value:
+            self.wrong(
+                node, f"{key} is text, not {kind_of(node)}", "quote a text that looks like something else"
+            )
+            return None
+        if choices and node.value not in choices:
+            self.wrong(node, f'{key} cannot be "{node.value}"', did_you_mean(node.value, choices, "one of"))
+            return None
+        return node.value
+
+    def number(self, key: str, *, above: float, required: bool = False, unit: str = "") -> float | None:
+        """A finite number greater than `above`."""
+        node = self.get(key, required=required)
+        if node is None:
+            return None
+        if not _is_finite(node) or not node.value > above:  # type: ignore[operator]  # it is a number
+            wanted = f"write a number greater than {above:g}" + (f", {unit}" if unit else "")
+            self.wrong(node, f"{key} cannot be {kind_of(node)}", wanted)
+            return None
+        return float(node.value)  # type: ignore[arg-type]
+
+    def whole(self, key: str, *, least: int, most: int) -> int | None:
+        """A whole number from `least` to `most`."""
+        node = self.get(key)
+        if node is None:
+            return None
+        value = node.value
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+            self.wrong(
+                node, f"{key} cannot be {kind_of(node)}", f"write a whole number from {least} to {most}"
+            )
+            return None
+        return value
+
+    def array(self, key: str, shapes: Sequence[Shape], *, required: bool = False) -> Array | None:
+        """Finite numbers in one of the shapes, as float64."""
+        node = self.get(key, required=required)
+        return None if node is None else self.numbers(node, key, shapes)
+
+    def numbers(self, node: Node, what: str, shapes: Sequence[Shape]) -> Array | None:
+        """A node of finite numbers in one of the shapes, as float64."""
+        wanted = " or ".join(" x ".join(map(str, shape)) for shape in shapes)
+        if not isinstance(node.value, tuple):
+            self.wrong(node, f"{what} is a list of {wanted} numbers, not {kind_of(node)}")
+            return None
+        bad = next((leaf for leaf in _leaves(node) if not _is_finite(leaf)), None)
+        if bad is not None:
+            self.wrong(bad, f"{what} holds {kind_of(bad)} where a finite number belongs")
+            return None
+        shape = _shape(node)
+        if shape not in shapes:
+            found = "rows of different length" if shape is None else " x ".join(map(str, shape))
+            self.wrong(node, f"{what} has {wanted} numbers, not {found}")
+            return None
+        return np.array(plain(node), dtype=np.float64)
+
+    def mapping(self, key: str) -> Mapping[str, Node]:
+        """A mapping of names to values, empty where it is missing."""
+        node = self.get(key)
+        if node is None or node.value is None:
+            return {}
+        if not isinstance(node.value, Mapping):
+            self.wrong(node, f"{key} is a mapping of names to values, not {kind_of(node)}")
+            return {}
+        return node.value
+
+
+def kind_of(node: Node) -> str:
+    """What a node is, in words."""
+    if isinstance(node.value, Mapping):
+        return "a mapping"
+    if isinstance(node.value, tuple):
+        return "a list" if node.value else "an empty list"
+    if node.value is None:
+        return "nothing"
+    if isinstance(node.value, bool):
+        return str(node.value).lower()
+    return f'"{node.value}"' if isinstance(node.value, str) else f"{node.value}"
+
+
+def is_name(text: str) -> bool:
+    """Whether a text may name a stage, a camera or a target: letters, digits, _ and -."""
+    return bool(text) and len(text) <= 100 and all(c.isalnum() or c in "_-" for c in text)
+
+
+def _leaves(node: Node) -> Iterator[Node]:
+    if not isinstance(node.value, tuple):
+        yield node
+        return
+    for item in node.value:
+        yield from _leaves(item)
+
+
+def _shape(node: Node) -> Shape | None:
+    """Sizes of nested lists; None where they are ragged."""
+    if not isinstance(node.value, tuple):
+        return ()
+    inner = {_shape(item) for item in node.value}
+    if len(inner) > 1 or None in inner:
+        return None
+    return (len(node.value), *(inner.pop() or () if inner else ()))
+
+
+def _is_finite(node: Node) -> bool:
+    value = node.value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer beyond any float
+        return False
+
+
+def _list(words: Sequence[str]) -> str:
+    return ", ".join(words)

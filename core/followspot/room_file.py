@@ -1,0 +1,184 @@
+"""Room files: read with every mistake at its place, written so that people can read them.
+
+What is written is read back bit for bit. Files are replaced whole: a crash leaves the old one.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from followspot.document import Node, node_of, parse, plain, read, resolve
+from followspot.errors import InputError, Place
+from followspot.room import Camera, Room, StageUse, Target
+from followspot.room_form import room_of
+
+_LINE = 100
+"""Longest mapping that is written on one line, in characters."""
+_PLAIN_TEXT = re.compile(r"[A-Za-z_/][A-Za-z0-9_./+-]*")
+_UNPRINTABLE = re.compile(r"[\x7f-\x9f\u2028\u2029\ufeff\ud800-\udfff\ufffe\uffff]")
+
+
+def load(path: str | Path) -> Room:
+    """Read a room file. Raises InputError with every mistake at its line and column."""
+    return room_of(read(path), str(Path(path).parent))
+
+
+def save(room: Room, path: str | Path) -> None:
+    """Write a room file. Paths in sources must be relative to its folder. Raises InputError, OSError."""
+    _write(Path(path), dump(_without_folders(to_data(room))))
+
+
+def update_targets(path: str | Path, targets: Mapping[str, Target]) -> None:
+    """Replace the targets of a room file and leave every other line and comment as it is.
+
+    A file that is one flow mapping, or shares anchors with its targets, is rewritten without comments.
+    Raises InputError where the file or the targets are wrong; the file is untouched then.
+    """
+    file = Path(path)
+    root = read(file)
+    data = {name: _target_data(target) for name, target in targets.items()}
+    wanted = {**plain(root), "targets": data} if isinstance(root.value, Mapping) else plain(root)
+    text = _spliced(file.read_text(encoding="utf-8-sig"), root, dump({"targets": data}))
+    if not _says(text, wanted):
+        text = dump(wanted)
+    _write(file, text)
+
+
+def to_data(room: Room) -> dict[str, Any]:
+    """The room in JSON types: what its file holds, and the folder of each source."""
+    data: dict[str, Any] = {
+        "room": room.name,
+        "cameras": {name: _camera_data(camera) for name, camera in room.cameras.items()},
+        "planes": {name: plane.tolist() for name, plane in room.planes.items()},
+        "targets": {name: _target_data(target) for name, target in room.targets.items()},
+    }
+    if room.truth is not None:
+        data["truth"] = _use_data(room.truth)
+    return data
+
+
+def from_data(data: Any) -> Room:
+    """The room from what `to_data` gave, checked as a file is. Raises InputError."""
+    return room_of(node_of(data, Place("room data", 1, 1)), None)
+
+
+def dump(data: Mapping[str, Any], indent: int = 0) -> str:
+    """YAML: short mappings and lists of numbers on one line, matrices one row a line."""
+    lines: list[str] = []
+    pad = " " * indent
+    for key, value in data.items():
+        label, flow = f"{pad}{_flow(str(key))}:", _flow(value)
+        if _is_matrix(value):
+            lines += [f"{label}\n", *(f"{pad}  - {_flow(row)}\n" for row in value)]
+        elif isinstance(value, Mapping) and value and (len(label) + len(flow) > _LINE or _nests(value)):
+            lines += [f"{label}\n", dump(value, indent + 2)]
+        else:
+            lines.append(f"{label} {flow}\n")
+    return "".join(lines)
+
+
+def _camera_data(camera: Camera) -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "kind": camera.kind,
+        "size": list(camera.size),
+        "model": camera.model,
+        "matrix": camera.matrix.tolist(),
+        "distortion": camera.distortion.tolist(),
+        "rotation": camera.rotation.tolist(),
+        "translation": camera.translation.tolist(),
+    }
+    if camera.source is not None:
+        data["source"] = _use_data(camera.source)
+    if camera.host:
+        data["host"] = camera.host
+    return data
+
+
+def _target_data(target: Target) -> dict[str, Any]:
+    sections: dict[str, dict[str, list[float]]] = {
+        "hue_histogram": {camera: bins.tolist() for camera, bins in target.hue_histogram.items()},
+        "area": {camera: [float(x) for x in limits] for camera, limits in target.area.items()},
+        "gray": {camera: [float(x) for x in limits] for camera, limits in target.gray.items()},
+    }
+    return {"radius": float(target.radius), **{key: value for key, value in sections.items() if value}}
+
+
+def _use_data(use: StageUse) -> dict[str, Any]:
+    return {"uses": use.uses, **({"with": dict(use.params)} if use.params else {}), "folder": use.folder}
+
+
+def _without_folders(data: dict[str, Any]) -> dict[str, Any]:
+    """A file says where it is by being there."""
+    for use in [camera.get("source") for camera in data["cameras"].values()] + [data.get("truth")]:
+        if use is not None:
+            del use["folder"]
+    return {key: value for key, value in data.items() if value}
+
+
+def _spliced(text: str, root: Node, section: str) -> str:
+    """The text with the lines of its `targets:` replaced; added at the end where it has none."""
+    lines = text.splitlines(keepends=True)
+    entries = root.value if isinstance(root.value, Mapping) else {}
+    if "targets" not in entries:
+        return text + ("" if not text or text.endswith("\n") else "\n") + section
+    start = entries["targets"].key.line - 1
+    following = [node.key.line - 1 for node in entries.values() if node.key.line - 1 > start]
+    end = min(following, default=len(lines))
+    while end - 1 > start and (not lines[end - 1].strip() or lines[end - 1].startswith("#")):
+        end -= 1  # comments above the next key belong to it
+    return "".join([*lines[:start], section, *lines[end:]])
+
+
+def _says(text: str, wanted: Any) -> bool:
+    try:
+        return bool(plain(parse(text, "")) == wanted)
+    except InputError:
+        return False
+
+
+def _write(path: Path, text: str) -> None:
+    """Check the text as a room, write it beside the file, then take the file's place."""
+    room_of(parse(text, f"{path} (as it would be)"), str(path.parent))
+    mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
+    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        Path(temporary).chmod(mode)
+        Path(temporary).replace(path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _is_matrix(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(row, list) for row in value)
+
+
+def _nests(value: Mapping[str, Any]) -> bool:
+    return any(_is_matrix(child) or isinstance(child, Mapping) for child in value.values())
+
+
+def _flow(value: Any) -> str:
+    """A value on one line; floats keep every bit."""
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_flow(str(k))}: {_flow(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_flow(item) for item in value) + "]"
+    if isinstance(value, float):
+        text = repr(value)
+        # Readers of YAML 1.1 take 1e-05 for a text.
+        return text if "." in text or "e" not in text else text.replace("e", ".0e")
+    if isinstance(value, str):
+        return value if _PLAIN_TEXT.fullmatch(value) and resolve(value) == value else _quoted(value)
+    return json.dumps(value)
+
+
+def _quoted(text: str) -> str:
+    return _UNPRINTABLE.sub(lambda found: f"\\u{ord(found[0]):04x}", json.dumps(text, ensure_ascii=False))

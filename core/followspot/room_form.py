@@ -1,0 +1,202 @@
+"""From a room document to a room: every mistake is noted at its line and column."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import cast
+
+import numpy as np
+
+from followspot.document import Node, plain
+from followspot.errors import InputError, Mistake
+from followspot.form import Form, Shape, is_name
+from followspot.messages import Array
+from followspot.room import Camera, Kind, Model, Room, StageUse, Target
+
+BINS = 16
+"""Bins of a hue histogram (Jin & Qian 2008, section 2.1)."""
+MAX_CAMERAS = 1000
+MAX_TARGETS = 1000
+MAX_PLANES = 1000
+_TOLERANCE = 1e-3
+"""Largest deviation of R R^T from the identity, and of a plane's normal from unit length."""
+_ROUNDING = 1e-9
+"""Deviation from a unit sum or length that is left as it is: a written room is read back bit for bit."""
+_MAX_PIXELS = 1 << 15
+_CAMERA_KEYS = (
+    "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
+)  # fmt: skip
+_COEFFICIENTS: dict[str, list[Shape]] = {"pinhole": [(5,), (4,)], "fisheye": [(4,)], "cylinder": [(0,), (5,)]}
+
+
+def room_of(root: Node, folder: str | None) -> Room:
+    """The room that a document describes. Raises InputError with every mistake.
+
+    folder: what paths in the document are relative to; None where each source carries its own.
+    """
+    mistakes: list[Mistake] = []
+    form = Form(root, "a room", ("room", "cameras", "planes", "targets", "truth"), mistakes)
+    name = form.text("room") or "room"
+    cameras = _cameras(form, folder)
+    planes = {key: _plane(form, key, node) for key, node in _named(form, "planes", MAX_PLANES).items()}
+    targets = {
+        key: _target(key, node, list(form.mapping("cameras")), mistakes)
+        for key, node in _named(form, "targets", MAX_TARGETS).items()
+    }
+    truth = form.get("truth")
+    use = None if truth is None else _stage_use(truth, "truth", folder, mistakes)
+    if mistakes:
+        raise InputError(mistakes)
+    return Room(name, cameras, planes, targets, use)
+
+
+def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:
+    """The entries of a section, whose names are checked."""
+    entries = form.mapping(key)
+    if len(entries) > most:
+        form.wrong(form.entries[key], f"{len(entries)} {key}, at most {most} are allowed")
+        return {}
+    for name, node in entries.items():
+        if not is_name(name):
+            form.mistakes.append(
+                Mistake(node.key, f'"{name}" cannot be a name', "use letters, digits, _ and -")
+            )
+    return entries
+
+
+def _cameras(form: Form, folder: str | None) -> dict[str, Camera]:
+    found = {
+        name: _camera(name, node, folder, form.mistakes)
+        for name, node in _named(form, "cameras", MAX_CAMERAS).items()
+    }
+    return {name: camera for name, camera in found.items() if camera is not None}
+
+
+def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) -> Camera | None:
+    form = Form(node, f"camera {name}", _CAMERA_KEYS, mistakes)
+    kind = form.text("kind", required=True, choices=("color", "infrared"))
+    model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
+    size = _size(form)
+    matrix = _matrix(form)
+    distortion = form.array("distortion", _COEFFICIENTS[model])
+    rotation = _rotation(form)
+    translation = form.array("translation", [(3,)], required=True)
+    source = form.get("source")
+    use = None if source is None else _stage_use(source, f"the source of {name}", folder, mistakes)
+    host = form.text("host") or ""
+    if kind is None or size is None or matrix is None or rotation is None or translation is None:
+        return None
+    if distortion is None:
+        distortion = np.zeros(_COEFFICIENTS[model][0])
+    elif model == "pinhole":
+        distortion = np.pad(distortion, (0, 5 - len(distortion)))
+    return Camera(
+        name, cast(Kind, kind), size, matrix, distortion, rotation, translation, cast(Model, model), use, host
+    )
+
+
+def _size(form: Form) -> tuple[int, int] | None:
+    size = form.array("size", [(2,)], required=True)
+    if size is None:
+        return None
+    if not ((size >= 1).all() and (size <= _MAX_PIXELS).all() and (size % 1 == 0).all()):
+        form.wrong(
+            form.entries["size"],
+            "size is the width and height in whole pixels",
+            f"each from 1 to {_MAX_PIXELS}",
+        )
+        return None
+    return int(size[0]), int(size[1])
+
+
+def _matrix(form: Form) -> Array | None:
+    matrix = form.array("matrix", [(3, 3)], required=True)
+    if matrix is None:
+        return None
+    if not (matrix[0, 0] > 0 and matrix[1, 1] > 0 and matrix[1, 0] == 0 and (matrix[2] == [0, 0, 1]).all()):
+        form.wrong(
+            form.entries["matrix"],
+            "this is no camera matrix",
+            "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with positive fx and fy, px",
+        )
+        return None
+    return matrix
+
+
+def _rotation(form: Form) -> Array | None:
+    rotation = form.array("rotation", [(3, 3)], required=True)
+    if rotation is None:
+        return None
+    node = form.entries["rotation"]
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > _TOLERANCE:
+        form.wrong(node, "this is no rotation: its rows are not orthogonal unit vectors", "x_cam = R X + t")
+        return None
+    if np.linalg.det(rotation) < 0:
+        form.wrong(node, "this is no rotation but a reflection: its determinant is -1", "negate one row")
+        return None
+    return rotation
+
+
+def _plane(form: Form, name: str, node: Node) -> Array:
+    plane = form.numbers(node, f"plane {name}", [(4,)])
+    if plane is None:
+        return np.zeros(4)
+    length = float(np.linalg.norm(plane[:3]))
+    if abs(length - 1.0) > _TOLERANCE:
+        remedy = (
+            "divide all four numbers by it" if length > 0 else "a x + b y + c z + d = 0 with a unit normal, m"
+        )
+        form.wrong(node, f"the normal of plane {name} has length {length:.6g}, not 1", remedy)
+        return plane
+    return plane if abs(length - 1.0) < _ROUNDING else plane / length
+
+
+def _target(name: str, node: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Target:
+    form = Form(node, f"target {name}", ("radius", "hue_histogram", "area", "gray"), mistakes)
+    radius = form.number("radius", above=0.0, required=True, unit="m")
+    histograms = {
+        camera: _histogram(form, camera, values)
+        for camera, values in _per_camera(form, "hue_histogram", (BINS,), cameras).items()
+    }
+    return Target(
+        name, radius or 1.0, histograms, _ranges(form, "area", cameras), _ranges(form, "gray", cameras)
+    )
+
+
+def _histogram(form: Form, camera: str, values: Array) -> Array:
+    total = float(values.sum())
+    if values.min() < 0 or total <= 0:
+        problem = "a bin below 0" if values.min() < 0 else "no bin above 0"
+        form.wrong(form.mapping("hue_histogram")[camera], f"the hue histogram for {camera} has {problem}")
+        return values
+    return values if abs(total - 1.0) < _ROUNDING else values / total
+
+
+def _ranges(form: Form, key: str, cameras: Sequence[str]) -> dict[str, tuple[float, float]]:
+    ranges = {}
+    for camera, (low, high) in _per_camera(form, key, (2,), cameras).items():
+        if low > high or low < 0:
+            node = form.mapping(key)[camera]
+            form.wrong(node, f"{key} for {camera} cannot be [{low:g}, {high:g}]", "write [smallest, largest]")
+        ranges[camera] = (float(low), float(high))
+    return ranges
+
+
+def _per_camera(form: Form, key: str, shape: Shape, cameras: Sequence[str]) -> dict[str, Array]:
+    found = {}
+    for camera, node in form.mapping(key).items():
+        if camera not in cameras:
+            form.unknown(node, f'the room has no camera "{camera}"', camera, cameras, "cameras")
+        values = form.numbers(node, f"{key} for {camera}", [shape])
+        if values is not None:
+            found[camera] = values
+    return found
+
+
+def _stage_use(node: Node, noun: str, folder: str | None, mistakes: list[Mistake]) -> StageUse | None:
+    form = Form(node, noun, ("uses", "with") if folder is not None else ("uses", "with", "folder"), mistakes)
+    uses = form.text("uses", required=True)
+    params = {name: plain(value) for name, value in form.mapping("with").items()}
+    if folder is None:
+        folder = form.text("folder") or "."
+    return None if uses is None else StageUse(uses, params, folder)
