@@ -33,7 +33,10 @@ def calibrate_targets(
         for name, lessons in report.items()
         if name not in failed
     }
-    update_targets(room_file, {**room.targets, **learnt})
+    try:
+        update_targets(room_file, {**room.targets, **learnt})
+    except OSError as error:
+        raise FollowspotError(f"{room_file} cannot be written: {error.strerror}") from None
     print(_as_json(report) if as_json else summary(report))
     if failed:
         raise FollowspotError(f"no camera saw {', '.join(failed)}; {room_file} has the other targets")
