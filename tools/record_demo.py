@@ -9,7 +9,7 @@ the run saved. The suffix of the output chooses WebP (small), GIF or PNG.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -18,6 +18,7 @@ import numpy as np
 
 from followspot import Camera, Context, Room
 from followspot.accuracy import TrackTable, read_tracks_csv
+from followspot.accuracy.figures import nearest
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
@@ -29,8 +30,12 @@ GAP = 4
 """Between tiles, px."""
 PAPER, GRID, INK = (24, 22, 20), (52, 48, 45), (225, 225, 225)
 """Background, lines and text, BGR."""
-TRAIL = 60
-"""Frames of the past in the floor plan."""
+TRAIL = 25
+"""Pictures of the past in the floor plan."""
+GAIN = 1.6
+"""Brightness of the tiles over that of the pictures, which are dark."""
+SAME_TIME = 0.004
+"""Largest difference between a track and a picture, s."""
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
@@ -42,16 +47,14 @@ def main() -> None:
     """Read the room and the tracks, draw every n-th frame, write the animation."""
     args = arguments()
     room = load(args.room)
-    xyz = positions(read_tracks_csv(args.tracks), room, args.fps)
-    pictures = zip(*(frames(room, camera, args.last) for camera in room.cameras.values()), strict=False)
+    streams = [pictures(room, camera, args.first, args.last, args.step) for camera in room.cameras.values()]
+    moments = list(zip(*streams, strict=False))
+    time = np.array([views[0][0] for views in moments])
+    xyz = positions(read_tracks_csv(args.tracks), room, time)
     plan = FloorPlan(room, xyz, target_colors(room))
     movie = cv2.Animation()
-    movie.frames = [
-        compose(images, number, plan)
-        for number, images in enumerate(pictures)
-        if number >= args.first and number % args.step == 0
-    ]
-    movie.durations = [round(1000 * args.step / args.fps)] * len(movie.frames)
+    movie.frames = [compose([image for _, image in views], i, plan) for i, views in enumerate(moments)]
+    movie.durations = [args.pause] * len(movie.frames)
     args.output.parent.mkdir(parents=True, exist_ok=True)
     cv2.imwriteanimation(str(args.output), movie, [cv2.IMWRITE_WEBP_QUALITY, args.quality])
     print(f"{args.output}: {len(movie.frames)} pictures, {args.output.stat().st_size / 1e6:.2f} MB")
@@ -65,36 +68,44 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--room", type=Path, required=True)
     parser.add_argument("--tracks", type=Path, required=True, help="saved by sinks.csv")
     parser.add_argument("-o", "--output", type=Path, required=True, help=".webp, .gif or .png")
-    parser.add_argument("--fps", type=float, default=30.0, help="of the recording")
     parser.add_argument("--first", type=int, default=0, help="frame")
-    parser.add_argument("--last", type=int, default=240, help="frame")
-    parser.add_argument("--step", type=int, default=3, help="draw every n-th frame")
+    parser.add_argument("--last", type=int, default=600, help="frame")
+    parser.add_argument("--step", type=int, default=6, help="draw every n-th frame")
+    parser.add_argument("--pause", type=int, default=100, help="between two pictures, ms")
     parser.add_argument("--quality", type=int, default=45, help="of WebP, 1 to 100")
     return parser.parse_args()
 
 
-def frames(room: Room, camera: Camera, last: int) -> Iterator[Array]:
-    """Pictures of one camera from the source that the room declares, BGR at the size of a tile."""
+def pictures(room: Room, camera: Camera, first: int, last: int, step: int) -> Iterator[tuple[float, Array]]:
+    """Capture time (s) and picture, BGR at the size of a tile, from the source that the room declares."""
     if camera.source is None:
         raise SystemExit(f"camera {camera.name} has no source in the room file")
-    stage = load_stage(camera.source.uses)(
-        Context(name=f"camera/{camera.name}", room=room, camera=camera), **camera.source.params
-    )
+    folder = Path(camera.source.folder)
+    params = {k: folder / v if k == "path" else v for k, v in camera.source.params.items()}
+    context = Context(name=f"camera/{camera.name}", room=room, camera=camera)
+    stage = load_stage(camera.source.uses)(context, **params)
     stage.setup()
     try:
-        for frame in islice(stage.process(), last):
-            picture = cv2.resize(frame.pixels, TILE, interpolation=cv2.INTER_AREA)
-            yield cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR) if picture.ndim == 2 else picture
+        for frame in islice(stage.process(), first, last, step):
+            small = cv2.resize(frame.pixels, TILE, interpolation=cv2.INTER_AREA)
+            bright = cv2.convertScaleAbs(small, alpha=GAIN)
+            yield (
+                frame.header.time / 1e9,
+                cv2.cvtColor(bright, cv2.COLOR_GRAY2BGR) if bright.ndim == 2 else bright,
+            )
     finally:
         stage.close()
 
 
-def positions(tracks: TrackTable, room: Room, fps: float) -> Array:
-    """Positions of the T targets of the room in F frames: (F, T, 3) m, NaN where unknown."""
-    number = np.rint(tracks.time * fps).astype(int)
-    xyz = np.full((number.max() + 1, len(room.targets), 3), np.nan)
-    order = list(room.targets)
-    xyz[number, np.array([order.index(name) for name in tracks.objects])[tracks.target]] = tracks.xyz
+def positions(tracks: TrackTable, room: Room, time: Array) -> Array:
+    """Positions of the T targets of the room at the times (F,) s: (F, T, 3) m, NaN where unknown."""
+    xyz = np.full((len(time), len(room.targets), 3), np.nan)
+    for target, name in enumerate(room.targets):
+        rows = np.flatnonzero(np.array(tracks.objects)[tracks.target] == name)
+        if len(rows):
+            row, distance = nearest(tracks.time[rows], time)
+            known = distance < SAME_TIME
+            xyz[known, target] = tracks.xyz[rows[row[known]]]
     return xyz
 
 
@@ -111,9 +122,9 @@ def target_colors(room: Room) -> list[Color]:
     return colors
 
 
-def compose(images: tuple[Array, ...], number: int, plan: FloorPlan) -> Array:
+def compose(images: Sequence[Array], number: int, plan: FloorPlan) -> Array:
     """One picture of the animation: tiles on the left, floor plan on the right."""
-    now = plan.xyz[min(number, len(plan.xyz) - 1)]
+    now = plan.xyz[number]
     cameras = plan.room.cameras.values()
     tiles = [tile(camera, image, now, plan.colors) for camera, image in zip(cameras, images, strict=True)]
     columns = 2 if len(tiles) < 7 else 4
@@ -127,7 +138,7 @@ def tile(camera: Camera, image: Array, xyz: Array, colors: list[Color]) -> Array
     picture = image.copy()
     for center, color in zip(project(camera, xyz) * TILE / camera.size, colors, strict=True):
         if ((center > 0) & (center < TILE)).all():
-            cv2.circle(picture, rounded(center), 9, color, 1, cv2.LINE_AA)
+            cv2.circle(picture, rounded(center), 9, color, 2, cv2.LINE_AA)
     cv2.putText(picture, f"{camera.name} {camera.kind}", (6, 14), FONT, 0.38, INK, 1, cv2.LINE_AA)
     return cv2.copyMakeBorder(picture, 0, GAP, 0, GAP, cv2.BORDER_CONSTANT, value=PAPER)
 
@@ -159,8 +170,7 @@ class FloorPlan:
             cv2.arrowedLine(picture, start, end, (150, 150, 150), 1, cv2.LINE_AA, tipLength=0.4)
         for target in range(len(self.colors)):
             self.trail(picture, number, target)
-        now = self.xyz[min(number, len(self.xyz) - 1)]
-        for name, spot, color in zip(self.room.targets, now, self.colors, strict=True):
+        for name, spot, color in zip(self.room.targets, self.xyz[number], self.colors, strict=True):
             if np.isfinite(spot).all():
                 ((x, y),) = self.pixels(spot[None], size)
                 cv2.circle(picture, (x, y), 5, color, -1, cv2.LINE_AA)
