@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -74,7 +75,7 @@ def _accuracy(plan: Plan, out: Path, frames: int) -> dict[str, TargetScore]:
     """Scores of the tracks against the truth that the room declares; empty where there is none of either."""
     if plan.room.truth is None or not (out / TRACKS).exists():
         return {}
-    from followspot.accuracy import read_tracks_csv, score, truth_rows
+    from followspot.accuracy import read_tracks_csv, score, truth_of
     from followspot.plugins.registry import load_stage
     from followspot.stage import Context
 
@@ -82,7 +83,7 @@ def _accuracy(plan: Plan, out: Path, frames: int) -> dict[str, TargetScore]:
     source = load_stage(use.uses)(Context(name="truth", room=plan.room, seed=plan.seed), **use.params)
     source.setup()
     try:
-        truth = truth_rows(source.process(), frames)
+        truth = truth_of(islice(source.process(), frames))
     finally:
         source.close()
     return score(read_tracks_csv(out / TRACKS), truth, plan.room)

@@ -18,10 +18,10 @@ class Outlet:
     """One output port: it checks and stamps each message once and hands it to every edge.
 
     inlets: readers in the same worker; writers: one for each kind of edge to other workers;
-    rows: ledger rows of the edges behind the writers; slack: see `Inlet`.
+    rows: ledger rows of the edges behind each writer; slack: see `Inlet`.
     """
 
-    __slots__ = ("bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
+    __slots__ = ("_counted", "bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
 
     def __init__(self, kind: type[Message], words: memoryview, *, slack: int) -> None:
         self.type = kind
@@ -29,9 +29,25 @@ class Outlet:
         self.slack = slack
         self.inlets: list[Inlet] = []
         self.writers: list[PortWriter] = []
-        self.rows: list[int] = []
+        self.rows: list[list[int]] = []
+        self._counted: list[int] = []
         self.bound = -END
         self.refused: Callable[[str], None] = _nothing
+
+    def attach(self, writer: PortWriter, rows: list[int]) -> None:
+        """Add the edges to other workers that one writer serves; rows: of its readers, in its order."""
+        self.writers.append(writer)
+        self.rows.append(rows)
+        self.forget_lost()
+
+    def forget_lost(self) -> None:
+        """A reader that died is sent nothing more, so nothing more is counted as sent to it."""
+        self._counted = [
+            row
+            for writer, rows in zip(self.writers, self.rows, strict=True)
+            for index, row in enumerate(rows)
+            if index not in writer.lost
+        ]
 
     def has_room(self) -> bool:
         """Whether every edge takes another message."""
@@ -59,7 +75,7 @@ class Outlet:
             inlet.put(message)
         if self.writers:
             words = self.words
-            for row in self.rows:
+            for row in self._counted:
                 words[row + SENT] += 1
             for writer in self.writers:
                 writer.send(message)
@@ -80,7 +96,7 @@ class Outlet:
 
     def shed(self, count: int) -> None:
         """Count messages that a live source dropped before they left."""
-        for row in [*self.rows, *(inlet.row for inlet in self.inlets)]:
+        for row in [*self._counted, *(inlet.row for inlet in self.inlets)]:
             self.words[row + SENT] += count
             self.words[row + SHED] += count
 
@@ -93,7 +109,7 @@ class Outlet:
         return None
 
     def _refuse(self, reason: str, header: Header) -> None:
-        for row in [*self.rows, *(inlet.row for inlet in self.inlets)]:
+        for row in [*self._counted, *(inlet.row for inlet in self.inlets)]:
             self.words[row + SENT] += 1
             self.words[row + INVALID] += 1
         self.refused(reason)

@@ -216,8 +216,7 @@ class _Builder:
             outlet.inlets += [self.inlets[n] for n in numbers]
             return
         writer = self.links.writer(numbers, kind)
-        outlet.writers.append(writer)
-        outlet.rows += [self.ledger.row(n) for n in numbers]
+        outlet.attach(writer, [self.ledger.row(n) for n in numbers])
         self.writers.append((writer, rank))
 
     def _join(self, stage: PlannedStage) -> Join:

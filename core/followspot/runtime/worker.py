@@ -220,6 +220,9 @@ class Worker:
 
     def _credited(self, writer: PortWriter, rank: int) -> None:
         writer.drain()
+        if writer.lost:
+            for _, outlet in self.cells[rank].outlets:
+                outlet.forget_lost()
         self.mark(rank)
 
     def _stop_sources(self) -> None:

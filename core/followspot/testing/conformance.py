@@ -86,7 +86,7 @@ def refuses_unknown_parameters(stage: type[Stage]) -> Iterator[str]:
 def speaks_messages_that_travel(stage: type[Stage]) -> Iterator[str]:
     """Whatever a stage sends or takes crosses a wire bit for bit."""
     found = ports(stage)
-    kinds = {port.type for port in (*found.inputs, *found.outputs)} - {Message}
+    kinds = ({port.type for port in found.inputs} | {port.type for port in found.outputs}) - {Message}
     for kind in sorted(kinds, key=lambda kind: kind.__name__):
         message = stamped(seal(kind.empty()), _HEADER)
         arrived = unpack(pack(message), kind)
