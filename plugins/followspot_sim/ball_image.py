@@ -17,8 +17,11 @@ HALO = 0.16
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A camera's eye: center (3,) m; rays (3, H, W) float32, unit vectors; focal length in px;
-    margin, how many pixels around a ball are drawn."""
+    """A camera's eye.
+
+    center: (3,) m; rays: (3, H, W) float32, unit vectors; focal: length in px; margin: how many
+    pixels around a ball are drawn.
+    """
 
     center: Array
     rays: Array

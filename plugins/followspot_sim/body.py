@@ -20,7 +20,10 @@ SIDES = np.array([1.0, -1.0])
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """How P people stand: base (P, 2) m, heading (P,) rad, bow (P,) 0 to 1, stride (P,) m, hands (P, 2, 3) m."""
+    """How P people stand.
+
+    base: (P, 2) m; heading: (P,) rad; bow: (P,) 0 to 1; stride: (P,) m; hands: (P, 2, 3) m.
+    """
 
     base: Array
     heading: Array
@@ -106,6 +109,5 @@ def limbs(p: Pose) -> Array:
     elbows = (placed[:, (5, 6), 0] + p.hands) / 2 - np.array([0.0, 0.0, 0.08])
     placed[:, (5, 6), 1] = placed[:, (7, 8), 0] = elbows
     placed[:, (7, 8), 1] = p.hands
-    bags = p.bags()
-    placed[:, 3, 0], placed[:, 3, 1] = bags - [0, 0, 0.06], bags + [0, 0, 0.04]
+    placed[:, 3] = p.bags()[:, None] + np.array([[0, 0, -0.06], [0, 0, 0.04]])
     return placed.reshape(-1, 2, 3)

@@ -22,11 +22,13 @@ class SimCamera(Stage):
 
     per_camera: ClassVar[bool] = True
 
-    Params = SimParams
-    params: SimParams
+    class Params(SimParams):
+        """What happens in the room."""
+
+    params: Params
 
     def setup(self) -> None:
-        """Prepare what stays the same in all pictures. Raises ValueError for an unknown target."""
+        """Prepare what stays the same in all pictures. Raises InputError for an unknown target."""
         self._picture = Picture(self.params, self.room, self.camera)
 
     def process(self) -> Source[Frame]:

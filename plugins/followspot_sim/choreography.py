@@ -7,7 +7,7 @@ again. Balls on the floor may roll meanwhile. A person does one thing a round.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -119,7 +119,7 @@ class Planner:
         self.idle = set(range(people))
         self.full = {(p.person, p.hand) for p in self.places if p.kind == "hand"}
         self.bags = {p.person for p in self.places if p.kind == "bag"}
-        self.lying = {b: self._still(p.xyz) for b, p in enumerate(self.places) if p.kind == "floor"}
+        self.lying = {b: _still(p.xyz) for b, p in enumerate(self.places) if p.kind == "floor"}
 
     def plan(self) -> Round:
         """The round: fetch balls from the floor, walk, then let every ball have its act."""
@@ -160,7 +160,7 @@ class Planner:
         person, heading = able[nearest], float(np.arctan2(*away[nearest][::-1]))
         self.end[person] = [*(xy - 0.5 * np.array([np.cos(heading), np.sin(heading)])), heading]
         hand = self._hand_for_more(person)
-        assert hand is not None  # noqa: S101  # able says so
+        assert hand is not None  # able says so
         self._reach_ball(person, hand, np.array(self.places[ball].xyz), bow=True)
         self._hand_over(ball, Place("hand", person, hand))
         return True
@@ -190,7 +190,7 @@ class Planner:
         ]
         return float(min(gaps, default=9.0))
 
-    def _roll(self, ball: int) -> bool:
+    def _roll(self, ball: int) -> None:
         """Roll to a free place, past a neighbour if there is one."""
         start = np.array(self.places[ball].xyz)
         others = [track for b, track in self.lying.items() if b != ball]
@@ -201,23 +201,21 @@ class Planner:
                 goal = start[:2] + 1.8 * ahead + 0.4 * side
             else:
                 goal = self.rng.uniform(-STAGE, STAGE, 2)
-            track = self._rolling(start[:2], goal)
-            if np.abs(goal).max() < STAGE and 0.5 < np.hypot(*(goal - start[:2])) < 2.3:
-                if all(np.hypot(*(track - other).T).min() > 0.17 for other in others):
-                    self.lying[ball] = track
-                    goal_place = Place("floor", xyz=(float(goal[0]), float(goal[1]), float(start[2])))
-                    self.moves[ball] = Move(self.places[ball], goal_place, *ROLL)
-                    return True
-        return False
+            track = _rolling(start[:2], goal)
+            fair = np.abs(goal).max() < STAGE and 0.5 < np.hypot(*(goal - start[:2])) < 2.3
+            if fair and _clear(track, others, 0.17):
+                self.lying[ball] = track
+                goal_place = Place("floor", xyz=(float(goal[0]), float(goal[1]), float(start[2])))
+                self.moves[ball] = Move(self.places[ball], goal_place, *ROLL)
+                return
 
     def _put(self, ball: int) -> bool:
         """Put the ball on the floor ahead."""
         place = self.places[ball]
         for side in self.rng.uniform(-0.25, 0.25, 4):
             xyz = in_room(self.end[place.person], np.array([0.5, side, self.rest_height[ball]]))
-            track = self._still(xyz)
-            clear = all(np.hypot(*(track - other).T).min() > 0.2 for other in self.lying.values())
-            if np.abs(xyz[:2]).max() < STAGE and clear:
+            track = _still(xyz)
+            if np.abs(xyz[:2]).max() < STAGE and _clear(track, self.lying.values(), 0.2):
                 self.lying[ball] = track
                 self._reach_ball(place.person, place.hand, xyz, bow=True)
                 self._hand_over(ball, Place("floor", xyz=(float(xyz[0]), float(xyz[1]), float(xyz[2]))))
@@ -291,10 +289,18 @@ class Planner:
     def _hands_full(self, person: int) -> bool:
         return any((person, hand) in self.full for hand in (0, 1))
 
-    def _rolling(self, start: Array, goal: Array) -> Array:
-        """Where a rolling ball is at 40 moments of a round, (40, 2) m."""
-        u = np.linspace(0, ROUND, 40)[:, None]
-        return np.asarray(start + (goal - start) * smoothstep((u - ROLL[0]) / (ROLL[1] - ROLL[0])))
 
-    def _still(self, xyz: Array | tuple[float, float, float]) -> Array:
-        return np.tile(np.asarray(xyz)[:2], (40, 1))
+def _rolling(start: Array, goal: Array) -> Array:
+    """Where a rolling ball is at 40 moments of a round, (40, 2) m."""
+    u = np.linspace(0, ROUND, 40)[:, None]
+    return np.asarray(start + (goal - start) * smoothstep((u - ROLL[0]) / (ROLL[1] - ROLL[0])))
+
+
+def _still(xyz: Array | tuple[float, float, float]) -> Array:
+    """A ball that lies, as :func:`_rolling`."""
+    return np.tile(np.asarray(xyz)[:2], (40, 1))
+
+
+def _clear(track: Array, others: Iterable[Array], gap: float) -> bool:
+    """Whether a ball on the floor stays this far (m, between centres) from the others at all times."""
+    return all(np.hypot(*(track - other).T).min() > gap for other in others)

@@ -35,10 +35,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Read the room, record."""
-    from followspot.room_file import read_room
+    from followspot import room_file
     from followspot_sim.recording import parameters_of, record, record_templates
 
-    room = read_room(args.room)
+    room = room_file.load(args.room)
     params = parameters_of(room, frames=args.frames, seed=args.seed)
     if args.templates:
         record_templates(room, params, args.out, args.frames)

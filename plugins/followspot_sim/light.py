@@ -100,7 +100,7 @@ class LightShow:
     def _draw(self, frame: int) -> Array:
         """The atlas of a frame, (H, W, 3) uint8."""
         scene = self.world.scene(frame)
-        assert self._scenery is not None  # noqa: S101  # nobody asks when there is no light
+        assert self._scenery is not None  # nobody asks when there is no light
         rows, _ = atlas_size(self.screens)
         shift = round(40 * (1 + np.sin(0.35 * scene.time)))
         atlas = self._scenery[shift : shift + rows].copy()
@@ -135,7 +135,7 @@ class LightShow:
             _disc(part, where * part.shape[1::-1], radius, color)
 
     def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
-        """When the flash of a slot begins (s), where (share of the screen), its radius (texels) and colour."""
+        """When the flash of a slot begins (s), where (of the screen), radius (texels), colour."""
         rng = np.random.default_rng([self._seed, 78, screen, slot])
         color = self._colors[rng.integers(len(self._colors))] * 0.8
         return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(8, 40), color
@@ -182,7 +182,7 @@ def _disc(image: Array, centre: Array, radius: float, color: Array) -> None:
 
 
 def _scenery(size: tuple[int, int], colors: Array, rng: np.random.Generator) -> Array:
-    """Soft clouds of coloured light, taller than the atlas so that they can drift: (rows, columns, 3) uint8."""
+    """Soft clouds of coloured light, taller than the atlas so that they can drift: (H, W, 3) uint8."""
     rows, columns = size[0] + 80, size[1]
     coarse = rng.random((7, 5, len(colors))) ** 3
     coarse = coarse @ colors / len(colors) * 0.35

@@ -8,7 +8,7 @@ Colour = tuple[int, int, int]
 
 COLORS: dict[str, Colour] = {
     "green": (40, 255, 60),
-    "red": (255, 45, 45),
+    "red": (255, 65, 40),
     "blue": (45, 90, 255),
     "yellow": (255, 225, 25),
     "magenta": (255, 60, 220),

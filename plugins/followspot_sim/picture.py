@@ -31,7 +31,7 @@ class Picture:
     def __init__(self, params: SimParams, room: Room, camera: Camera) -> None:
         """Prepare all that stays: rays, the lookup of the screens, the dark room, the noise.
 
-        Raises ValueError where `alone` names no target of the room.
+        Raises InputError where `alone` names no target of the room.
         """
         self.camera = camera
         self.world: World = world_of(setting(params, room))

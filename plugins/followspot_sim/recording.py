@@ -46,7 +46,7 @@ def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = N
 
 
 def record(room: Room, params: SimParams, folder: Path) -> None:
-    """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError where a video cannot be written."""
+    """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError where it cannot."""
     folder.mkdir(parents=True, exist_ok=True)
     for number, camera in enumerate(room.cameras.values()):
         _progress(f"{camera.name}.mkv ({number + 1} of {len(room.cameras)}, {params.frames} frames)")
@@ -81,8 +81,11 @@ def write_video(picture: Picture, params: SimParams, path: Path) -> None:
 
 
 def write_truth(room: Room, params: SimParams, path: Path) -> None:
-    """One row per frame and target: position in m, verdicts, and for camera i the projected centre
-    `ci_u, ci_v` (px, with distortion) and the visible share `ci_vis`."""
+    """One row per frame and target, with columns of their own for each camera.
+
+    For camera i these are the projected centre `ci_u, ci_v` (px, with distortion) and the visible
+    share `ci_vis`.
+    """
     world = world_of(setting(params, room))
     radii = np.array([t.radius for t in room.targets.values()])
     cameras = list(room.cameras.values())

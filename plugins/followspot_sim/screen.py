@@ -60,7 +60,7 @@ class Screen:
 
 
 def screens_of(planes: Iterable[Sequence[float]]) -> tuple[Screen, ...]:
-    """One screen on each plane (a, b, c, d), facing the middle of the room; level planes lie, others stand."""
+    """One screen on each plane (a, b, c, d), facing the room; level planes lie, others stand."""
     found: list[Screen] = []
     for plane in map(np.array, planes):
         facing = plane if plane @ [0.0, 0.0, 1.0, 1.0] > 0 else -plane
@@ -117,5 +117,5 @@ def lookup(camera: Camera, rays: Array, screens: tuple[Screen, ...]) -> tuple[Ar
 
 def fixed_point(place: Array) -> tuple[Array, Array]:
     """The lookup in the form that `cv2.remap` is fastest with."""
-    whole, fraction = cv2.convertMaps(place, None, cv2.CV_16SC2)
+    whole, fraction = cv2.convertMaps(place[..., 0], place[..., 1], cv2.CV_16SC2)
     return np.asarray(whole), np.asarray(fraction)

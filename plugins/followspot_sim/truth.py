@@ -15,11 +15,13 @@ from followspot_sim.world import setting, world_of
 class SimTruth(Stage):
     """Give the ground truth of each frame; its parameters must equal those of the cameras."""
 
-    Params = SimParams
-    params: SimParams
+    class Params(SimParams):
+        """What happens in the room."""
+
+    params: Params
 
     def setup(self) -> None:
-        """Prepare the performance. Raises ValueError for an unknown target."""
+        """Prepare the performance. Raises InputError for an unknown target."""
         self._world = world_of(setting(self.params, self.room))
         self._radii = np.array([t.radius for t in self.room.targets.values()])
         self._color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)

@@ -28,14 +28,14 @@ def visible_fraction(camera: Camera, scene: Scene, radii: Array) -> Array:
     rays = away / distance
     ends = np.concatenate([scene.limbs, np.repeat(centres[:, None], 2, axis=1)])
     thick = np.concatenate([scene.radius, radius])
-    seen = inside(camera, points)
+    seen: Array = inside(camera, points)
     middle = (centres - camera.center).T
     middle /= np.sqrt(np.square(middle).sum(axis=0))
     near = approach(camera.center, middle, ends)[0] < thick[:, None] + 1.2 * radius
     near[len(scene.limbs) :] &= ~np.eye(len(shown), dtype=bool)
-    near = near.any(axis=1)
-    if near.any():  # the face lies on its own ball, so it stops just before, lest the ball hide itself
-        seen &= blocked(camera.center, rays, distance - HARD, ends[near], thick[near], HARD) < 0.5
+    close = near.any(axis=1)
+    if close.any():  # the face lies on its own ball, so it stops just before, lest the ball hide itself
+        seen[:] &= blocked(camera.center, rays, distance - HARD, ends[close], thick[close], HARD) < 0.5
     fraction = np.zeros(len(radii))
     fraction[shown] = seen.reshape(len(shown), -1).mean(axis=1)
     return fraction
@@ -73,4 +73,5 @@ def judge(visible: Array, color: Array) -> tuple[Array, Array, Array]:
     enough = visible >= 0.25
     trackable = (enough.sum(axis=0) >= 2) & enough[color].any(axis=0)
     half = visible >= 0.5
-    return hidden, trackable, half[color].any(axis=0) & half[~color].any(axis=0)
+    pair = half[color].any(axis=0) & half[~color].any(axis=0)
+    return np.asarray(hidden), np.asarray(trackable), np.asarray(pair)

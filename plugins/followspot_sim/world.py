@@ -8,7 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from followspot import Array, Room
+from followspot import Array, InputError, Room
+from followspot.errors import Mistake, did_you_mean
 from followspot_sim.body import PARTS, RADII, Pose, limbs, pose
 from followspot_sim.choreography import ROUND, Move, Place, Planner, Round, opening, smoothstep
 from followspot_sim.parameters import SimParams
@@ -50,10 +51,11 @@ class Scene:
 
 
 def setting(params: SimParams, room: Room) -> Setting:
-    """The setting of a room. Raises ValueError where `alone` names no target of the room."""
+    """The setting of a room. Raises InputError where `alone` names no target of the room."""
     names = list(room.targets)
     if params.alone and params.alone not in names:
-        raise ValueError(f'alone: the room has no target "{params.alone}", but {", ".join(names) or "none"}')
+        text = f'alone: the room has no target "{params.alone}"'
+        raise InputError([Mistake(None, text, did_you_mean(params.alone, names, "targets"))])
     floor = room.planes.get("floor", np.array([0.0, 0.0, 1.0, 0.0]))
     a, b, c, d = (float(v) for v in floor)
     return Setting(
@@ -89,7 +91,7 @@ class World:
         return self._scene(frame)
 
     def balls(self, time: float) -> Array:
-        """Centres of all balls at a time (s; before 0 as at 0), (T, 3) m; NaN for balls that are not shown."""
+        """Centres of all balls at a time (s; before 0 as at 0), (T, 3) m; NaN for balls not shown."""
         if self.setting.alone >= 0:
             return self._alone(round(time * self.setting.fps))
         act, u = self._round(max(time, 0.0))
@@ -157,7 +159,7 @@ class World:
         return centres
 
     def _alone(self, frame: int) -> Array:
-        """One ball, far from where it was a frame ago: the plastic number's sequence fills the volume evenly."""
+        """One ball, far from where it was a frame ago (R3 sequence, fills the volume evenly)."""
         step = np.array([0.8191725, 0.6710436, 0.5497005])
         where = 2 * np.mod(0.5 + step * (frame + 1), 1.0) - 1
         centres = np.full((len(self.setting.radii), 3), np.nan)
