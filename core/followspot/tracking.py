@@ -52,6 +52,8 @@ class Pairs(Message):
     """Row of the blob in each camera's `Blobs`."""
     xy: Array = column("N", 2, 2, unit="px")
     """Undistorted centroid in each view."""
+    area: Array = column("N", 2, unit="px")
+    """Number of pixels of the blob in each view."""
     epipolar: Array = column("N", unit="px")
     """Epipolar distance d_ED."""
     labelled: Array = column("N", dtype="?")

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.motion import Motion, predict, update
+from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
+from followspot_balls.motion import Motion, predict, started, update
 
 NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
@@ -46,6 +47,23 @@ class Kalman(Stage):
             unit="frames",
             description="frames for which a target that is not seen is sought near its last place",
         )
+        support: int = Field(
+            3,
+            ge=1,
+            unit="1",
+            description="candidates that must agree for a target that is not tracked to be believed at once; "
+            "raising it avoids false recoveries",
+        )
+        frames: int = Field(
+            4,
+            ge=1,
+            unit="frames",
+            description="frames in a row after which fewer candidates are believed; raising it avoids false "
+            "recoveries and delays true ones",
+        )
+        reach: float = Field(
+            0.3, gt=0, unit="m", description="farthest that these frames may lie from one to the next"
+        )
         fade: float = Field(
             0.1,
             ge=0,
@@ -59,24 +77,25 @@ class Kalman(Stage):
     def setup(self) -> None:
         count = len(self.room.targets)
         self.motion = Motion.zero(count)
-        self.status = np.full(count, LOST, np.uint8)
-        self.unseen = np.zeros(count, int)
-        self.last = np.zeros((count, 3))
-        self.before = np.zeros((count, 3))
-        self.time = -1
-        self.period = DEFAULT_PERIOD
+        self.life = LifeCycle.lost(count)
+        self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
+        self.time, self.period = -1, DEFAULT_PERIOD
 
     def process(self, positions: Positions) -> Outputs:
+        p = self.params
         self.advance(positions.header.time)
-        known = self.status != LOST
-        motion = predict(self.motion, self.period, self.params.acceleration)
-        accepted = known[positions.target] | positions.confirmed
-        target, xyz = positions.target[accepted], positions.xyz[accepted]
-        covariance = self.noise(positions.covariance[accepted])
-        new = ~known[target]
-        motion = motion.started(target[new], xyz[new], covariance[new], self.params.speed)
-        self.motion = update(motion, target[~new], xyz[~new], covariance[~new])
-        self.age(target, new)
+        evidence = Evidence(p.support, p.frames, p.reach)
+        life, counted = believed(self.life, positions, evidence)
+        target, xyz = positions.target[counted], positions.xyz[counted]
+        noise = self.noise(positions.covariance[counted])
+        new = life.status[target] == LOST
+        motion = predict(self.motion, self.period, p.acceleration)
+        motion = started(motion, target[new], xyz[new], noise[new], p.speed)
+        self.motion = update(motion, target[~new], xyz[~new], noise[~new])
+        measured = np.zeros(len(life.status), bool)
+        measured[target] = True
+        self.life = aged(life, measured, p.missing)
+        self.remember(target, new)
         return Outputs(self.tracks(), self.forecast())
 
     def advance(self, time: int) -> None:
@@ -90,33 +109,24 @@ class Kalman(Stage):
         constant = np.eye(3) * self.params.measurement**2
         return np.where(np.isfinite(covariance), covariance, constant)
 
-    def age(self, target: Array, new: Array) -> None:
-        """Count the frames in which a target was missing, and move on the last two estimates."""
-        seen = np.zeros(len(self.status), bool)
-        seen[target] = True
-        self.unseen = np.where(seen, 0, self.unseen + 1)
-        gone = ~seen & (self.unseen > self.params.missing)
-        waiting = ~seen & (self.status != LOST) & ~gone
-        self.status[seen], self.status[waiting], self.status[gone] = TRACKED, MISSING, LOST
-        self.before[seen] = self.last[seen]
-        self.last[seen] = self.motion.xyz[seen]
+    def remember(self, target: Array, new: Array) -> None:
+        """Keep the last two estimates of measured targets; let missing ones come to rest."""
+        self.before[target] = self.last[target]
+        self.last[target] = self.motion.xyz[target]
         self.before[target[new]] = self.last[target[new]]
-        self.rest(waiting)
-
-    def rest(self, waiting: Array) -> None:
-        """Let missing targets come to rest near their last place."""
-        keep = np.exp(-self.period / self.params.fade) if self.params.fade > 0 else 0.0
-        self.motion.state[waiting, 3:] *= keep
-        if keep == 0:
-            self.motion.state[waiting, :3] = self.last[waiting]
+        missing = self.life.status == MISSING
+        if self.params.fade > 0:
+            self.motion.state[missing, 3:] *= np.exp(-self.period / self.params.fade)
+        else:
+            self.motion.state[missing] = np.pad(self.last[missing], ((0, 0), (0, 3)))
 
     def tracks(self) -> Tracks:
         """Rows of the targets that were measured in this frame."""
-        target = np.flatnonzero(self.status == TRACKED)
+        target = np.flatnonzero(self.life.status == TRACKED)
         variance = np.diagonal(self.motion.covariance[target, :3, :3], axis1=1, axis2=2)
         return Tracks(
             target=target.astype(np.int32),
-            state=self.status[target],
+            state=self.life.status[target],
             xyz=self.motion.xyz[target],
             velocity=self.motion.velocity[target],
             sigma=np.sqrt(variance),
@@ -124,12 +134,12 @@ class Kalman(Stage):
 
     def forecast(self) -> Forecast:
         """Where the targets will be one period from now; the rows of lost ones are zero."""
-        known = self.status != LOST
+        known = self.life.status != LOST
         ahead = predict(self.motion, self.period, self.params.acceleration)
         keep = known[:, None]
         return Forecast(
             period=self.period,
-            state=self.status.copy(),
+            state=self.life.status.copy(),
             xyz=ahead.xyz * keep,
             velocity=ahead.velocity * keep,
             covariance=ahead.covariance[:, :3, :3] * keep[..., None],
@@ -139,10 +149,8 @@ class Kalman(Stage):
 
     def state(self) -> Any:
         return {
-            "state": self.motion.state,
-            "covariance": self.motion.covariance,
-            "status": self.status,
-            "unseen": self.unseen,
+            **vars(self.motion),
+            **vars(self.life),
             "last": self.last,
             "before": self.before,
             "time": self.time,
@@ -150,7 +158,7 @@ class Kalman(Stage):
         }
 
     def restore(self, state: Any) -> None:
-        self.motion = Motion(np.array(state["state"]), np.array(state["covariance"]))
-        self.status, self.unseen = np.array(state["status"]), np.array(state["unseen"])
+        self.motion = Motion(*(np.array(state[f.name]) for f in fields(Motion)))
+        self.life = LifeCycle(*(np.array(state[f.name]) for f in fields(LifeCycle)))
         self.last, self.before = np.array(state["last"]), np.array(state["before"])
         self.time, self.period = int(state["time"]), float(state["period"])

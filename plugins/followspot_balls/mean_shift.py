@@ -56,6 +56,14 @@ class MeanShift(Stage):
             description="one sigma of the densest candidate's distance from the forecast; raising it lets "
             "targets jump",
         )
+        used: float = Field(
+            0.4,
+            ge=0,
+            lt=1,
+            unit="1",
+            description="weight above which a candidate counts as support; raising it delays recoveries, and "
+            "avoids false ones",
+        )
         tolerance: float = Field(
             0.0005, gt=0, unit="m", description="a centre rests when its step is shorter"
         )
@@ -75,7 +83,7 @@ class MeanShift(Stage):
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         credit = np.where(lost[:, None], candidates.confirmed, self.nearness(candidates.xyz, center))
         modes = self.modes(sample, center, credit, lost)
-        used = modes.held > 0
+        used = modes.held > self.params.used
         return Positions(
             target=target.astype(np.int32),
             xyz=modes.center,

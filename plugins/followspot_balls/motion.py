@@ -32,17 +32,18 @@ class Motion:
         """(T, 3) m/s."""
         return self.state[:, 3:]
 
-    def started(self, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
-        """With some targets newly at rest where they were measured.
 
-        target: (M,); xyz: (M, 3) m; noise: (M, 3, 3) m^2; speed: one sigma of the velocity, m/s.
-        """
-        state, covariance = self.state.copy(), self.covariance.copy()
-        state[target, :3], state[target, 3:] = xyz, 0.0
-        covariance[target] = 0.0
-        covariance[target, :3, :3] = noise
-        covariance[target, 3:, 3:] = np.eye(3) * speed**2
-        return Motion(state, covariance)
+def started(motion: Motion, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
+    """With some targets newly at rest where they were measured.
+
+    target: (M,); xyz: (M, 3) m; noise: (M, 3, 3) m^2; speed: one sigma of the velocity, m/s.
+    """
+    state, covariance = motion.state.copy(), motion.covariance.copy()
+    state[target] = np.pad(xyz, ((0, 0), (0, 3)))
+    covariance[target] = 0.0
+    covariance[target, :3, :3] = noise
+    covariance[target, 3:, 3:] = np.eye(3) * speed**2
+    return Motion(state, covariance)
 
 
 def predict(motion: Motion, seconds: float, acceleration: float) -> Motion:

@@ -9,7 +9,7 @@ import numpy as np
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room import Camera
-from followspot.tracking import LOST, Forecast
+from followspot.tracking import LOST, TRACKED, Forecast
 
 
 class Circles(NamedTuple):
@@ -30,6 +30,13 @@ def lost_targets(forecast: Forecast | None, count: int) -> Array:
     if forecast is None or len(forecast.state) != count:
         return np.ones(count, bool)
     return np.asarray(forecast.state == LOST)
+
+
+def tracked_targets(forecast: Forecast | None, count: int) -> Array:
+    """Which of `count` targets were measured in the frame before; none, at first. Returns (T,) bool."""
+    if forecast is None or len(forecast.state) != count:
+        return np.zeros(count, bool)
+    return np.asarray(forecast.state == TRACKED)
 
 
 def search_radius(travel: Array, minimum: float, scale: float) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
-from followspot_balls.search import lost_targets, search_spheres
+from followspot_balls.search import lost_targets, search_spheres, tracked_targets
 
 
 class Triangulate(Stage):
@@ -19,18 +19,34 @@ class Triangulate(Stage):
         )
         scale: float = Field(2.0, gt=0, unit="1", description="radius of a sphere over the last displacement")
 
+        smallest: float = Field(
+            0.2,
+            ge=0,
+            unit="1",
+            description="smallest blob over the target's outline at that distance, while the target is not "
+            "tracked; raising it avoids false recoveries and delays those of balls hidden in part",
+        )
+        largest: float = Field(
+            2.0,
+            gt=0,
+            unit="1",
+            description="largest blob over the outline, likewise; lowering it avoids false recoveries",
+        )
+
     params: Params
 
     def setup(self) -> None:
         cameras = self.room.cameras.values()
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
         self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+        self.sizes = np.array([t.radius for t in self.room.targets.values()])
+        self.focal = np.array([c.matrix[0, 0] for c in cameras])
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         rays = (self.back[pairs.view, :, :2] @ pairs.xy[..., None])[..., 0] + self.back[pairs.view, :, 2]
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers[pairs.view], rays)
-        targets = pairs.targets & self.within(xyz, forecast, pairs.targets.shape[1])
+        targets = pairs.targets & self.within(xyz, forecast) & self.plausible(xyz, pairs, forecast)
         keep = targets.any(axis=1)
         return Candidates(
             cameras=pairs.cameras,
@@ -44,13 +60,27 @@ class Triangulate(Stage):
             targets=targets[keep],
         )
 
-    def within(self, xyz: Array, forecast: Forecast | None, count: int) -> Array:
+    def within(self, xyz: Array, forecast: Forecast | None) -> Array:
         """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room."""
-        lost = lost_targets(forecast, count)
+        lost = lost_targets(forecast, len(self.sizes))
         real = ~np.isnan(xyz[:, :1])
-        if forecast is None or len(forecast.state) != count:
+        if forecast is None or lost.all():
             return np.asarray(real & lost)
         distance = np.linalg.norm(xyz[:, None] - forecast.xyz, axis=2)
-        return np.asarray(
-            real & (lost | (distance <= search_spheres(forecast, self.params.radius, self.params.scale)))
-        )
+        spheres = search_spheres(forecast, self.params.radius, self.params.scale)
+        return np.asarray(real & (lost | (distance <= spheres)))
+
+    def plausible(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
+        """Which pairs are as large as the target would be there: (N, T) bool; all, for tracked targets.
+
+        A tracked ball may be hidden in part; one that is still sought must show itself.
+        """
+        tracked = tracked_targets(forecast, len(self.sizes))
+        if tracked.all():
+            return np.ones(pairs.targets.shape, bool)
+        distance = np.linalg.norm(xyz[:, None] - self.centers[pairs.view], axis=2)
+        share = pairs.area / (np.pi * np.square(self.focal[pairs.view] / distance))
+        outline = np.square(self.sizes)
+        fits = share.min(axis=1)[:, None] >= self.params.smallest * outline
+        fits &= share.max(axis=1)[:, None] <= self.params.largest * outline
+        return np.asarray(fits | tracked)

@@ -42,6 +42,7 @@ class VerifyPairs(Stage):
         view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
         row = np.concatenate([np.arange(len(b.xy)) for b in blobs])
         xy = np.concatenate([b.xy for b in blobs])
+        area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
         pair = candidate_pairs(view, targets)
         first, second = view[pair].T
@@ -56,6 +57,7 @@ class VerifyPairs(Stage):
             view=view[pair].astype(np.int32),
             blob=row[pair].astype(np.int32),
             xy=xy[pair],
+            area=area[pair],
             epipolar=distance,
             labelled=color[:, 0] | color[:, 1],
             confirmed=color[:, 0] != color[:, 1],

@@ -1,0 +1,76 @@
+"""When a target is tracked, missing or lost, and what recovers it (Jin & Qian 2008, section 3.8)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.tracking import LOST, MISSING, TRACKED, Positions
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a target that is not tracked must show before its position is believed.
+
+    support: candidates that agree in one frame; or else frames: in a row that each show it within
+    reach (m) of the last. One colour-infrared pair may be a coincidence, but hardly again and again.
+    """
+
+    support: int
+    frames: int
+    reach: float
+
+
+@dataclass(frozen=True, eq=False)
+class LifeCycle:
+    """Of T targets."""
+
+    status: Array
+    """(T,) u8: LOST, TRACKED or MISSING."""
+    unseen: Array
+    """(T,) frames since the target was last measured: the paper's missing-frame counter."""
+    seen: Array
+    """(T,) frames in which it was measured since it was last lost."""
+    streak: Array
+    """(T,) frames in a row that showed a target which is not tracked yet."""
+    place: Array
+    """(T, 3) m, where the last of them showed it."""
+
+    @classmethod
+    def lost(cls, count: int) -> Self:
+        """All targets lost."""
+        zeros = np.zeros(count, int)
+        return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)))
+
+
+def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple[LifeCycle, Array]:
+    """Which measurements count: all of tracked targets, of others those with enough evidence.
+
+    A lost target is recovered by colour-infrared pairs only. Returns the life cycle with its streaks
+    moved on, and (M,) bool.
+    """
+    target, xyz = positions.target, positions.xyz
+    status = life.status[target]
+    possible = (positions.support > 0) & (positions.confirmed | (status != LOST))
+    near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
+    row = np.where(possible, np.where(near, life.streak[target], 0) + 1, 0)
+    strong = possible & ((positions.support >= evidence.support) | (row >= evidence.frames))
+    streak, place = np.zeros_like(life.streak), life.place.copy()
+    streak[target], place[target] = row, xyz
+    return replace(life, streak=streak, place=place), (status == TRACKED) | strong
+
+
+def aged(life: LifeCycle, measured: Array, patience: int) -> LifeCycle:
+    """One frame later: measured targets are tracked, others missing, and lost after `patience` frames.
+
+    A target that was seen in fewer frames than that is lost after as many: it may never have been there.
+    measured: (T,) bool.
+    """
+    seen = life.seen + measured
+    unseen = np.where(measured, 0, life.unseen + 1)
+    waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
+    status = np.where(measured, TRACKED, np.where(waiting, MISSING, LOST)).astype(np.uint8)
+    return replace(life, status=status, unseen=unseen, seen=np.where(status == LOST, 0, seen))
