@@ -100,6 +100,15 @@ class Message:
             values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
         return cls(**values)
 
+    def where(self, keep: Array) -> Self:
+        """The message with only these rows, in every column as long as the first.
+
+        keep: a mask (N,) or row numbers (K,).
+        """
+        rows = self.columns[0].shape[0]
+        kept = {c.name: getattr(self, c.name)[keep] for c in self.columns if c.shape[:1] == (rows,)}
+        return dataclasses.replace(self, **kept)  # type: ignore[type-var]
+
 
 M = TypeVar("M", bound=Message)
 

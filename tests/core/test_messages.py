@@ -1,0 +1,97 @@
+"""What a message promises: a checked, sealed, immutable structure of arrays with a header."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from followspot.messages import (
+    UNSTAMPED,
+    Array,
+    Header,
+    InvalidMessage,
+    Message,
+    at,
+    column,
+    identical,
+    seal,
+    stamped,
+)
+
+
+class Points(Message):
+    camera: str
+    xy: Array = column("N", 2, unit="px")
+    weight: Array = column("N")
+    size: Array = column(2, dtype="i4", unit="px")
+
+
+def points(n: int = 3) -> Points:
+    return Points("cam0", np.arange(2.0 * n).reshape(n, 2), np.arange(float(n)), np.array([320, 240], "i4"))
+
+
+def test_sealed_arrays_are_read_only_and_contiguous() -> None:
+    message = points()
+    object.__setattr__(message, "xy", np.zeros((2, 3)).T)
+    sealed = seal(message)
+    assert sealed.xy.flags.c_contiguous
+    with pytest.raises(ValueError, match="read-only"):
+        sealed.xy[0, 0] = 1.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        sealed.camera = "cam1"  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("field", "value", "reason"),
+    [
+        ("xy", [[1.0, 2.0]], "xy is a list, not a numpy array"),
+        ("xy", np.zeros((3, 2), "f4"), "xy has dtype float32, declared float64"),
+        ("xy", np.zeros((3, 3)), r"xy has shape \(3, 3\), declared \('N', 2\)"),
+        ("xy", np.zeros(3), r"xy has shape \(3,\)"),
+        ("weight", np.zeros(4), r"weight has shape \(4,\), declared \('N',\) with {'N': 3}"),
+        ("size", np.zeros(3, "i4"), r"size has shape \(3,\), declared \(2,\)"),
+    ],
+)
+def test_what_breaks_the_contract_is_refused_with_the_reason(field: str, value: object, reason: str) -> None:
+    message = points()
+    object.__setattr__(message, field, value)
+    with pytest.raises(InvalidMessage, match=reason):
+        seal(message)
+
+
+def test_empty_message_has_no_rows_and_is_valid() -> None:
+    empty = seal(Points.empty())
+    assert (empty.xy.shape, empty.weight.shape, empty.size.shape, empty.camera) == ((0, 2), (0,), (2,), "")
+
+
+def test_a_message_that_was_sent_before_is_copied_not_restamped() -> None:
+    first = stamped(points(), Header("a", 1, 10))
+    second = stamped(first, Header("b", 2, 20))
+    assert (first.header.source, second.header.source) == ("a", "b")
+    assert second.xy is first.xy
+    assert identical(first, stamped(second, first.header))
+    assert not identical(first, second)
+
+
+def test_a_source_says_when_and_the_runtime_says_who() -> None:
+    yielded = at(5, points(), seq=3)
+    assert yielded.header == Header("", 3, 5)
+    assert stamped(yielded, Header("camera", 3, 5)) is yielded
+    assert points().header is UNSTAMPED
+
+
+def test_where_keeps_corresponding_rows() -> None:
+    kept = points().where(np.array([True, False, True]))
+    assert kept.weight.tolist() == [0.0, 2.0]
+    assert kept.xy.tolist() == [[0.0, 1.0], [4.0, 5.0]]
+    assert kept.size.tolist() == [320, 240]
+    assert seal(kept).camera == "cam0"
+
+
+def test_a_field_that_cannot_travel_is_refused_at_once() -> None:
+    with pytest.raises(TypeError, match=r"Broken\.names: a field is a column"):
+
+        class Broken(Message):
+            names: dict[str, int]
