@@ -42,6 +42,7 @@ class Video(Stage):
         height = int(self.capture.get(cv2.CAP_PROP_FRAME_HEIGHT))
         check_size(width, height, self.camera, str(path))
         self.rate = frame_rate(self.capture, path, self.params.fps)
+        self.damaged = 0
 
     def length(self) -> int | None:
         """Frames that will come, after the container; None where its time stamps are of no use."""
@@ -57,16 +58,20 @@ class Video(Stage):
             if number < first:
                 continue
             ok, image = self.capture.retrieve(color_buffer(camera, loan))
-            if ok:
-                frame = as_frame(image, camera, loan, str(self.params.path))
-                yield at(capture_time(number, self.rate), frame, seq=number)
+            if not ok:
+                self.damaged += 1
+                continue
+            frame = as_frame(image, camera, loan, str(self.params.path))
+            yield at(capture_time(number, self.rate), frame, seq=number)
+        if self.damaged:
+            self.context.warn(f"{self.params.path.name}: {self.damaged} frames are missing or damaged")
 
     def numbered(self, last: int | None) -> Iterator[int]:
         """Grab one picture after the other up to number `last` and give each its number.
 
         The number follows the time stamp where that leaps, for then frames before it are damaged.
         """
-        number, skipped, origin = -1, 0, None
+        number, origin = -1, None
         while last is None or number < last:
             if not self.capture.grab():
                 self.warn_of_early_end(number + 1)
@@ -74,12 +79,10 @@ class Video(Stage):
             stamp = int(self.capture.get(cv2.CAP_PROP_PTS))
             origin = stamp if origin is None else origin
             leap = max(0, stamp - origin - number - 1)
-            skipped += leap
+            self.damaged += leap
             number += 1 + leap
             if last is None or number <= last:
                 yield number
-        if skipped:
-            self.context.warn(f"{self.params.path.name}: {skipped} frames are missing or damaged")
 
     def warn_of_early_end(self, played: int) -> None:
         """Compare what came with what the container announced."""
