@@ -1,0 +1,80 @@
+"""`followspot simulate`: videos that lose nothing, and the truth beside them."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from followspot import InputError, Room, room_file
+from followspot.cli.main import main
+from followspot.room import StageUse
+from followspot_sim.picture import Picture
+from followspot_sim.recording import parameters_of
+
+ROOM_FILE = Path(__file__).parents[3] / "graphs/rooms/simulated.yaml"
+ROOM = room_file.load(ROOM_FILE)
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("recording")
+    arguments = ["simulate", "--room", str(ROOM_FILE), "--out", str(folder), "--frames", "4", "--seed", "3"]
+    assert main(arguments) == 0
+    return folder
+
+
+@pytest.mark.parametrize("name", ["cam0", "cam1"])
+def test_a_video_gives_back_every_pixel(recording, name):
+    params = parameters_of(ROOM, frames=4, seed=3)
+    picture = Picture(params, ROOM, ROOM.cameras[name])
+    video, pixels = cv2.VideoCapture(str(recording / f"{name}.mkv")), np.empty(picture.shape, np.uint8)
+    for frame in range(4):
+        there, read = video.read()
+        picture.render(frame, pixels)
+        assert there
+        assert np.array_equal(read, np.broadcast_to(pixels, read.shape))
+    assert not video.read()[0]
+
+
+def test_the_truth_has_a_row_for_each_frame_and_target(recording):
+    with (recording / "truth.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["frame"], row["object"]) for row in rows] == [
+        (str(frame), name) for frame in range(4) for name in ROOM.targets
+    ]
+    assert rows[3]["time"] == "0.016667"
+    assert rows[0]["trackable"] == "1"
+    assert all(0 <= float(row["c5_vis"]) <= 1 for row in rows)
+
+
+def test_template_clips_show_one_target_each(tmp_path):
+    out = str(tmp_path / "clips")
+    assert main(["simulate", "--room", str(ROOM_FILE), "--out", out, "--templates", "--frames", "2"]) == 0
+    clips = sorted(str(path.relative_to(out)) for path in Path(out).rglob("*.mkv"))
+    assert clips == sorted(f"{target}/{camera}.mkv" for target in ROOM.targets for camera in ROOM.cameras)
+    _, picture = cv2.VideoCapture(f"{out}/red/cam0.mkv").read()
+    bright = picture[picture.max(axis=2) > 200]
+    bright = bright[bright.max(axis=1) - bright.min(axis=1) > 100]  # without hot pixels
+    assert len(bright) > 5
+    assert (bright.argmax(axis=1) == 2).all()
+
+
+def test_a_room_with_real_cameras_is_refused():
+    camera = replace(ROOM.cameras["cam0"], source=StageUse("cameras.video", {"path": "cam0.mkv"}))
+    with pytest.raises(InputError, match=r"sim\.camera"):
+        parameters_of(Room(cameras={"cam0": camera}))
+
+
+def test_a_seed_out_of_range_is_refused_by_name():
+    with pytest.raises(InputError, match="seed"):
+        parameters_of(ROOM, seed=-1)
+
+
+def test_an_endless_room_needs_a_number_of_frames():
+    with pytest.raises(InputError, match="--frames"):
+        parameters_of(ROOM, frames=0)
