@@ -78,6 +78,13 @@ def calibrate(studio: Path, *more: str) -> int:
     return main(["calibrate", "targets", "--room", room, "--clips", str(studio / "clips"), *more])
 
 
+@pytest.mark.parametrize("command", ["room import", "calibrate targets", "score"])
+def test_help_shows_an_example(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main([*command.split(), "--help"])
+    assert f"\n  followspot {command} " in capsys.readouterr().out
+
+
 def test_imported_room_has_cameras_sources_planes_and_truth(
     studio: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
