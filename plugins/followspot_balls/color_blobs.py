@@ -12,8 +12,11 @@ from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import hsv_tiles, target_level
 from followspot_balls.components import Components, above_local_peak, components, cut
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import search_circles
+from followspot_balls.search import outline_radius, search_circles
 from followspot_balls.votes import disc_centers
+
+WINDOW = 1.5
+"""Balls' radii by which a window exceeds its search circle, so that a ball at its edge is whole."""
 
 
 class Found(NamedTuple):
@@ -116,18 +119,19 @@ class ColorBlobs(Stage):
         self.member = membership(self.histograms, self.params.hue_share)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
         self.area = area * [self.params.smallest, self.params.largest]
-        self.margin = 2 + int(np.sqrt(4 / np.pi * area[:, 1].max(initial=1)))
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
-        circles = search_circles(self.camera, forecast, self.sizes, p.radius, p.scale)
-        near, lost = np.flatnonzero(~np.isnan(circles.ball)), np.flatnonzero(circles.lost)
+        circles = search_circles(self.camera, forecast, len(self.sizes), p.radius, p.scale)
+        near, lost = np.flatnonzero(~np.isnan(circles.center[:, 0])), np.flatnonzero(circles.lost)
         found = []
-        if len(near):
-            half = int(circles.radius[near].max()) + self.margin
-            corners = np.rint(circles.center[near]).astype(int) - half
+        if forecast is not None and len(near):
+            center = circles.center[near]
+            ball = outline_radius(self.camera, center, forecast.xyz[near], self.sizes[near])
+            half = int(circles.radius[near].max() + WINDOW * ball.max()) + 3
+            corners = np.rint(center).astype(int) - half
             tiles = cut(frame.pixels, corners, 2 * half + 1, 2 * half + 1)
-            found.append(self.search(tiles, near, corners, circles.ball[near]))
+            found.append(self.search(tiles, near, corners, ball))
         if len(lost) or not found:
             corners = np.zeros((len(lost), 2), int)
             tiles = cut(frame.pixels, np.zeros((1, 2), int), *frame.pixels.shape[:2])

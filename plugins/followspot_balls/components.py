@@ -77,7 +77,7 @@ def components(mask: Array, level: Array, area: Array) -> Components:
     keep = allowed(stats[:, cv2.CC_STAT_AREA], area[np.minimum(tile, tiles - 1)])
     row = np.full(len(stats), -1)
     row[keep] = np.arange(len(keep))
-    pixels = np.flatnonzero(tall)
+    pixels = np.flatnonzero(mask)
     label = row[labels.ravel()[pixels]]
     pixels, label = pixels[label >= 0], label[label >= 0]
     kept = np.zeros(tall.shape, np.uint16)

@@ -8,9 +8,11 @@ from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.components import above_local_peak, components, cut
-from followspot_balls.search import Circles, search_circles
+from followspot_balls.search import Circles, outline_radius, search_circles
 from followspot_balls.votes import disc_centers
 
+WINDOW = 1.5
+"""Balls' radii by which a window exceeds its search circle, so that a ball at its edge is whole."""
 Window = tuple[int, int, int, int]
 
 
@@ -69,19 +71,22 @@ class IrBlobs(Stage):
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
         self.area = area * [self.params.smallest, self.params.largest]
         self.sought = np.array([[self.area[:, 0].min(initial=1e9), self.area[:, 1].max(initial=0)]])
-        self.margin = 2 + int(np.sqrt(4 / np.pi * area[:, 1].max(initial=1)))
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
-        circles = search_circles(self.camera, forecast, self.sizes, p.radius, p.scale)
-        left, top, right, bottom = window(circles, self.margin, frame.pixels.shape)
+        circles = search_circles(self.camera, forecast, len(self.sizes), p.radius, p.scale)
+        ball = self.outlines(circles, forecast)
+        reach = circles.radius + WINDOW * ball + 3
+        left, top, right, bottom = window(circles, reach, frame.pixels.shape)
         tile = cut(frame.pixels[top:bottom, left:right], np.zeros((1, 2), int), bottom - top, right - left)
         gray = tile[..., 0]
         level = np.where((gray >= self.darkest) & (gray <= self.brightest), gray, np.uint8(0))
         blobs = components(above_local_peak(level, p.edge), level, self.sought)
-        near = membership(circles, blobs.center + np.array([left, top]), self.margin)
-        ball = expected_radius(circles, blobs.center + np.array([left, top]))
-        pixel = disc_centers(level, blobs, ball + p.rim, p.edge) + np.array([left, top])
+        corner = np.array([left, top])
+        offset = blobs.center[:, None] + corner - circles.center
+        near = circles.lost | (np.abs(offset).max(axis=2) <= reach)
+        radius = nearest_radius(offset, circles.radius, ball)
+        pixel = disc_centers(level, blobs, radius + p.rim, p.edge) + corner
         area = blobs.area[:, None]
         targets = near & (area >= self.area[:, 0]) & (area <= self.area[:, 1])
         keep = targets.any(axis=1)
@@ -94,37 +99,39 @@ class IrBlobs(Stage):
             targets=targets[keep],
         )
 
+    def outlines(self, circles: Circles, forecast: Forecast | None) -> Array:
+        """Radii of the targets in the picture, (T,) px; NaN where they have no forecast."""
+        if forecast is None or circles.lost.all():
+            return np.full(len(self.sizes), np.nan)
+        return outline_radius(self.camera, circles.center, forecast.xyz, self.sizes)
 
-def window(circles: Circles, margin: int, shape: tuple[int, ...]) -> Window:
+
+def window(circles: Circles, reach: Array, shape: tuple[int, ...]) -> Window:
     """The rectangle around all search regions within the picture: left, top, right, bottom, px.
 
-    It is the whole picture while a target is lost.
+    It is the whole picture while a target is lost. reach: (T,) px from the centres.
     """
     height, width = shape[:2]
     if circles.lost.any():
         return 0, 0, width, height
-    seen = ~np.isnan(circles.ball)
+    seen = ~np.isnan(circles.center[:, 0])
     if not seen.any():
         return 0, 0, 0, 0
-    half = circles.radius[seen, None] + margin
-    low, high = (circles.center[seen] - half).min(axis=0), (circles.center[seen] + half).max(axis=0)
+    center, half = circles.center[seen], reach[seen, None]
+    low, high = (center - half).min(axis=0), (center + half).max(axis=0) + 2
     left, top = np.clip(low, 0, [width, height]).astype(int).tolist()
-    right, bottom = np.clip(np.ceil(high) + 1, 0, [width, height]).astype(int).tolist()
+    right, bottom = np.clip(high, 0, [width, height]).astype(int).tolist()
     return left, top, right, bottom
 
 
-def membership(circles: Circles, pixel: Array, margin: int) -> Array:
-    """Which blobs lie in which target's search region: (N, 2) px -> (N, T) bool; in a lost one's all do."""
-    offset = np.abs(pixel[:, None] - circles.center).max(axis=2)
-    return np.asarray(circles.lost | (offset <= circles.radius + margin))
+def nearest_radius(offset: Array, reach: Array, ball: Array) -> Array:
+    """Radius of the ball whose forecast is nearest to each blob, (N,) px; NaN without one in reach.
 
-
-def expected_radius(circles: Circles, pixel: Array) -> Array:
-    """Radius of the ball forecast nearest to each blob: (N, 2) px -> (N,) px, NaN without one."""
-    distance = np.linalg.norm(pixel[:, None] - circles.center, axis=2)
-    distance = np.where(np.isnan(distance), np.inf, distance)
-    if not distance.size:
-        return np.full(len(pixel), np.nan)
-    nearest = distance.argmin(axis=1)
-    within = distance[np.arange(len(pixel)), nearest] <= circles.radius[nearest]
-    return np.where(within, circles.ball[nearest], np.nan)
+    offset: (N, T, 2) px from the forecasts, NaN without one; reach, ball: (T,) px.
+    """
+    distance2 = np.square(offset).sum(axis=2)
+    inside = distance2 <= np.square(reach)
+    if not inside.size:
+        return np.full(len(offset), np.nan)
+    nearest = np.where(inside, distance2, np.inf).argmin(axis=1)
+    return np.where(inside.any(axis=1), ball[nearest], np.nan)

@@ -19,8 +19,6 @@ class Circles(NamedTuple):
     """(T, 2) px, as in the picture; NaN behind the camera and for lost targets."""
     radius: Array
     """(T,) px."""
-    ball: Array
-    """(T,) px, radius of the target's outline; NaN where the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
 
@@ -42,41 +40,41 @@ def tracked_targets(forecast: Forecast | None, count: int) -> Array:
 def search_radius(travel: Array, minimum: float, scale: float) -> Array:
     """T_2D: `minimum` while the expected travel is at most that, else `scale` times the travel (eq. 3).
 
-    travel: (...,) px between the last two estimates; minimum: px. Returns (...,) px.
+    travel: (...,) px between the last two estimates, NaN where one has no image; minimum: px.
     """
-    return np.asarray(np.where(travel <= minimum, minimum, scale * travel))
+    return np.asarray(np.where(travel > minimum, scale * travel, minimum))
 
 
 def search_circles(
-    camera: Camera, forecast: Forecast | None, sizes: Array, minimum: float, scale: float
+    camera: Camera, forecast: Forecast | None, count: int, minimum: float, scale: float
 ) -> Circles:
-    """Circles around the forecasts reprojected into one view (section 3.3).
+    """Circles around the forecasts of `count` targets reprojected into one view (section 3.3).
 
-    sizes: (T,) radii of the targets, m; minimum: px.
+    minimum: px.
     """
-    count = len(sizes)
     lost = lost_targets(forecast, count)
     if forecast is None or lost.all():
-        nowhere = np.full((count, 2), np.nan)
-        return Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
-    xyz = forecast.xyz
-    points = np.concatenate([xyz, forecast.last, forecast.before, rim(camera, xyz, sizes)])
-    center, last, before, *sides = project(camera, points).reshape(5, count, 2)
+        return Circles(np.full((count, 2), np.nan), np.full(count, minimum), lost)
+    pixel = project(camera, np.concatenate([forecast.xyz, forecast.last, forecast.before]))
+    center, last, before = pixel.reshape(3, count, 2)
     center[lost] = np.nan
-    ball = np.hypot(*(sides - center).transpose(2, 0, 1)).mean(axis=0)
-    travel = np.nan_to_num(np.hypot(*(last - before).T))
-    return Circles(center, search_radius(travel, minimum, scale), ball, lost)
+    travel = last - before
+    return Circles(center, search_radius(np.hypot(travel[:, 0], travel[:, 1]), minimum, scale), lost)
 
 
-def rim(camera: Camera, xyz: Array, sizes: Array) -> Array:
-    """Two points of each sphere's outline, across the viewing direction: (2 T, 3) m."""
+def outline_radius(camera: Camera, center: Array, xyz: Array, sizes: Array) -> Array:
+    """Radius of spheres in the picture, (T,) px: the mean of the two semi-axes of their outline.
+
+    A sphere seen at an angle a from the optical axis is 1 / cos a longer away from the axis than across.
+    center: (T, 2) px, their images, NaN without one; xyz: (T, 3) m; sizes: (T,) radii, m.
+    """
+    shift = camera.rotation[:2, None] * sizes[:, None]
+    sides = project(camera, (xyz + shift).reshape(-1, 3)).reshape(2, -1, 2) - center
+    across = np.hypot(sides[..., 0], sides[..., 1]).sum(axis=0) / 2
     direction = xyz - camera.center
-    level = np.cross(direction, camera.rotation[1])
-    steep = np.cross(direction, level)
-    across = np.stack([level, steep])
-    length = np.linalg.norm(across, axis=2, keepdims=True)
-    outline = xyz + across * (sizes[:, None] / np.maximum(length, np.finfo(float).tiny))
-    return np.asarray(outline.reshape(-1, 3))
+    distance = np.sqrt(np.einsum("ij,ij->i", direction, direction))
+    cosine = direction @ camera.rotation[2] / np.maximum(distance, np.finfo(float).tiny)
+    return np.asarray(across * (1 + 1 / np.maximum(cosine, 0.1)) / 2)
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

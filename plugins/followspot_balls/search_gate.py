@@ -25,12 +25,10 @@ class SearchGate(Stage):
 
     params: Params
 
-    def setup(self) -> None:
-        self.sizes = np.array([t.radius for t in self.room.targets.values()])
-
     def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
         camera = self.room.cameras[blobs.camera]
-        circles = search_circles(camera, forecast, self.sizes, self.params.radius, self.params.scale)
+        count = len(self.room.targets)
+        circles = search_circles(camera, forecast, count, self.params.radius, self.params.scale)
         targets = blobs.targets & within(circles, blobs.pixel)
         keep = targets.any(axis=1)
         return dataclasses.replace(

@@ -82,7 +82,7 @@ def candidate_pairs(view: Array, targets: Array) -> Array:
     """
     weights = targets.astype(np.float32)
     common = (weights @ weights.T > 0) & (view[:, None] < view)
-    return np.argwhere(common)
+    return np.column_stack(common.nonzero())
 
 
 def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> Array:

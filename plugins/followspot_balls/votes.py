@@ -19,6 +19,8 @@ NEAR = 1.2
 """Largest distance of a voting pixel from the edge, px: the width of the blurred step."""
 FAINTEST = 0.08
 """Least slope of a voting pixel, peaks per px."""
+UNHEARD = 1e-9
+"""Weight of the centre itself, so that it stays where there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
 
@@ -54,11 +56,11 @@ def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) ->
     with np.errstate(divide="ignore", invalid="ignore"):
         inside = (value - edge * peak) / slope
     voter = (np.abs(inside) < NEAR) & (slope > FAINTEST * peak)
-    label, slope = label[voter], slope[voter]
+    label, slope, x, y = label[voter], slope[voter], x[voter], y[voter]
     reach = (radius[label] - inside[voter]) / slope
-    vote = np.column_stack([x[voter] + reach * right[voter], y[voter] + reach * down[voter]])
-    vote[:, 1] -= blobs.tile[label] * level.shape[1]
-    return agreement(vote, slope / peak[voter], label, blobs.center)
+    across = x + reach * right[voter]
+    along = y + reach * down[voter] - blobs.tile[label] * level.shape[1]
+    return agreement(across, along, slope / peak[voter], label, blobs.center)
 
 
 def rim_band(labels: Array) -> tuple[Array, Array]:
@@ -67,33 +69,30 @@ def rim_band(labels: Array) -> tuple[Array, Array]:
     labels: (H, W) u16, 0 for the background.
     """
     grown = cv2.dilate(labels, np.ones((3, 3), np.uint8)).ravel()
-    index = np.flatnonzero(grown)
+    index = np.flatnonzero(grown > 0)
     return index, grown[index].astype(np.intp) - 1
 
 
 def derivatives(level: Array, x: Array, y: Array) -> Array:
     """Smoothed level and its slopes per px to the right and down at some pixels: (3, P)."""
-    padded = np.pad(level, BORDER)
+    padded = np.asarray(cv2.copyMakeBorder(level, BORDER, BORDER, BORDER, BORDER, cv2.BORDER_CONSTANT))
     size = 2 * BORDER + 1
     offsets = (np.arange(size)[:, None] * padded.shape[1] + np.arange(size)).ravel()
     squares = padded.ravel()[(y * padded.shape[1] + x)[:, None] + offsets]
     return np.asarray((squares.astype(np.float32) @ STENCIL).T)
 
 
-def agreement(vote: Array, weight: Array, label: Array, start: Array) -> Array:
+def agreement(x: Array, y: Array, weight: Array, label: Array, start: Array) -> Array:
     """Where most votes of each component agree: a weighted mean, iterated with a narrowing kernel.
 
-    vote: (P, 2) px; weight, label: (P,); start: (M, 2) px. Returns (M, 2) px.
+    x, y: (P,) px, votes; weight, label: (P,); start: (M, 2) px, kept without votes. Returns (M, 2) px.
     """
-    center = start.copy()
+    u, v = start.T
     count = len(start)
     for spread in SPREADS:
-        offset = vote - center[label]
-        distance2 = np.einsum("ij,ij->i", offset, offset)
+        distance2 = np.square(x - u[label]) + np.square(y - v[label])
         w = weight / np.square(1 + distance2 / spread**2)
-        total = np.bincount(label, w, count)
-        heard = total > 0
-        total = np.where(heard, total, 1.0)
-        mean = [np.bincount(label, w * axis, count) / total for axis in vote.T]
-        center = np.where(heard[:, None], np.column_stack(mean), center)
-    return center
+        total = np.bincount(label, w, count) + UNHEARD
+        u = (np.bincount(label, w * x, count) + UNHEARD * u) / total
+        v = (np.bincount(label, w * y, count) + UNHEARD * v) / total
+    return np.column_stack([u, v])
