@@ -19,12 +19,13 @@ HALO = 0.16
 class View:
     """A camera's eye.
 
-    center: (3,) m; rays: (3, H, W) float32, unit vectors; focal: length in px; margin: how many
-    pixels around a ball are drawn.
+    center: (3,) m; rays: (3, H * W) float32, unit vectors; size: width and height, px; focal:
+    length in px; margin: how many pixels around a ball are drawn.
     """
 
     center: Array
     rays: Array
+    size: tuple[int, int]
     focal: float
     margin: int
 
@@ -58,7 +59,7 @@ def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, t
     away = balls - view.center
     distance = np.sqrt(np.square(away).sum(axis=1))
     reach = view.focal * radii / distance + view.margin
-    height, width = view.rays.shape[1:]
+    width, height = view.size
     with np.errstate(invalid="ignore"):
         seen = np.all((pixel > -reach[:, None]) & (pixel < [width, height] + reach[:, None]), axis=1)
     ball = np.flatnonzero(seen)[np.argsort(-distance[seen])]
@@ -70,7 +71,7 @@ def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, t
     )
     corner = corner.astype(int)
     rows, columns = corner[:, 0, None, None] + span[:, None], corner[:, 1, None, None] + span
-    rays = view.rays[:, rows, columns]
+    rays = view.rays.take(rows * width + columns, axis=1)
     along = np.einsum("ibhw,bi->bhw", rays, away)
     across = rays * along - away.T[:, :, None, None]
     miss = np.sqrt(np.einsum("ibhw,ibhw->bhw", across, across))
@@ -80,12 +81,19 @@ def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, t
         nearness, _ = approach(view.center, away.T / distance, limbs)
         near = np.any(nearness < thick[:, None] + 1.3 * radius[:, 0, 0], axis=1)
         if near.any():
-            filled = cover > 0
+            filled = np.flatnonzero(cover)
             surface = along - np.sqrt(np.maximum(radius * radius - miss * miss, 0))
-            soft = np.broadcast_to((distance / view.focal)[:, None, None], cover.shape)[filled]
+            soft = (distance / view.focal).repeat(len(span) ** 2).take(filled)
+            gaps = 1 - blocked(
+                view.center,
+                rays.reshape(3, -1).take(filled, axis=1),
+                surface.take(filled),
+                limbs[near],
+                thick[near],
+                soft,
+            )
             whole = cover.sum(axis=(1, 2))
-            veil = blocked(view.center, rays[:, filled], surface[filled], limbs[near], thick[near], soft)
-            cover[filled] *= 1.0 - veil
+            cover.put(filled, cover.take(filled) * gaps)
             halo *= (cover.sum(axis=(1, 2)) / np.maximum(whole, 1e-9))[:, None, None]
     return Stamps(ball, corner, cover, halo, across / radius, distance)
 

@@ -21,8 +21,8 @@ SHIRTS = np.array([[4, 4, 16], [10, 12, 14], [3, 9, 4], [14, 6, 3], [5, 12, 13],
 TROUSERS, SKIN, BAG_CLOTH = [3.0, 3.0, 4.0], [6.0, 8.0, 13.0], [6.0, 6.0, 5.0]
 GRAY = {"leg": 7.0, "torso": 16.0, "bag": 5.0, "head": 21.0, "arm": 14.0, "forearm": 20.0, "badge": 150.0}
 """Infrared light that each part of a body reflects."""
-INFRARED_BALL, INFRARED_RANGE = 235.0, 5.5
-"""Infrared light of a ball's patches at that distance (m); it falls with the distance."""
+INFRARED_BALL, INFRARED_RANGE = 175.0, 5.5
+"""Infrared light of a ball's patches at that distance (m); reflectors fall off slowly with distance."""
 
 
 class Picture:
@@ -43,7 +43,7 @@ class Picture:
         rgb = np.array([params.color(name, k) for k, name in enumerate(room.targets)]).reshape(-1, 3)
         light = linear(rgb[:, ::-1])
         self._balance = rng.uniform(0.93, 1.07, 3)
-        self._glow = (light * self._balance * 1.1).clip(0, 255)
+        self._glow = (light * self._balance * 1.1).clip(0, 255).astype(np.float32)
         self._show = show_of(
             Lighting(
                 self.world.setting,
@@ -56,9 +56,10 @@ class Picture:
         rays = rays_of(camera)
         self._view = View(
             camera.center,
-            np.ascontiguousarray(np.moveaxis(rays, 2, 0), np.float32),
+            np.ascontiguousarray(rays.reshape(-1, 3).T, np.float32),
+            camera.size,
             float(camera.matrix[0, 0]),
-            margin=2 if infrared else 5,
+            margin=2 if infrared else 4,
         )
         place, number = lookup(camera, rays, self._show.screens)
         self._map = fixed_point(place)
@@ -109,7 +110,7 @@ class Picture:
             glow = color_light(self._glow[seen.ball], seen.facing)
             added = glow * cover + seen.halo[..., None] * self._glow[seen.ball][:, None, None]
         else:
-            brightness = INFRARED_BALL * np.square(INFRARED_RANGE / seen.distance)
+            brightness = INFRARED_BALL * INFRARED_RANGE / seen.distance
             added = infrared_light(brightness, seen.facing) * cover
         side = cover.shape[1]
         for (row, column), kept, plus in zip(seen.corner.tolist(), 1.0 - cover, added + 0.5, strict=True):

@@ -37,10 +37,10 @@ def test_approach_is_the_smallest_distance_between_ray_and_segment(seed):
 
 def test_a_capsule_blocks_what_is_behind_it_and_not_what_is_before_it():
     ray, pole = np.array([[1.0], [0.0], [0.0]]), np.array([[[2.0, 0, -1], [2.0, 0, 1]]])
-    thick = np.array([0.1])
+    thick, aside = np.array([0.1]), np.array([0, 0.2, 0])
     assert blocked(np.zeros(3), ray, np.array([3.0]), pole, thick, 1e-6)[0] == 1.0
     assert blocked(np.zeros(3), ray, np.array([1.5]), pole, thick, 1e-6)[0] == 0.0
-    assert blocked(np.zeros(3), ray, np.array([3.0]), pole + [0, 0.2, 0], thick, 1e-6)[0] == 0.0
+    assert blocked(np.zeros(3), ray, np.array([3.0]), pole + aside, thick, 1e-6)[0] == 0.0
 
 
 @pytest.mark.parametrize("camera", ROOM.cameras.values(), ids=ROOM.cameras)
