@@ -69,9 +69,9 @@ def read(path: str | Path) -> Node:
     return parse(text, file)
 
 
-def parse(text: str, file: str) -> Node:
-    """The tree of a YAML text; `file` is its name in places. Raises InputError with every mistake."""
-    builder = _Builder(file)
+def parse(text: str, file: str, written: str = "") -> Node:
+    """The tree of a YAML text; `file` and `written` go into its places. Raises InputError."""
+    builder = _Builder(file, written)
     try:
         for event in yaml.parse(text, Loader=yaml.CSafeLoader):
             builder.take(event)
@@ -85,17 +85,24 @@ def parse(text: str, file: str) -> Node:
     except _TooLarge:
         pass  # noted where it was found
     if builder.mistakes:
-        raise InputError(builder.mistakes)
+        raise InputError(
+            [replace(m, place=m.place and replace(m.place, written=written)) for m in builder.mistakes]
+        )
     return builder.root or Node(None, Place(file, 1, 1), Place(file, 1, 1))
 
 
 def plain(node: Node) -> Any:
     """The node as plain Python values: dict, list, str, int, float, bool, None."""
     if isinstance(node.value, Mapping):
-        return {key: plain(child) for key, child in node.value.items()}
+        return {key: plain(inner) for key, inner in node.value.items()}
     if isinstance(node.value, tuple):
-        return [plain(child) for child in node.value]
+        return [plain(inner) for inner in node.value]
     return node.value
+
+
+def child(node: Node | None, key: str) -> Node | None:
+    """The value of a key; None where the node is no mapping or has no such key."""
+    return node.value.get(key) if node is not None and isinstance(node.value, Mapping) else None
 
 
 def node_of(value: Any, place: Place) -> Node:
@@ -131,8 +138,9 @@ class _Open:
 class _Builder:
     """Folds parser events into a tree, without recursion, so that depth is a number and not a crash."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, written: str) -> None:
         self.file = file
+        self.written = written
         self.mistakes: list[Mistake] = []
         self.root: Node | None = None
         self.open: list[_Open] = []
@@ -158,7 +166,7 @@ class _Builder:
     def _place(self, event: Any) -> Place:
         start, end = event.start_mark, event.end_mark
         width = end.column - start.column if end.line == start.line else 1
-        return Place(self.file, start.line + 1, start.column + 1, max(1, width))
+        return Place(self.file, start.line + 1, start.column + 1, max(1, width), self.written)
 
     def _scalar(self, event: yaml.ScalarEvent) -> Node:
         place = self._place(event)
@@ -192,9 +200,9 @@ class _Builder:
         done = self.open.pop()
         value: tuple[Node, ...] | Mapping[str, Node]
         value = self._mapping(done.items) if done.mapping else tuple(done.items)
-        children = tuple(value.values()) if isinstance(value, dict) else tuple(done.items)
-        nodes = 1 + sum(child.nodes for child in children)
-        depth = 1 + max((child.depth for child in children), default=0)
+        inner = tuple(value.values()) if isinstance(value, dict) else tuple(done.items)
+        nodes = 1 + sum(node.nodes for node in inner)
+        depth = 1 + max((node.depth for node in inner), default=0)
         self._add(Node(value, done.place, done.place, nodes, depth), done.anchor)
 
     def _mapping(self, items: list[Node]) -> dict[str, Node]:
@@ -283,10 +291,10 @@ def _node_of(value: Any, place: Place, depth: int) -> Node:
     if depth == 0:
         raise _one(place, f"values are nested more than {MAX_DEPTH} deep", "flatten them")
     if isinstance(value, Mapping):
-        inner = {str(key): _node_of(child, place, depth - 1) for key, child in value.items()}
-        return Node(inner, place, place)
+        entries = {str(key): _node_of(inner, place, depth - 1) for key, inner in value.items()}
+        return Node(entries, place, place)
     if isinstance(value, list | tuple):
-        return Node(tuple(_node_of(child, place, depth - 1) for child in value), place, place)
+        return Node(tuple(_node_of(inner, place, depth - 1) for inner in value), place, place)
     if value is None or isinstance(value, str | int | float):
         return Node(value, place, place)
     raise _one(

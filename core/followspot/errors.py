@@ -14,12 +14,16 @@ class FollowspotError(Exception):
 
 @dataclass(frozen=True)
 class Place:
-    """A position in a file or on the command line; line and column count from 1."""
+    """A position in a file or on the command line; line and column count from 1.
+
+    written: the text itself, where it stands in no file.
+    """
 
     file: str
     line: int
     column: int
     width: int = 1
+    written: str = ""
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"
@@ -65,7 +69,8 @@ def did_you_mean(word: str, known: Iterable[str], noun: str) -> str:
 
 def _line(place: Place) -> str | None:
     try:
-        lines = Path(place.file).read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
+        text = place.written or Path(place.file).read_text(encoding="utf-8", errors="replace")
+    except (OSError, ValueError):
         return None
+    lines = text.splitlines()
     return lines[place.line - 1] if 0 < place.line <= len(lines) else None

@@ -65,16 +65,20 @@ class Form:
             return None
         return node.value
 
-    def number(self, key: str, *, above: float, required: bool = False, unit: str = "") -> float | None:
-        """A finite number greater than `above`."""
+    def number(
+        self, key: str, *, least: float = -math.inf, above: float = -math.inf, required: bool = False
+    ) -> float | None:
+        """A finite number, not below `least` and greater than `above`."""
         node = self.get(key, required=required)
         if node is None:
             return None
-        if not _is_finite(node) or not node.value > above:  # type: ignore[operator]  # it is a number
-            wanted = f"write a number greater than {above:g}" + (f", {unit}" if unit else "")
-            self.wrong(node, f"{key} cannot be {kind_of(node)}", wanted)
-            return None
-        return float(node.value)  # type: ignore[arg-type]
+        if _is_finite(node):
+            value = float(node.value)  # type: ignore[arg-type]  # it is a number
+            if value >= least and value > above:
+                return value
+        wanted = f"greater than {above:g}" if math.isfinite(above) else f"not below {least:g}"
+        self.wrong(node, f"{key} cannot be {kind_of(node)}", f"write a number {wanted}")
+        return None
 
     def whole(self, key: str, *, least: int, most: int) -> int | None:
         """A whole number from `least` to `most`."""

@@ -153,7 +153,7 @@ def _plane(form: Form, name: str, node: Node) -> Array:
 
 def _target(name: str, node: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Target:
     form = Form(node, f"target {name}", ("radius", "hue_histogram", "area", "gray"), mistakes)
-    radius = form.number("radius", above=0.0, required=True, unit="m")
+    radius = form.number("radius", above=0.0, required=True)
     histograms = {
         camera: _histogram(form, camera, values)
         for camera, values in _per_camera(form, "hue_histogram", (BINS,), cameras).items()

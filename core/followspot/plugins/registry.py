@@ -35,7 +35,12 @@ class StageEntry:
 
 
 class PluginError(FollowspotError):
-    """A stage cannot be used; one line says which plugin and why."""
+    """A stage cannot be used; problem: one line says which plugin and why; remedy: what to do."""
+
+    def __init__(self, problem: str, remedy: str = "") -> None:
+        super().__init__(problem + (f"; {remedy}" if remedy else ""))
+        self.problem = problem
+        self.remedy = remedy
 
 
 _files: dict[str, FileStage] = {}
@@ -87,7 +92,7 @@ def load_stage(name: str) -> type[Stage]:
         return _files[name].stage
     entry = catalogue().get(name)
     if entry is None:
-        raise PluginError(f'no stage "{name}" is installed; {did_you_mean(name, stage_names(), "stages")}')
+        raise PluginError(f'no stage "{name}" is installed', did_you_mean(name, stage_names(), "stages"))
     if entry.state != "ok":
         raise PluginError(f"{name}: {entry.problem}")
     stage, problem = _import(entry)

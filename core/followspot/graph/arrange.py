@@ -1,0 +1,100 @@
+"""Last step: stages in order, edges with their kinds, workers; a plan that can be shipped and run."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from followspot.graph.check import Checked, CheckedStage
+from followspot.graph.connections import CheckedEdge
+from followspot.graph.cycles import components, successors, topological
+from followspot.graph.placement import Placed
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage
+
+EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
+
+
+def plan(
+    checked: Checked,
+    placed: Placed,
+    edges: EdgeChoice = "auto",
+    *,
+    seed: int | None = None,
+    plugin_files: tuple[str, ...] = (),
+) -> Plan:
+    """The plan of a graph without mistakes; what could not be as it was asked stands in its notes."""
+    stages = {stage.instance.name: stage for stage in checked.stages}
+    planned = [_edge(edge, placed, edges) for edge in checked.edges]
+    return Plan(
+        graph=checked.name,
+        room=checked.room,
+        stages=tuple(_stage(stages[name], placed) for name in _order(checked)),
+        edges=tuple(planned),
+        workers=placed.workers,
+        seed=checked.seed if seed is None else seed,
+        plugin_files=plugin_files,
+        notes=(*placed.notes, *_notes(planned, edges)),
+    )
+
+
+def _order(checked: Checked) -> list[str]:
+    """Topological, held edges within a cycle aside; else as in the file and the room."""
+    names = [stage.instance.name for stage in checked.stages]
+    ends = [(edge.wire.source.name, edge.wire.target.name) for edge in checked.edges]
+    component = components(successors(names, ends))
+    forward = [
+        (start, end)
+        for (start, end), edge in zip(ends, checked.edges, strict=True)
+        if not (edge.held and component[start] == component[end])
+    ]
+    return topological(successors(names, forward))
+
+
+def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
+    instance = checked.instance
+    declared = instance.declared
+    return PlannedStage(
+        name=instance.name,
+        group=declared.name,
+        uses=instance.uses,
+        params=checked.params,
+        camera=instance.camera,
+        worker=placed.worker_of[instance.name],
+        live=checked.stage.live,
+        on_error=declared.on_error,
+        tolerance=declared.tolerance,
+        deadline=declared.deadline,
+    )
+
+
+def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
+    wire = edge.wire
+    return PlannedEdge(
+        from_stage=wire.source.name,
+        from_port=edge.output,
+        to_stage=wire.target.name,
+        to_port=wire.port,
+        kind=_kind(wire.source.name, wire.target.name, placed, choice),
+        delay=wire.feed.delay,
+        depth=wire.feed.depth,
+    )
+
+
+def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:
+    """The kind that was asked for where it can be; else the nearest."""
+    hosts = {worker.name: worker.host for worker in placed.workers}
+    start, end = placed.worker_of[source], placed.worker_of[target]
+    if choice == "zenoh" or hosts[start] != hosts[end]:
+        return "zenoh"
+    if choice == "ring" or start != end:
+        return "ring"
+    return "reference"
+
+
+def _notes(edges: list[PlannedEdge], choice: EdgeChoice) -> list[str]:
+    """What could not be forced."""
+    if choice == "auto":
+        return []
+    reason = "they join two workers" if choice == "reference" else "they join two hosts"
+    others = [edge for edge in edges if edge.kind != choice]
+    kinds = sorted({edge.kind for edge in others})
+    return [f"{len(others)} edges are {' or '.join(kinds)} and not {choice}: {reason}"] if others else []

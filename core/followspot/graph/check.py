@@ -1,0 +1,144 @@
+"""Third step: every stage is found, its parameters hold, its inputs are fed by what they take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from followspot.document import child
+from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.connections import CheckedEdge, check_cycles, connect
+from followspot.graph.expand import Expanded, Instance
+from followspot.graph.parameters import output_paths, validated
+from followspot.plugins.registry import PluginError, load_stage
+from followspot.ports import ports
+from followspot.room import Room, StageUse
+from followspot.stage import Stage
+from followspot.tracking import Truth
+
+
+@dataclass(frozen=True)
+class CheckedStage:
+    """An instance with its class and its validated parameters in JSON types."""
+
+    instance: Instance
+    stage: type[Stage]
+    params: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A graph without mistakes; nothing is placed yet."""
+
+    name: str
+    room: Room
+    seed: int
+    stages: tuple[CheckedStage, ...]
+    edges: tuple[CheckedEdge, ...]
+
+
+def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
+    """Note every mistake; the result is whole only where none was noted."""
+    classes = _classes(expanded, mistakes)
+    for instance in expanded.instances.values():
+        if instance.name in classes:
+            _check_inputs(instance, classes[instance.name], mistakes)
+    stages = [
+        CheckedStage(instance, stage, params)
+        for name, stage in classes.items()
+        for instance in [expanded.instances[name]]
+        if (params := _params(instance, stage, mistakes)) is not None
+    ]
+    edges = connect(expanded.wires, classes, mistakes)
+    check_cycles(expanded, classes, mistakes)
+    _check_outputs(stages, mistakes)
+    room = _checked_room(expanded, mistakes)
+    return Checked(expanded.name, room, expanded.seed, tuple(stages), tuple(edges))
+
+
+def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:
+    """The class of each instance whose plugin is well."""
+    found = {}
+    for instance in expanded.instances.values():
+        stage = _class(instance.uses, instance.uses_place, mistakes) if instance.uses else None
+        if stage is not None:
+            found[instance.name] = stage
+    return found
+
+
+def _class(uses: str, place: Place, mistakes: list[Mistake]) -> type[Stage] | None:
+    try:
+        return load_stage(uses)
+    except PluginError as error:
+        mistakes.append(Mistake(place, error.problem, error.remedy))
+        return None
+
+
+def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> dict[str, Any] | None:
+    noun = f'stage "{instance.declared.name}" ({instance.uses})'
+    return validated(stage, noun, instance.params, instance.uses_place, mistakes)
+
+
+def _check_inputs(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> None:
+    """Whether the inputs that the graph names exist, and those that the stage needs are named."""
+    declared, found = instance.declared, ports(stage)
+    if stage.per_camera and declared.each is None:
+        text = f'{instance.uses} serves one camera, and stage "{declared.name}" has no each'
+        mistakes.append(Mistake(declared.place, text, "add each: cameras"))
+    for entry in declared.inputs:
+        if found.source:
+            text = f'stage "{declared.name}" ({instance.uses}) is a source and has no inputs'
+            mistakes.append(Mistake(entry.place, text, "remove it"))
+        elif found.input(entry.port) is None:
+            remedy = did_you_mean(entry.port, [port.name for port in found.inputs], "inputs")
+            mistakes.append(
+                Mistake(entry.place, f'stage "{declared.name}" has no input "{entry.port}"', remedy)
+            )
+    named = {entry.port for entry in declared.inputs}
+    for port in found.inputs:
+        if port.required and port.name not in named:
+            text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
+            mistakes.append(
+                Mistake(
+                    declared.place,
+                    text,
+                    f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}",
+                )
+            )
+
+
+def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:
+    """Two stages must not write one file."""
+    writers: dict[str, str] = {}
+    for checked in stages:
+        instance = checked.instance
+        for path in output_paths(checked.stage.Params, checked.params):
+            other = writers.setdefault(path, instance.name)
+            if other == instance.name:
+                continue
+            node = next((n for n in instance.params.values() if n.value == path), None)
+            place = node.place if node is not None else instance.declared.place
+            text = f'stages "{other}" and "{instance.name}" write the same file {path}'
+            mistakes.append(Mistake(place, text, "give each its own path"))
+
+
+def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
+    """The room, whose truth has validated parameters with absolute paths."""
+    truth = expanded.room.truth
+    node = child(expanded.room_node, "truth")
+    uses = child(node, "uses")
+    if truth is None or uses is None:
+        return expanded.room
+    stage = _class(truth.uses, uses.place, mistakes)
+    if stage is None:
+        return expanded.room
+    found = ports(stage)
+    if not found.source or [output.type for output in found.outputs] != [Truth]:
+        text = f"the truth of a room is a source of Truth, and {truth.uses} is none"
+        mistakes.append(Mistake(uses.place, text, "for example cameras.truth_csv"))
+        return expanded.room
+    params = child(node, "with")
+    written = params.value if params is not None and isinstance(params.value, Mapping) else {}
+    values = validated(stage, f"the truth ({truth.uses})", written, uses.place, mistakes)
+    return replace(expanded.room, truth=StageUse(truth.uses, values or {}, truth.folder))

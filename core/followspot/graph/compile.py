@@ -1,0 +1,61 @@
+"""From files to a plan: load -> expand -> check -> place -> plan. Nothing is started."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from followspot.errors import FollowspotError, InputError, Mistake, Place
+from followspot.graph.arrange import EdgeChoice, plan
+from followspot.graph.check import check
+from followspot.graph.expand import expand
+from followspot.graph.load import load
+from followspot.graph.placement import place
+from followspot.graph.plan import Plan
+from followspot.plugins.registry import use_plugin_files
+
+
+def compile_graph(
+    path: str | Path,
+    *,
+    room: str | Path | None = None,
+    placement: str | Path | None = None,
+    overrides: Sequence[str] = (),
+    plugin_files: Sequence[str | Path] = (),
+    edges: EdgeChoice = "auto",
+    seed: int | None = None,
+) -> Plan:
+    """The plan of a graph file. Raises InputError with every mistake.
+
+    room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
+    overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers.
+    """
+    mistakes: list[Mistake] = []
+    files = tuple(str(Path(file).absolute()) for file in plugin_files)
+    _use(files, mistakes)
+    loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
+    expanded = expand(loaded, mistakes)
+    checked = check(expanded, mistakes)
+    placed = place(expanded, None if placement is None else str(placement), mistakes)
+    if mistakes:
+        raise InputError(_ordered(mistakes))
+    return plan(checked, placed, edges, seed=seed, plugin_files=files)
+
+
+def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:
+    for file in files:
+        try:
+            use_plugin_files([file])
+        except FollowspotError as error:
+            mistakes.append(Mistake(None, f"--plugin: {error}"))
+
+
+def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
+    """Each mistake once, file by file, from the top to the bottom of each."""
+    files = list(dict.fromkeys(m.place.file for m in mistakes if m.place is not None))
+
+    def position(mistake: Mistake) -> tuple[int, int, int]:
+        at: Place | None = mistake.place
+        return (-1, 0, 0) if at is None else (files.index(at.file), at.line, at.column)
+
+    return sorted(dict.fromkeys(mistakes), key=position)

@@ -1,0 +1,108 @@
+"""Edges between ports: which output feeds an input, whether the types fit, whether a cycle can start."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from followspot.errors import Mistake, did_you_mean
+from followspot.graph.cycles import cycles, successors
+from followspot.graph.expand import Expanded, Wire
+from followspot.ports import InputPort, OutputPort, Ports, ports
+from followspot.stage import Stage
+
+
+@dataclass(frozen=True)
+class CheckedEdge:
+    """A wire with both ports known; held: it is delayed or sampled, so it may close a cycle."""
+
+    wire: Wire
+    output: str
+    held: bool
+
+
+def connect(
+    wires: Sequence[Wire], classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
+) -> list[CheckedEdge]:
+    """Both ports of every wire whose stages are known."""
+    edges = []
+    into: dict[tuple[str, str], list[Wire]] = defaultdict(list)
+    for wire in wires:
+        target = classes.get(wire.target.name)
+        port = None if target is None else ports(target).input(wire.port)
+        source = classes.get(wire.source.name)
+        if port is None or source is None:
+            continue
+        into[wire.target.name, wire.port].append(wire)
+        output = _output(wire, ports(source), port, mistakes)
+        if output is not None:
+            edges.append(CheckedEdge(wire, output.name, _is_held(wire, port)))
+    for (name, port_name), members in into.items():
+        port = ports(classes[name]).input(port_name)
+        if port is not None:
+            _check_multiplicity(members, port, mistakes)
+    return edges
+
+
+def _is_held(wire: Wire, port: InputPort) -> bool:
+    return wire.feed.delay > 0 or port.kind == "latest"
+
+
+def _check_multiplicity(members: Sequence[Wire], port: InputPort, mistakes: list[Mistake]) -> None:
+    if port.kind == "joined" or len(members) < 2:
+        return
+    first = members[0]
+    senders = ", ".join(wire.source.name for wire in members[:6]) + (", ..." if len(members) > 6 else "")
+    text = (
+        f'input "{port.name}" of stage "{first.target.declared.name}" takes one message, {len(members)} come'
+    )
+    remedy = (
+        f"from {senders}: give the stage each: cameras, or declare the input as Joined[{port.type.__name__}]"
+    )
+    mistakes.append(Mistake(first.port_place, text, remedy))
+
+
+def _output(wire: Wire, source: Ports, port: InputPort, mistakes: list[Mistake]) -> OutputPort | None:
+    """The output that a wire comes from: the one that is named, else the only one of the right type."""
+    name, feed = wire.source.declared.name, wire.feed
+    offer = ", ".join(f"{output.name} ({output.type.__name__})" for output in source.outputs)
+    fitting = [output for output in source.outputs if issubclass(output.type, port.type)]
+    wanted = f'input "{port.name}" of stage "{wire.target.declared.name}" takes {port.type.__name__}'
+    if not source.outputs:
+        mistakes.append(Mistake(feed.place, f'stage "{name}" is a sink and has no outputs', wanted))
+    elif feed.port is not None:
+        named = source.output(feed.port)
+        if named is None:
+            remedy = did_you_mean(feed.port, [output.name for output in source.outputs], "outputs")
+            mistakes.append(Mistake(feed.place, f'stage "{name}" has no output "{feed.port}"', remedy))
+        elif named not in fitting:
+            text = f'"{name}.{named.name}" gives {named.type.__name__}, but {wanted}'
+            mistakes.append(Mistake(feed.place, text, f"outputs of {name}: {offer}"))
+        return named if named in fitting else None
+    elif len(fitting) == 1:
+        return fitting[0]
+    elif len(source.outputs) == 1:
+        text = f'"{name}" gives {source.outputs[0].type.__name__}, but {wanted}'
+        mistakes.append(Mistake(feed.place, text, f"name a stage that gives {port.type.__name__}"))
+    else:
+        several = "several outputs" if fitting else "no output"
+        text = f'stage "{name}" has {several} of type {port.type.__name__}; {wanted}'
+        mistakes.append(Mistake(feed.place, text, f"name the port; outputs: {offer}"))
+    return None
+
+
+def check_cycles(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
+    """Every cycle needs a delay or a Latest; edges of unknown stages count as plain ones."""
+    plain: dict[tuple[str, str], Wire] = {}
+    for wire in expanded.wires:
+        target = classes.get(wire.target.name)
+        port = None if target is None else ports(target).input(wire.port)
+        if wire.feed.delay == 0 and (port is None or port.kind != "latest"):
+            plain.setdefault((wire.source.declared.name, wire.target.declared.name), wire)
+    names = dict.fromkeys(instance.declared.name for instance in expanded.instances.values())
+    for cycle in cycles(successors(names, plain)):
+        closing = plain[cycle[-2], cycle[-1]]
+        text = f"the stages {' -> '.join(cycle)} wait for each other"
+        remedy = f"delay one edge: {{from: {closing.feed.stage}, delay: 1}}"
+        mistakes.append(Mistake(closing.feed.place, text, remedy))

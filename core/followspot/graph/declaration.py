@@ -1,0 +1,107 @@
+"""What a graph file declares, word for word: stages, their inputs, parameters and policies."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import cast
+
+from followspot.document import Node
+from followspot.errors import Mistake, Place
+from followspot.form import Form, is_name, kind_of
+from followspot.graph.plan import ErrorPolicy, PlannedEdge, PlannedStage
+from followspot.graph.selector import Selector, read_selector
+
+ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
+"""Keys of a stage; parameters stand below `with`."""
+_POLICIES = ("fail", "skip", "restart")
+_MAX_DELAY = 1000
+_MAX_DEPTH = 10_000
+_FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
+
+
+@dataclass(frozen=True)
+class Feed:
+    """What an input port is fed from: a stage, and a port where one is named."""
+
+    stage: str
+    port: str | None
+    delay: int
+    depth: int
+    place: Place
+
+
+@dataclass(frozen=True)
+class InputDeclaration:
+    """An input port by name, with all that leads to it."""
+
+    port: str
+    place: Place
+    feeds: tuple[Feed, ...]
+
+
+@dataclass(frozen=True)
+class StageDeclaration:
+    """A stage as it is written; `params` keeps the nodes, for mistakes are found in them later."""
+
+    name: str
+    place: Place
+    uses: str
+    uses_place: Place
+    each: Selector | None
+    inputs: tuple[InputDeclaration, ...]
+    params: Mapping[str, Node]
+    on_error: ErrorPolicy
+    tolerance: float
+    deadline: float
+
+
+def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclaration:
+    """Read one entry of `stages`; what is wrong is noted and replaced by what does no further harm."""
+    if not is_name(name):
+        mistakes.append(
+            Mistake(node.key, f'"{name}" cannot be the name of a stage', "use letters, digits, _ and -")
+        )
+    form = Form(node, f'stage "{name}"', ENVELOPE, mistakes)
+    each = form.get("each")
+    tolerance = form.number("tolerance", least=0.0)
+    deadline = form.number("deadline", least=0.0)
+    return StageDeclaration(
+        name=name,
+        place=node.key,
+        uses=form.text("uses", required=True) or "",
+        uses_place=form.entries["uses"].place if "uses" in form.entries else node.key,
+        each=None if each is None else read_selector(each, mistakes),
+        inputs=tuple(_input(port, feeds, mistakes) for port, feeds in form.mapping("in").items()),
+        params=form.mapping("with"),
+        on_error=cast(ErrorPolicy, form.text("on_error", choices=_POLICIES) or "fail"),
+        tolerance=PlannedStage.tolerance if tolerance is None else tolerance,
+        deadline=PlannedStage.deadline if deadline is None else deadline,
+    )
+
+
+def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
+    items = node.value if isinstance(node.value, tuple) else (node,)
+    if not items:
+        mistakes.append(Mistake(node.place, f'input "{port}" is fed by nothing', "name a stage"))
+    feeds = [_feed(item, mistakes) for item in items]
+    return InputDeclaration(port, node.key, tuple(feed for feed in feeds if feed is not None))
+
+
+def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
+    delay, depth = 0, PlannedEdge.depth
+    origin: Node | None = node
+    if isinstance(node.value, Mapping):
+        form = Form(node, "an input", ("from", "delay", "depth"), mistakes)
+        origin = form.get("from", required=True)
+        delay = form.whole("delay", least=0, most=_MAX_DELAY) or 0
+        depth = form.whole("depth", least=1, most=_MAX_DEPTH) or depth
+    if origin is None:
+        return None
+    named = _FEED.fullmatch(origin.value) if isinstance(origin.value, str) else None
+    if named is None:
+        text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
+        mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
+        return None
+    return Feed(named[1], named[2], delay, depth, origin.place)

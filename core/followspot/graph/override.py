@@ -1,0 +1,85 @@
+"""`--set STAGE.KEY=VALUE`: changes to a graph that is otherwise left as it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from followspot.document import Node, parse
+from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.graph.declaration import ENVELOPE
+
+_FILE = "--set"
+_DEEP = ("in", "with")
+_FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
+
+
+@dataclass(frozen=True)
+class Override:
+    """One option: the keys that lead to a value, each with its place in the option, and the value."""
+
+    keys: tuple[str, ...]
+    places: tuple[Place, ...]
+    value: Node
+
+
+def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
+    """Read one option; what cannot be read is noted."""
+    path, sign, value = option.partition("=")
+    keys = path.split(".")
+    places = []
+    column = 1
+    for key in keys:
+        places.append(Place(_FILE, 1, column, max(1, len(key)), option))
+        column += len(key) + 1
+    if not sign or len(keys) < 2 or not all(key.strip() for key in keys):
+        whole = Place(_FILE, 1, 1, max(1, len(option)), option or " ")
+        mistakes.append(Mistake(whole, f'"{option}" is no override', _FORM))
+        return None
+    try:
+        # Blanks in front of the value give its places the columns of the option.
+        node = parse(" " * column + value, _FILE, option)
+    except InputError as error:
+        mistakes += error.mistakes
+        return None
+    return Override(tuple(keys), tuple(places), node)
+
+
+def apply_to_vars(values: Mapping[str, Node], overrides: list[Override]) -> dict[str, Node]:
+    """The variables with those of `--set vars.NAME=VALUE`; names that the graph does not use do no harm."""
+    changed = {o.keys[1]: replace(o.value, key=o.places[1]) for o in overrides if o.keys[0] == "vars"}
+    return {**values, **changed}
+
+
+def apply_to_stages(
+    stages: Mapping[str, Node], overrides: list[Override], mistakes: list[Mistake]
+) -> dict[str, Node]:
+    """The stages with every override in its place; one for an unknown stage is noted."""
+    changed = dict(stages)
+    for override in overrides:
+        name, *keys = override.keys
+        if name == "vars":
+            continue
+        if name not in changed:
+            remedy = did_you_mean(name, stages, "stages")
+            mistakes.append(Mistake(override.places[0], f'the graph has no stage "{name}"', remedy))
+            continue
+        places = override.places[1:]
+        if keys[0] not in ENVELOPE:  # a parameter
+            keys, places = ["with", *keys], (places[0], *places)
+        elif keys[0] in _DEEP and len(keys) == 1:
+            text = f'"{keys[0]}" holds several values'
+            mistakes.append(Mistake(places[0], text, f"name one: {name}.{keys[0]}.NAME=VALUE"))
+            continue
+        changed[name] = _with(changed[name], keys, places, override.value)
+    return changed
+
+
+def _with(node: Node, keys: list[str], places: tuple[Place, ...], value: Node) -> Node:
+    """The tree with a value put under a path of keys."""
+    if not keys:
+        return replace(value, key=node.key)
+    inner = dict(node.value) if isinstance(node.value, Mapping) else {}
+    old = inner.get(keys[0], Node(None, places[0], places[0]))
+    inner[keys[0]] = _with(replace(old, key=places[0]), keys[1:], places[1:], value)
+    return replace(node, value=inner)

@@ -1,0 +1,117 @@
+"""A stage's parameters, checked by its own model; mistakes stand where the user wrote the value."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path, PurePath
+from typing import Any, get_args
+
+import pydantic
+from pydantic.fields import FieldInfo
+
+from followspot.document import Node, plain
+from followspot.errors import Mistake, Place, did_you_mean
+from followspot.stage import PathIn, PathOut, Stage, StageParams
+
+_OPTION = "--"
+"""Places on the command line begin with it; paths written there are relative to the working folder."""
+
+
+def validated(
+    stage: type[Stage], noun: str, params: Mapping[str, Node], place: Place, mistakes: list[Mistake]
+) -> dict[str, Any] | None:
+    """Parameters with their defaults in JSON types, input paths absolute; None where a mistake was noted.
+
+    noun: what is checked, as in 'stage "fuse" (balls.mean)'; place: where a missing parameter is noted.
+    """
+    before = len(mistakes)
+    fields = stage.Params.model_fields
+    values = {name: _value(fields.get(name), name, node, mistakes) for name, node in params.items()}
+    try:
+        model = stage.Params.model_validate(values)
+    except pydantic.ValidationError as error:
+        mistakes += [_mistake(detail, fields, noun, params, place) for detail in error.errors()]
+        return None
+    return model.model_dump(mode="json") if len(mistakes) == before else None
+
+
+def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
+    """The files that a stage with these validated values writes, relative to the output folder."""
+    names = [name for name, info in params.model_fields.items() if _marked(info, PathOut)]
+    return [str(PurePath(values[name])) for name in names if values[name] is not None]
+
+
+def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake]) -> Any:
+    """The plain value; paths are checked and input paths made absolute."""
+    value = plain(node)
+    if info is None or not isinstance(value, str):
+        return value
+    if _marked(info, PathIn):
+        file = node.place.file
+        path = (Path() if file.startswith(_OPTION) else Path(file).parent) / value
+        if "\0" in value or not path.exists():
+            remedy = "paths are relative to the file that they are written in"
+            mistakes.append(Mistake(node.place, f'"{name}" names {path!s}, which does not exist', remedy))
+        return str(path.absolute())
+    if _marked(info, PathOut):
+        output = PurePath(value)
+        if output.is_absolute() or ".." in output.parts or not output.parts or "\0" in value:
+            text = f'"{name}" names {value!r}, which is not below the output folder'
+            mistakes.append(Mistake(node.place, text, "write a relative path without .."))
+    return value
+
+
+def _marked(info: FieldInfo, mark: type) -> bool:
+    """Whether a parameter is declared with the mark, also as `InputPath | None`."""
+    return any(isinstance(found, mark) for found in (*info.metadata, *_marks(info.annotation)))
+
+
+def _marks(annotation: Any) -> list[Any]:
+    inner = [mark for argument in get_args(annotation) for mark in _marks(argument)]
+    return [*getattr(annotation, "__metadata__", ()), *inner]
+
+
+def _mistake(
+    detail: Any, fields: Mapping[str, FieldInfo], noun: str, params: Mapping[str, Node], place: Place
+) -> Mistake:
+    """What pydantic found, at the value or the key that the user wrote."""
+    location: Sequence[int | str] = detail["loc"]
+    kind: str = detail["type"]
+    name = ".".join(str(part) for part in location) or "parameters"
+    top = str(location[0]) if location else ""
+    node = _find(params, location)
+    if kind == "missing":
+        about = _about(fields.get(top))
+        missing = f'{noun} needs the parameter "{name}"'
+        return Mistake(node.key if node is not None else place, missing, f"add with: {{{name}: ...}}{about}")
+    if kind == "extra_forbidden" and node is not None:
+        known = did_you_mean(name, fields, "parameters")
+        return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
+    problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")
+    given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"
+    text = f'"{name}" of {noun} cannot be{given}: {problem}'
+    return Mistake(node.place if node is not None else place, text, _about(fields.get(top)).lstrip(", "))
+
+
+def _find(params: Mapping[str, Node], location: Sequence[int | str]) -> Node | None:
+    """The innermost node on the way to a value."""
+    node = params.get(str(location[0])) if location else None
+    for part in location[1:]:
+        inner: Node | None = None
+        if node is not None and isinstance(node.value, Mapping):
+            inner = node.value.get(str(part))
+        elif node is not None and isinstance(node.value, tuple) and isinstance(part, int):
+            inner = node.value[part] if part < len(node.value) else None
+        if inner is None:
+            break
+        node = inner
+    return node
+
+
+def _about(info: FieldInfo | None) -> str:
+    """What the parameter is, with its unit."""
+    if info is None or not info.description:
+        return ""
+    extra = info.json_schema_extra
+    unit = extra.get("unit", "") if isinstance(extra, dict) else ""
+    return f", {info.description}" + (f" ({unit})" if unit and unit != "1" else "")

@@ -1,0 +1,137 @@
+"""Placements: which worker runs which instance, and on which host."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from followspot.document import Node, child, read
+from followspot.errors import Mistake, Place, did_you_mean
+from followspot.form import Form, is_name, kind_of
+from followspot.graph.expand import Expanded
+from followspot.graph.plan import PlannedWorker
+
+MAIN = "main"
+"""The worker that runs whatever no other was asked to run."""
+_BY = ("camera", "stage")
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Where everything runs: the worker of each instance, and all workers that run something."""
+
+    worker_of: Mapping[str, str]
+    workers: tuple[PlannedWorker, ...]
+    notes: tuple[str, ...] = ()
+
+
+def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) -> Placed:
+    """Place a graph: all in one worker, "camera", "stage", or as a placement file says.
+
+    Raises InputError where the file cannot be read; mistakes in it are noted.
+    """
+    if placement is None:
+        return _together(expanded)
+    if placement in _BY:
+        return _by(placement, expanded)
+    root = _read(placement, mistakes)
+    if root is None:
+        return _together(expanded)
+    form = Form(root, "a placement", ("placement", "by", "workers"), mistakes)
+    form.text("placement")
+    by = form.text("by", choices=_BY)
+    workers = form.mapping("workers")
+    if by is not None and workers:
+        mistakes.append(Mistake(form.entries["by"].key, "a placement is either by or workers", "remove one"))
+    if by is None and not workers:
+        mistakes.append(
+            Mistake(root.key, "the placement places nothing", "add by: camera, or workers: {...}")
+        )
+    return _by(by, expanded) if by is not None else _listed(workers, expanded, mistakes)
+
+
+def _read(placement: str, mistakes: list[Mistake]) -> Node | None:
+    if Path(placement).is_file():
+        return read(placement)
+    option = Place("--placement", 1, 1, max(1, len(placement)), placement)
+    mistakes.append(Mistake(option, f"there is no placement file {placement}", "or write camera, or stage"))
+    return None
+
+
+def _together(expanded: Expanded) -> Placed:
+    apart = [camera.name for camera in expanded.room.cameras.values() if camera.host]
+    note = f"everything runs on this host, though the room has cameras on others: {', '.join(apart)}"
+    return _placed(dict.fromkeys(expanded.instances, MAIN), {}, (note,) if apart else ())
+
+
+def _by(by: str, expanded: Expanded) -> Placed:
+    """One worker for each camera, on the camera's host, or for each stage of the file."""
+    if by == "stage":
+        return _placed({name: i.declared.name for name, i in expanded.instances.items()}, {})
+    hosts = {camera.name: camera.host for camera in expanded.room.cameras.values()}
+    return _placed({name: i.camera or MAIN for name, i in expanded.instances.items()}, hosts)
+
+
+def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mistake]) -> Placed:
+    """As listed; an instance's own name counts before that of its stage, and that before its camera."""
+    hosts: dict[str, str] = {}
+    stages: dict[str, str] = {}
+    cameras: dict[str, str] = {}
+    known_stages = [*dict.fromkeys(i.declared.name for i in expanded.instances.values()), *expanded.instances]
+    for name, node in workers.items():
+        if not is_name(name):
+            mistakes.append(
+                Mistake(node.key, f'"{name}" cannot be the name of a worker', "letters, digits, _ and -")
+            )
+        form = Form(node, f'worker "{name}"', ("host", "stages", "cameras"), mistakes)
+        hosts[name] = form.text("host") or ""
+        _claim(name, child(node, "stages"), "stage", known_stages, stages, mistakes)
+        _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, cameras, mistakes)
+    worker_of = {
+        name: stages.get(name) or stages.get(i.declared.name) or cameras.get(i.camera or "") or MAIN
+        for name, i in expanded.instances.items()
+    }
+    running = set(worker_of.values())
+    mistakes += [
+        Mistake(node.key, f'worker "{name}" runs nothing', "give it stages or cameras, or remove it")
+        for name, node in workers.items()
+        if name not in running
+    ]
+    return _placed(worker_of, hosts)
+
+
+def _claim(
+    worker: str,
+    names: Node | None,
+    noun: str,
+    known: Iterable[str],
+    taken: dict[str, str],
+    mistakes: list[Mistake],
+) -> None:
+    """Give the listed stages or cameras to a worker."""
+    if names is None or names.value is None:
+        return
+    if not isinstance(names.value, tuple):
+        mistakes.append(
+            Mistake(names.place, f"{noun}s is a list of names, not {kind_of(names)}", f"{noun}s: [NAME, ...]")
+        )
+        return
+    for node in names.value:
+        name = str(node.value)
+        if name not in known:
+            mistakes.append(
+                Mistake(node.place, f'there is no {noun} "{name}"', did_you_mean(name, known, f"{noun}s"))
+            )
+        elif name in taken:
+            mistakes.append(
+                Mistake(node.place, f'{noun} "{name}" is placed twice', f'worker "{taken[name]}" has it')
+            )
+        else:
+            taken[name] = worker
+
+
+def _placed(worker_of: Mapping[str, str], hosts: Mapping[str, str], notes: tuple[str, ...] = ()) -> Placed:
+    """The workers in the order of their first instance."""
+    names = dict.fromkeys(worker_of.values())
+    return Placed(worker_of, tuple(PlannedWorker(name, hosts.get(name, "")) for name in names), notes)

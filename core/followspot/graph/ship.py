@@ -1,0 +1,86 @@
+"""A plan in JSON types, to send it to the processes that run it; checked on the way in."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import pydantic
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.room_file import from_data, to_data
+
+VERSION = 1
+"""Of the form of the data."""
+
+
+class PlanDataError(FollowspotError):
+    """What arrived is no plan of this version."""
+
+
+class _Data(pydantic.BaseModel):
+    """The data of a plan."""
+
+    model_config = pydantic.ConfigDict(extra="forbid", strict=False)
+
+    version: int
+    graph: str
+    room: dict[str, Any]
+    stages: tuple[PlannedStage, ...]
+    edges: tuple[PlannedEdge, ...]
+    workers: tuple[PlannedWorker, ...]
+    seed: int
+    plugin_files: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def plan_to_data(plan: Plan) -> dict[str, Any]:
+    """The plan in JSON types."""
+    return {
+        "version": VERSION,
+        "graph": plan.graph,
+        "room": to_data(plan.room),
+        "stages": [{**asdict(stage), "params": dict(stage.params)} for stage in plan.stages],
+        "edges": [asdict(edge) for edge in plan.edges],
+        "workers": [asdict(worker) for worker in plan.workers],
+        "seed": plan.seed,
+        "plugin_files": list(plan.plugin_files),
+        "notes": list(plan.notes),
+    }
+
+
+def plan_from_data(data: Any) -> Plan:
+    """The plan from what `plan_to_data` gave. Raises PlanDataError, InputError (from the room)."""
+    try:
+        found = _Data.model_validate(data)
+    except pydantic.ValidationError as error:
+        first = error.errors()[0]
+        where = ".".join(str(part) for part in first["loc"])
+        raise PlanDataError(f"this is no plan: {where}: {first['msg']}") from None
+    if found.version != VERSION:
+        raise PlanDataError(f"the plan has version {found.version}, this followspot reads {VERSION}")
+    _check_names(found)
+    return Plan(
+        found.graph,
+        from_data(found.room),
+        found.stages,
+        found.edges,
+        found.workers,
+        found.seed,
+        found.plugin_files,
+        found.notes,
+    )
+
+
+def _check_names(found: _Data) -> None:
+    stages = {stage.name for stage in found.stages}
+    workers = {worker.name for worker in found.workers}
+    if len(stages) < len(found.stages) or len(workers) < len(found.workers):
+        raise PlanDataError("this is no plan: a name stands for two stages or workers")
+    strangers = {stage.worker for stage in found.stages} - workers
+    strangers |= {end for edge in found.edges for end in (edge.from_stage, edge.to_stage)} - stages
+    if strangers:
+        raise PlanDataError(
+            f"this is no plan: it speaks of {', '.join(sorted(strangers))} without saying what it is"
+        )
