@@ -65,11 +65,10 @@ def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, t
     ball = np.flatnonzero(seen)[np.argsort(-distance[seen])]
     away, distance = away[ball].astype(np.float32), distance[ball].astype(np.float32)
     radius = radii[ball].astype(np.float32)[:, None, None]
-    span = np.arange(2 * int(np.ceil(reach[ball].max(initial=1.0))) + 1)
-    corner = np.clip(
-        np.round(pixel[ball])[:, ::-1] - len(span) // 2, 0, [height - len(span), width - len(span)]
-    )
-    corner = corner.astype(int)
+    side = min(2 * int(np.ceil(reach[ball].max(initial=1.0))) + 1, width, height)
+    corner = np.round(pixel[ball])[:, ::-1] - side // 2
+    corner = np.clip(corner, 0, [height - side, width - side]).astype(int)
+    span = np.arange(side)
     rows, columns = corner[:, 0, None, None] + span[:, None], corner[:, 1, None, None] + span
     rays = view.rays.take(rows * width + columns, axis=1)
     along = np.einsum("ibhw,bi->bhw", rays, away)
@@ -78,24 +77,24 @@ def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, t
     cover = np.minimum(np.maximum(0.5 + (radius - miss) / (DEFOCUS * _pitch(miss)), 0), 1)
     halo = HALO * np.exp(-1.6 * np.maximum(miss / radius - 1.0, 0.0)) * (1.0 - cover)
     if len(limbs) and len(ball):
+        free = cover.sum(axis=(1, 2))
+        surface = along - np.sqrt(np.maximum(radius * radius - miss * miss, 0))
         nearness, _ = approach(view.center, away.T / distance, limbs)
         near = np.any(nearness < thick[:, None] + 1.3 * radius[:, 0, 0], axis=1)
-        if near.any():
-            filled = np.flatnonzero(cover)
-            surface = along - np.sqrt(np.maximum(radius * radius - miss * miss, 0))
-            soft = (distance / view.focal).repeat(len(span) ** 2).take(filled)
-            gaps = 1 - blocked(
-                view.center,
-                rays.reshape(3, -1).take(filled, axis=1),
-                surface.take(filled),
-                limbs[near],
-                thick[near],
-                soft,
-            )
-            whole = cover.sum(axis=(1, 2))
-            cover.put(filled, cover.take(filled) * gaps)
-            halo *= (cover.sum(axis=(1, 2)) / np.maximum(whole, 1e-9))[:, None, None]
+        _hide(cover, view, rays, surface, distance, limbs[near], thick[near])
+        halo *= (cover.sum(axis=(1, 2)) / np.maximum(free, 1e-9))[:, None, None]
     return Stamps(ball, corner, cover, halo, across / radius, distance)
+
+
+def _hide(
+    cover: Array, view: View, rays: Array, surface: Array, distance: Array, limbs: Array, thick: Array
+) -> None:
+    """Take from `cover` what limbs hide; only pixels that a ball fills are looked at."""
+    filled = np.flatnonzero(cover)
+    soft = (distance / view.focal).repeat(cover[0].size).take(filled)
+    rays = rays.reshape(3, -1).take(filled, axis=1)
+    hidden = blocked(view.center, rays, surface.take(filled), limbs, thick, soft)
+    cover.put(filled, cover.take(filled) * (1 - hidden))
 
 
 def _pitch(miss: Array) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -194,3 +195,11 @@ def test_an_unknown_target_alone_is_refused_with_the_names_there_are():
     stage = SimTruth(Context("truth", ROOM), alone="gren")
     with pytest.raises(InputError, match='did you mean "green"'):
         stage.setup()
+
+
+def test_a_picture_without_any_ball_in_it_is_rendered_too():
+    away = replace(ROOM.cameras["cam1"], translation=np.array([0.0, 0.0, -50.0]))
+    picture = Picture(SimParams(people=0), ROOM, away)
+    pixels = np.empty(picture.shape, np.uint8)
+    picture.render(0, pixels)
+    assert np.median(pixels) < 20
