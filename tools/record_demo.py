@@ -32,6 +32,8 @@ PAPER, GRID, INK = (24, 22, 20), (52, 48, 45), (225, 225, 225)
 """Background, lines and text, BGR."""
 TRAIL = 25
 """Pictures of the past in the floor plan."""
+OLDEST = 0.6
+"""How far a trail fades; WebP would not wipe out what it can hardly see."""
 GAIN = 1.6
 """Brightness of the tiles over that of the pictures, which are dark."""
 SAME_TIME = 0.004
@@ -72,7 +74,7 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--last", type=int, default=600, help="frame")
     parser.add_argument("--step", type=int, default=6, help="draw every n-th frame")
     parser.add_argument("--pause", type=int, default=100, help="between two pictures, ms")
-    parser.add_argument("--quality", type=int, default=45, help="of WebP, 1 to 100")
+    parser.add_argument("--quality", type=int, default=70, help="of WebP, 1 to 100")
     return parser.parse_args()
 
 
@@ -195,7 +197,7 @@ class FloorPlan:
         known = np.isfinite(past[:, 0])
         for i in range(1, len(points)):
             if known[i] and known[i - 1]:
-                age = (len(points) - i) / TRAIL
+                age = OLDEST * (len(points) - i) / TRAIL
                 faded = tuple(
                     round(c * (1 - age) + p * age) for c, p in zip(self.colors[target], PAPER, strict=True)
                 )
