@@ -12,11 +12,8 @@ from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import hsv_tiles, target_level
 from followspot_balls.components import Components, above_local_peak, components, cut
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import outline_radius, search_circles
+from followspot_balls.search import search_circles, windows, within
 from followspot_balls.votes import disc_centers
-
-WINDOW = 1.5
-"""Balls' radii by which a window exceeds its search circle, so that a ball at its edge is whole."""
 
 
 class Found(NamedTuple):
@@ -122,28 +119,29 @@ class ColorBlobs(Stage):
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
-        circles = search_circles(self.camera, forecast, len(self.sizes), p.radius, p.scale)
+        circles = search_circles(self.camera, forecast, self.sizes, p.radius, p.scale)
         near, lost = np.flatnonzero(~np.isnan(circles.center[:, 0])), np.flatnonzero(circles.lost)
         found = []
-        if forecast is not None and len(near):
-            center = circles.center[near]
-            ball = outline_radius(self.camera, center, forecast.xyz[near], self.sizes[near])
-            half = int(circles.radius[near].max() + WINDOW * ball.max()) + 3
-            corners = np.rint(center).astype(int) - half
-            tiles = cut(frame.pixels, corners, 2 * half + 1, 2 * half + 1)
-            found.append(self.search(tiles, near, corners, ball))
+        if len(near):
+            corners, side = windows(circles, near)
+            found.append(
+                self.search(cut(frame.pixels, corners, side, side), near, corners, circles.ball[near])
+            )
         if len(lost) or not found:
             corners = np.zeros((len(lost), 2), int)
             tiles = cut(frame.pixels, np.zeros((1, 2), int), *frame.pixels.shape[:2])
             found.append(self.search(tiles, lost, corners, None))
         blobs = found[0] if len(found) == 1 else Found(*map(np.concatenate, zip(*found, strict=True)))
+        targets = within(circles, blobs.pixel) & (blobs.target[:, None] == np.arange(len(self.sizes)))
+        keep = targets.any(axis=1)
+        pixel = blobs.pixel[keep]
         return Blobs(
             camera=self.camera.name,
-            xy=undistort(self.camera, blobs.pixel),
-            pixel=blobs.pixel,
-            area=blobs.area,
-            similarity=blobs.similarity,
-            targets=blobs.target[:, None] == np.arange(len(self.sizes)),
+            xy=undistort(self.camera, pixel),
+            pixel=pixel,
+            area=blobs.area[keep],
+            similarity=blobs.similarity[keep],
+            targets=targets[keep],
         )
 
     def search(self, tiles: Array, target: Array, corners: Array, ball: Array | None) -> Found:

@@ -72,22 +72,18 @@ def components(mask: Array, level: Array, area: Array) -> Components:
     """
     tiles, height, width = mask.shape
     tall = mask.reshape(tiles * height, width).view(np.uint8)
-    _, labels, stats, _ = cv2.connectedComponentsWithStats(tall, connectivity=8, ltype=cv2.CV_32S)
-    tile, top = np.divmod(stats[:, cv2.CC_STAT_TOP], height)
-    keep = allowed(stats[:, cv2.CC_STAT_AREA], area[np.minimum(tile, tiles - 1)])
-    row = np.full(len(stats), -1)
-    row[keep] = np.arange(len(keep))
+    count, labels = cv2.connectedComponents(tall, connectivity=8, ltype=cv2.CV_32S)
     pixels = np.flatnonzero(mask)
-    label = row[labels.ravel()[pixels]]
-    pixels, label = pixels[label >= 0], label[label >= 0]
+    label = labels.reshape(-1)[pixels]
+    tile = np.zeros(count, int)
+    tile[label] = pixels // (height * width)
+    keep = allowed(np.bincount(label, minlength=count), area[np.minimum(tile, len(area) - 1)])
+    row = np.full(count, -1)
+    row[keep] = np.arange(len(keep))
+    pixels, label = pixels[row[label] >= 0], row[label][row[label] >= 0]
     kept = np.zeros(tall.shape, np.uint16)
-    kept.ravel()[pixels] = label + 1
-    left, _, across, down, size = stats[keep].T
-    tile, top = tile[keep], top[keep]
-    center, peak = centroids(pixels, label, level.ravel()[pixels], len(keep), width)
-    center[:, 1] -= tile * height
-    edge = (left == 0) | (top == 0) | (left + across == width) | (top + down == height - 1)
-    return Components(tile, center, size.astype(float), peak, edge, pixels, label, kept)
+    kept.reshape(-1)[pixels] = label + 1
+    return measured(pixels, label, level, tile[keep], kept)
 
 
 def allowed(size: Array, area: Array) -> Array:
@@ -98,12 +94,25 @@ def allowed(size: Array, area: Array) -> Array:
     return keep if len(keep) <= MOST else np.sort(keep[np.argsort(-size[keep], kind="stable")[:MOST]])
 
 
-def centroids(pixels: Array, label: Array, level: Array, count: int, width: int) -> tuple[Array, Array]:
-    """Weighted centroid (count, 2) and largest weight (count,) of labelled pixels of a picture."""
-    weight = level.astype(float)
+def measured(pixels: Array, label: Array, level: Array, tile: Array, labels: Array) -> Components:
+    """Area, weighted centroid, peak and contact with the tile's border of labelled pixels."""
+    _, height, width = level.shape
+    count = len(tile)
+    weight = level.reshape(-1)[pixels].astype(float)
     y, x = np.divmod(pixels, width)
+    y -= tile[label] * height
     total = np.bincount(label, weight, count)
-    moments = [np.bincount(label, weight * axis, count) / total for axis in (x, y)]
+    center = [np.bincount(label, weight * axis, count) / total for axis in (x, y)]
+    border = (x == 0) | (y == 0) | (x == width - 1) | (y == height - 2)
     peak = np.zeros(count)
     np.maximum.at(peak, label, weight)
-    return np.column_stack(moments), peak
+    return Components(
+        tile=tile,
+        center=np.column_stack(center),
+        area=np.bincount(label, minlength=count).astype(float),
+        peak=peak,
+        clipped=np.bincount(label, border, count) > 0,
+        pixels=pixels,
+        label=label,
+        labels=labels,
+    )

@@ -8,12 +8,11 @@ from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.components import above_local_peak, components, cut
-from followspot_balls.search import Circles, outline_radius, search_circles
+from followspot_balls.search import Circles, search_circles, windows, within
 from followspot_balls.votes import disc_centers
 
-WINDOW = 1.5
-"""Balls' radii by which a window exceeds its search circle, so that a ball at its edge is whole."""
-Window = tuple[int, int, int, int]
+SAME = 0.5
+"""Distance below which blobs of two windows are one, px."""
 
 
 class IrBlobs(Stage):
@@ -73,65 +72,52 @@ class IrBlobs(Stage):
         self.sought = np.array([[self.area[:, 0].min(initial=1e9), self.area[:, 1].max(initial=0)]])
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
-        p = self.params
-        circles = search_circles(self.camera, forecast, len(self.sizes), p.radius, p.scale)
-        ball = self.outlines(circles, forecast)
-        reach = circles.radius + WINDOW * ball + 3
-        left, top, right, bottom = window(circles, reach, frame.pixels.shape)
-        tile = cut(frame.pixels[top:bottom, left:right], np.zeros((1, 2), int), bottom - top, right - left)
-        gray = tile[..., 0]
-        level = np.where((gray >= self.darkest) & (gray <= self.brightest), gray, np.uint8(0))
-        blobs = components(above_local_peak(level, p.edge), level, self.sought)
-        corner = np.array([left, top])
-        offset = blobs.center[:, None] + corner - circles.center
-        near = circles.lost | (np.abs(offset).max(axis=2) <= reach)
-        radius = nearest_radius(offset, circles.radius, ball)
-        pixel = disc_centers(level, blobs, radius + p.rim, p.edge) + corner
-        area = blobs.area[:, None]
-        targets = near & (area >= self.area[:, 0]) & (area <= self.area[:, 1])
+        circles = search_circles(self.camera, forecast, self.sizes, self.params.radius, self.params.scale)
+        pixel, area = self.search(frame.pixels, circles)
+        fits = (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
+        targets = within(circles, pixel) & fits
         keep = targets.any(axis=1)
         return Blobs(
             camera=self.camera.name,
             xy=undistort(self.camera, pixel[keep]),
             pixel=pixel[keep],
-            area=blobs.area[keep],
+            area=area[keep],
             similarity=np.ones(int(keep.sum())),
             targets=targets[keep],
         )
 
-    def outlines(self, circles: Circles, forecast: Forecast | None) -> Array:
-        """Radii of the targets in the picture, (T,) px; NaN where they have no forecast."""
-        if forecast is None or circles.lost.all():
-            return np.full(len(self.sizes), np.nan)
-        return outline_radius(self.camera, circles.center, forecast.xyz, self.sizes)
+    def search(self, pixels: Array, circles: Circles) -> tuple[Array, Array]:
+        """Centres (N, 2) px and areas (N,) px of bright blobs, each once, in the windows or the picture."""
+        height, width = pixels.shape[:2]
+        if circles.lost.any():
+            corners = np.zeros((1, 2), int)
+        else:
+            corners, height = windows(circles, np.flatnonzero(~np.isnan(circles.center[:, 0])))
+            width = height
+        gray = cut(pixels, corners, height, width)[..., 0]
+        level = np.where((gray >= self.darkest) & (gray <= self.brightest), gray, np.uint8(0))
+        blobs = components(above_local_peak(level, self.params.edge), level, self.sought)
+        corner = corners[blobs.tile]
+        radius = nearest_radius(circles, blobs.center + corner)
+        center = disc_centers(level, blobs, radius + self.params.rim, self.params.edge) + corner
+        whole = ~blobs.clipped | circles.lost.any()
+        return distinct(center[whole], blobs.area[whole])
 
 
-def window(circles: Circles, reach: Array, shape: tuple[int, ...]) -> Window:
-    """The rectangle around all search regions within the picture: left, top, right, bottom, px.
-
-    It is the whole picture while a target is lost. reach: (T,) px from the centres.
-    """
-    height, width = shape[:2]
-    if circles.lost.any():
-        return 0, 0, width, height
-    seen = ~np.isnan(circles.center[:, 0])
-    if not seen.any():
-        return 0, 0, 0, 0
-    center, half = circles.center[seen], reach[seen, None]
-    low, high = (center - half).min(axis=0), (center + half).max(axis=0) + 2
-    left, top = np.clip(low, 0, [width, height]).astype(int).tolist()
-    right, bottom = np.clip(high, 0, [width, height]).astype(int).tolist()
-    return left, top, right, bottom
-
-
-def nearest_radius(offset: Array, reach: Array, ball: Array) -> Array:
-    """Radius of the ball whose forecast is nearest to each blob, (N,) px; NaN without one in reach.
-
-    offset: (N, T, 2) px from the forecasts, NaN without one; reach, ball: (T,) px.
-    """
-    distance2 = np.square(offset).sum(axis=2)
-    inside = distance2 <= np.square(reach)
-    if not inside.size:
-        return np.full(len(offset), np.nan)
+def nearest_radius(circles: Circles, pixel: Array) -> Array:
+    """Radius of the ball whose forecast is nearest to each blob: (N, 2) px -> (N,) px, NaN without one."""
+    if not circles.ball.size:
+        return np.full(len(pixel), np.nan)
+    distance2 = np.square(pixel[:, None] - circles.center).sum(axis=2)
+    inside = distance2 <= np.square(circles.radius + circles.ball)
     nearest = np.where(inside, distance2, np.inf).argmin(axis=1)
-    return np.where(inside.any(axis=1), ball[nearest], np.nan)
+    return np.where(inside.any(axis=1), circles.ball[nearest], np.nan)
+
+
+def distinct(center: Array, area: Array) -> tuple[Array, Array]:
+    """Blobs without those that another window shows too."""
+    if len(center) < 2:
+        return center, area
+    apart = np.abs(center[:, None] - center).max(axis=2) >= SAME
+    first = (apart | np.tri(len(center), dtype=bool).T).all(axis=1)
+    return center[first], area[first]

@@ -118,7 +118,7 @@ class Kalman(Stage):
         if self.params.fade > 0:
             self.motion.state[missing, 3:] *= np.exp(-self.period / self.params.fade)
         else:
-            self.motion.state[missing] = np.pad(self.last[missing], ((0, 0), (0, 3)))
+            self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
 
     def tracks(self) -> Tracks:
         """Rows of the targets that were measured in this frame."""

@@ -39,7 +39,7 @@ def started(motion: Motion, target: Array, xyz: Array, noise: Array, speed: floa
     target: (M,); xyz: (M, 3) m; noise: (M, 3, 3) m^2; speed: one sigma of the velocity, m/s.
     """
     state, covariance = motion.state.copy(), motion.covariance.copy()
-    state[target] = np.pad(xyz, ((0, 0), (0, 3)))
+    state[target, :3], state[target, 3:] = xyz, 0.0
     covariance[target] = 0.0
     covariance[target, :3, :3] = noise
     covariance[target, 3:, 3:] = np.eye(3) * speed**2
@@ -51,9 +51,12 @@ def predict(motion: Motion, seconds: float, acceleration: float) -> Motion:
 
     acceleration: one sigma, m/s^2.
     """
-    F = np.kron([[1.0, seconds], [0.0, 1.0]], np.eye(3))
-    gain = np.array([seconds**2 / 2, seconds])
-    Q = np.kron(np.outer(gain, gain), np.eye(3)) * acceleration**2
+    place, rate = slice(0, 3), slice(3, 6)
+    F, Q = np.eye(6), np.zeros((6, 6))
+    variance = np.eye(3) * acceleration**2
+    F[place, rate] = np.eye(3) * seconds
+    Q[place, place], Q[rate, rate] = variance * (seconds**4 / 4), variance * seconds**2
+    Q[place, rate] = Q[rate, place] = variance * (seconds**3 / 2)
     return Motion(motion.state @ F.T, F @ motion.covariance @ F.T + Q)
 
 

@@ -11,6 +11,10 @@ from followspot.messages import Array
 from followspot.room import Camera
 from followspot.tracking import LOST, TRACKED, Forecast
 
+WINDOW = 1.5
+"""Balls' radii by which a window exceeds its search circle."""
+TINY = np.finfo(float).tiny
+
 
 class Circles(NamedTuple):
     """Search regions of one view, a row for each target."""
@@ -19,6 +23,8 @@ class Circles(NamedTuple):
     """(T, 2) px, as in the picture; NaN behind the camera and for lost targets."""
     radius: Array
     """(T,) px."""
+    ball: Array
+    """(T,) px, radius of the target's outline; NaN where the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
 
@@ -46,35 +52,58 @@ def search_radius(travel: Array, minimum: float, scale: float) -> Array:
 
 
 def search_circles(
-    camera: Camera, forecast: Forecast | None, count: int, minimum: float, scale: float
+    camera: Camera, forecast: Forecast | None, sizes: Array, minimum: float, scale: float
 ) -> Circles:
-    """Circles around the forecasts of `count` targets reprojected into one view (section 3.3).
+    """Circles around the forecasts reprojected into one view (section 3.3), and the balls in them.
 
-    minimum: px.
+    sizes: (T,) radii of the targets, m; minimum: px.
     """
+    count = len(sizes)
     lost = lost_targets(forecast, count)
     if forecast is None or lost.all():
-        return Circles(np.full((count, 2), np.nan), np.full(count, minimum), lost)
-    pixel = project(camera, np.concatenate([forecast.xyz, forecast.last, forecast.before]))
-    center, last, before = pixel.reshape(3, count, 2)
+        nowhere = np.full((count, 2), np.nan)
+        return Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
+    xyz = forecast.xyz
+    sides = (xyz + camera.rotation[:2, None] * sizes[:, None]).reshape(-1, 3)
+    pixel = project(camera, np.concatenate([xyz, forecast.last, forecast.before, sides]))
+    center = pixel[:count]
     center[lost] = np.nan
-    travel = last - before
-    return Circles(center, search_radius(np.hypot(travel[:, 0], travel[:, 1]), minimum, scale), lost)
+    last, before, right, down = pixel[count:].reshape(4, count, 2)
+    travel = search_radius(length(last - before), minimum, scale)
+    across = (length(right - center) + length(down - center)) / 2
+    return Circles(center, travel, across * elongation(camera, xyz), lost)
 
 
-def outline_radius(camera: Camera, center: Array, xyz: Array, sizes: Array) -> Array:
-    """Radius of spheres in the picture, (T,) px: the mean of the two semi-axes of their outline.
+def elongation(camera: Camera, xyz: Array) -> Array:
+    """Mean semi-axis of a sphere's outline over that across the axis, (T,).
 
-    A sphere seen at an angle a from the optical axis is 1 / cos a longer away from the axis than across.
-    center: (T, 2) px, their images, NaN without one; xyz: (T, 3) m; sizes: (T,) radii, m.
+    A sphere seen at an angle a from the optical axis looks 1 / cos a longer towards it than across.
     """
-    shift = camera.rotation[:2, None] * sizes[:, None]
-    sides = project(camera, (xyz + shift).reshape(-1, 3)).reshape(2, -1, 2) - center
-    across = np.hypot(sides[..., 0], sides[..., 1]).sum(axis=0) / 2
     direction = xyz - camera.center
-    distance = np.sqrt(np.einsum("ij,ij->i", direction, direction))
-    cosine = direction @ camera.rotation[2] / np.maximum(distance, np.finfo(float).tiny)
-    return np.asarray(across * (1 + 1 / np.maximum(cosine, 0.1)) / 2)
+    cosine = direction @ camera.rotation[2] / np.sqrt(np.einsum("ij,ij->i", direction, direction) + TINY)
+    return np.asarray((1 + 1 / np.maximum(cosine, 0.1)) / 2)
+
+
+def length(vectors: Array) -> Array:
+    """(N, 2) -> (N,)."""
+    return np.asarray(np.hypot(vectors[:, 0], vectors[:, 1]))
+
+
+def within(circles: Circles, pixel: Array) -> Array:
+    """Which points lie in which target's search region: (N, 2) px -> (N, T) bool; in a lost one's all do."""
+    offset = pixel[:, None] - circles.center
+    inside = np.einsum("nti,nti->nt", offset, offset) <= np.square(circles.radius)
+    return np.asarray(inside | circles.lost)
+
+
+def windows(circles: Circles, chosen: Array) -> tuple[Array, int]:
+    """Squares around some search regions, so large that a ball on the circle is whole in them.
+
+    Returns the upper left corners, (M, 2) int px, and the side, px; of all the same, for the largest.
+    """
+    reach = circles.radius[chosen] + WINDOW * circles.ball[chosen]
+    half = int(reach.max(initial=0)) + 3
+    return np.rint(circles.center[chosen]).astype(int) - half, 2 * half + 1
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
+from followspot import Field, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Forecast
-from followspot_balls.search import Circles, search_circles
+from followspot_balls.search import search_circles, within
 
 
 class SearchGate(Stage):
@@ -25,23 +23,19 @@ class SearchGate(Stage):
 
     params: Params
 
+    def setup(self) -> None:
+        self.sizes = np.array([t.radius for t in self.room.targets.values()])
+
     def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
         camera = self.room.cameras[blobs.camera]
-        count = len(self.room.targets)
-        circles = search_circles(camera, forecast, count, self.params.radius, self.params.scale)
+        circles = search_circles(camera, forecast, self.sizes, self.params.radius, self.params.scale)
         targets = blobs.targets & within(circles, blobs.pixel)
         keep = targets.any(axis=1)
-        return dataclasses.replace(
-            blobs,
+        return Blobs(
+            camera=blobs.camera,
             xy=blobs.xy[keep],
             pixel=blobs.pixel[keep],
             area=blobs.area[keep],
             similarity=blobs.similarity[keep],
             targets=targets[keep],
         )
-
-
-def within(circles: Circles, pixel: Array) -> Array:
-    """Which points lie in which target's search region: (N, 2) px -> (N, T) bool; in a lost one's all do."""
-    offset = pixel[:, None] - circles.center
-    return np.asarray(circles.lost | (np.hypot(offset[..., 0], offset[..., 1]) <= circles.radius))
