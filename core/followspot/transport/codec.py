@@ -7,6 +7,7 @@ finds out, and a stranger can read it. Whatever does not fit is an InvalidMessag
 from __future__ import annotations
 
 from collections.abc import Sequence
+from struct import Struct
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,9 @@ class Codec:
         """Raises TypeError where a column is not made of plain numbers."""
         self.kind = kind
         self.name = kind.__qualname__
+        self.places = Struct(f"<{len(kind.columns)}q")
+        """Where in a body each array begins."""
+        self._shaped: tuple[Any, list[tuple[int, ...]], list[int]] = (self, [], [])
         self._columns = tuple((c.name, c.dtype.str, c.shape, c.dtype) for c in kind.columns)
         for name, code, shape, dtype in self._columns:
             if dtype.kind not in "biufc" or len(shape) > MAX_NDIM:
@@ -44,21 +48,26 @@ class Codec:
         columns = [(c[0], c[1], array.shape) for c, array in zip(self._columns, arrays, strict=True)]
         return pack_head((self.name, *message.header, scalars, columns))
 
-    def decode(self, head: list[Any], body: Array, starts: Sequence[int] | None = None) -> Message:
+    def decode(self, head: list[Any], body: Array, places: bytes | memoryview | None = None) -> Message:
         """The message of an unpacked head, with read-only views of `body` as its arrays.
 
-        body: (B,) uint8, aligned; starts: where in it each array begins; one after the other, and no
-        byte more, unless told. Raises InvalidMessage.
+        body: (B,) uint8, aligned; places: where in it each array begins, packed by `places`; one after
+        the other, and no byte more, unless told. Raises InvalidMessage.
         """
         if len(head) != 7 or head[0] != self.name:
             raise InvalidMessage(f"expected {self.name} of 7 parts, not {str(head[0])[:80]} of {len(head)}")
-        header = _header(head[1:5])
+        header = _header(*head[1:5])
         values = self._scalars(head[5])
-        shapes, spans = self._shapes(head[6])
-        if starts is None:
-            starts = _successive(spans, len(body))
-        elif len(starts) != len(spans):
-            raise InvalidMessage(f"{len(starts)} places for {len(spans)} arrays")
+        shaped = self._shaped
+        if head[6] != shaped[0]:  # mostly, the columns are like those before
+            shaped = self._shaped = (head[6], *self._shapes(head[6]))
+        _, shapes, spans = shaped
+        if places is None:
+            starts: Sequence[int] = _successive(spans, len(body))
+        elif len(places) == self.places.size:
+            starts = self.places.unpack(places)
+        else:
+            raise InvalidMessage(f"the places of {len(spans)} arrays take {len(places)} bytes")
         body.flags.writeable = False
         for (name, _, _, dtype), shape, span, start in zip(self._columns, shapes, spans, starts, strict=True):
             if start % ALIGN or start < 0 or start + span > len(body):
@@ -156,11 +165,13 @@ def _successive(spans: Sequence[int], size: int) -> list[int]:
     return starts
 
 
-def _header(parts: list[Any]) -> Header:
-    source, *numbers = parts
-    if type(source) is not str or not all(type(n) is int and -END <= n <= END for n in numbers):
-        raise InvalidMessage(f"the header {str(parts)[:80]} is not a name and three numbers")
-    return Header(source, *numbers)
+def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
+    header = Header(source, seq, time, entered)
+    if type(source) is not str or not type(seq) is type(time) is type(entered) is int:
+        raise InvalidMessage(f"the header {str(header)[:80]} is not a name and three numbers")
+    if not (-END <= seq <= END and -END <= time <= END and -END <= entered <= END):
+        raise InvalidMessage(f"the header {header} has a number of more than 64 bits")
+    return header
 
 
 def _bound(head: list[Any], surplus: int) -> int:

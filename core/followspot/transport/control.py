@@ -11,7 +11,7 @@ from followspot.transport.memory import Memory
 
 ARENAS = 20
 """Most arenas in a ring's life: each at least doubles the slots, from a page to the largest message."""
-_CONSUMED, _WAITING, _RELEASED = 0, 1, 2
+_CONSUMED, _POSTED, _WAITING, _RELEASED = range(4)
 _FENCE = Lock()
 
 
@@ -46,6 +46,15 @@ class Control:
     @consumed.setter
     def consumed(self, count: int) -> None:
         self._words[_CONSUMED] = count
+
+    @property
+    def posted(self) -> int:
+        """Datagrams sent so far: a hint that saves the reader a look. Stored by the writer."""
+        return self._words[_POSTED]
+
+    @posted.setter
+    def posted(self, count: int) -> None:
+        self._words[_POSTED] = count
 
     def released(self, arena: int) -> Array:
         """(slots,) uint64: stamp of the last message of each slot that the reader let go; it stores them."""

@@ -30,6 +30,7 @@ class Link:
         self.socket = sock
         self.control = control
         self.alive = True
+        self._posted = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
 
     def post(self, datagram: bytes, memory: Memory | None = None) -> None:
@@ -76,4 +77,6 @@ class Link:
             return False
         except OSError:
             self.alive = False
+        self._posted += 1
+        self.control.posted = self._posted
         return True

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import socket
-from functools import partial
+import sys
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,9 @@ from followspot.transport.token import END, Invalid, Settled, Token
 from followspot.transport.wire import MAX_HEAD, aligned, unpack_head
 
 _LARGEST = DOORBELL.size + MAX_HEAD + 2 * INLINE_BYTES
+_ROOM, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
+"""A datagram may bring one file descriptor."""
+_NONE = (0, 0, 0, 0, 0)
 _BATCH = 256
 """Most datagrams that one poll takes; a flood of settled times must not hold up the worker."""
 
@@ -33,14 +38,16 @@ class RingReader:
         """sock: the other end of the writer's socket; kind: type of the messages."""
         sock.setblocking(False)
         self._socket = sock
+        self._buffer = memoryview(bytearray(_LARGEST))
         self._codec = codec_of(kind)
         self._control: Control | None = None
         self._arena: Arena | None = None
-        self._number = 0
+        self._interfaces: list[dict[str, Any]] = []
         self._slots = 0
         self._quota = 0
         self._held: set[tuple[int, int]] = set()
         self._sequence = 0
+        self._received = 0
         self._consumed = 0
         self._ended = False
         self._closed = False
@@ -63,17 +70,20 @@ class RingReader:
         tokens: list[Token] = []
         for _ in range(_BATCH):
             try:
-                data, fds, _, _ = socket.recv_fds(self._socket, _LARGEST, 1, socket.MSG_CMSG_CLOEXEC)
+                size, extra, _, _ = self._socket.recvmsg_into([self._buffer], _ROOM, _FLAGS)
             except BlockingIOError:
                 break
             except ConnectionResetError:
                 continue  # the writer left wake-ups unread; what it sent is still there
             except OSError:
-                data = b""
-            if not data:
+                size = 0
+            if not size:
                 self._closed = True
                 break
-            self._accept(data, fds, tokens)
+            self._received += 1
+            self._accept(self._buffer[:size], extra, tokens)
+            if self._control is not None and self._received >= self._control.posted:
+                break
         self._wake()
         return tokens
 
@@ -82,32 +92,33 @@ class RingReader:
         if self._control is not None:
             self._consumed += count
             self._control.consumed = self._consumed
+            fence()
             self._wake()
 
     def close(self) -> None:
         """Close the socket; messages in other hands stay valid, and release their slots when they die."""
         self._socket.close()
 
-    def _accept(self, data: bytes, fds: list[int], tokens: list[Token]) -> None:
-        """Append what one datagram says."""
-        kind, number, slot, size, value = DOORBELL.unpack_from(data.ljust(DOORBELL.size, b"\0"))
-        if kind == SETTLED:
-            self._ended = value == END
-            tokens.append(Settled(value))
-        elif kind in (INLINE, SLOT):
+    def _accept(self, data: memoryview, extra: Sequence[tuple[int, int, bytes]], tokens: list[Token]) -> None:
+        """Append what one datagram says, which brought `extra` (a file descriptor)."""
+        whole = len(data) >= DOORBELL.size
+        kind, number, slot, size, value = DOORBELL.unpack_from(data) if whole else _NONE
+        if kind in (INLINE, SLOT):
             if value != self._sequence:
                 tokens.append(self._gap(value - self._sequence))
             self._sequence = value + 1
             try:
-                tokens.append(
-                    self._inline(data, size) if kind == INLINE else self._placed(data, number, slot, size)
-                )
+                inline = kind == INLINE
+                tokens.append(self._inline(data, size) if inline else self._placed(data, number, slot, size))
             except InvalidMessage as error:
                 tokens.append(Invalid(str(error)))
                 self.consumed()
-        elif kind in (HELLO, ARENA) and fds:
+        elif kind == SETTLED:
+            self._ended = value == END
+            tokens.append(Settled(value))
+        elif kind in (HELLO, ARENA) and extra:
             try:
-                self._map(fds[0], kind, number, slot, size, value)
+                self._map(int.from_bytes(extra[0][2], sys.byteorder), kind, number, slot, size, value)
             except (OSError, ValueError, OverflowError) as error:
                 tokens.append(Invalid(f"shared memory cannot be used: {error}"))
         else:
@@ -118,7 +129,7 @@ class RingReader:
         self.consumed(max(0, missing))
         return Invalid(f"gap: expected message {self._sequence}, {missing} are missing")
 
-    def _inline(self, data: bytes, size: int) -> Message:
+    def _inline(self, data: memoryview, size: int) -> Message:
         head, start = unpack_head(data[DOORBELL.size :])
         start += DOORBELL.size
         if len(data) != start + size:
@@ -127,33 +138,30 @@ class RingReader:
         body[:] = np.frombuffer(data, np.uint8, size, start)
         return self._codec.decode(head, body)
 
-    def _placed(self, data: bytes, number: int, slot: int, size: int) -> Message:
+    def _placed(self, data: memoryview, number: int, slot: int, size: int) -> Message:
         body = self._body(number, slot, size)
         head, start = unpack_head(data[DOORBELL.size :])
-        words = data[DOORBELL.size + start :]
-        if len(words) % 8:
-            raise InvalidMessage(f"places of arrays take {len(words)} bytes")
-        return self._codec.decode(head, body, np.frombuffer(words, "<i8").tolist())
+        return self._codec.decode(head, body, data[DOORBELL.size + start :])
 
     def _body(self, number: int, slot: int, size: int) -> Array:
-        """(size,) uint8: the start of the slot, leased; a copy where this reader holds its share of slots."""
+        """The slot, leased, as bytes; a copy of its first `size` where this reader holds its share."""
         arena = self._arena
-        if arena is None or number != self._number or slot >= arena.slots or size > arena.capacity:
+        if arena is None or number != arena.number or slot >= len(self._interfaces) or size > arena.capacity:
             raise InvalidMessage(f"{size} bytes in slot {slot} of arena {number}, which does not exist")
-        if len(self._held) >= self._quota:
-            body = aligned(size)
-            body[:] = arena.bytes[slot, :size]
-            self._release(number, slot, self._sequence)
-            return body
-        self._held.add((number, slot))
-        release = partial(self._release, number, slot, self._sequence)
-        return np.asarray(Lease(arena, slot, (size,), "|u1", release, writable=False))
+        lease = Lease(arena, slot, self._sequence, self._interfaces[slot], self._release)
+        if len(self._held) < self._quota:
+            self._held.add((number, slot))
+            return np.asarray(lease)
+        body = aligned(size)
+        body[:] = arena.bytes[slot, :size]
+        return body
 
-    def _release(self, number: int, slot: int, stamp: int) -> None:
-        """Let go of the message of this stamp (its sequence number + 1)."""
+    def _release(self, lease: Lease) -> None:
+        """Let go of the message in a slot. Its stamp is its sequence number + 1."""
         if self._control is not None:
-            self._control.released(number)[slot] = stamp
-        self._held.discard((number, slot))
+            self._control.released(lease.arena.number)[lease.slot] = lease.stamp
+        self._held.discard((lease.arena.number, lease.slot))
+        fence()
         self._wake()
 
     def _map(self, fd: int, kind: int, number: int, slot: int, size: int, value: int) -> None:
@@ -163,19 +171,16 @@ class RingReader:
             self._quota = slot
             self._slots = size
             self._sequence = self._consumed = value
-        else:
-            if number >= ARENAS:
-                raise ValueError(f"arena {number}, at most {ARENAS} allowed")
-            self._arena = Arena(Memory(fd, self._slots * value, writable=False), self._slots, value)
-            self._number = number
+            return
+        memory = Memory(fd, self._slots * value, writable=False)
+        if number >= ARENAS:
+            raise ValueError(f"arena {number}, at most {ARENAS} allowed")
+        self._arena = arena = Arena(memory, number, self._slots, value)
+        self._interfaces = [arena.interface(i, (value,), "|u1", writable=False) for i in range(self._slots)]
 
     def _wake(self) -> None:
         """Wake the writer if it asked for that."""
-        control = self._control
-        if control is None:
-            return
-        fence()
-        if control.waiting:
-            control.waiting = False
+        if self._control is not None and self._control.waiting:
+            self._control.waiting = False
             with contextlib.suppress(OSError):  # a full socket wakes it, a closed one has nobody to wake
                 self._socket.send(b"\1")

@@ -9,7 +9,7 @@ from math import prod
 import numpy as np
 
 from followspot.messages import MAX_BYTES, Array, Message
-from followspot.transport.codec import codec_of
+from followspot.transport.codec import Codec, codec_of
 from followspot.transport.control import Control
 from followspot.transport.doorbell import (
     ARENA,
@@ -43,6 +43,7 @@ class RingWriter:
         self._quota = depth + 1
         self._slots = self._quota * (len(sockets) + 1) + 2
         self._sequence = 0
+        self._granted = 0
         self._pool: Slots | None = None
         self._links = [self._linked(sock) for sock in sockets]
 
@@ -63,12 +64,13 @@ class RingWriter:
     def credit(self) -> int:
         """How many messages may be sent now."""
         controls = self._controls()
-        if not controls:
-            return self._depth
-        slowest = min(control.consumed for control in controls)
-        credit = min(self._depth, max(0, self._depth - self._sequence + slowest))
-        if credit and self._pool is not None:
-            credit = min(credit, int(np.count_nonzero(self._pool.free(controls))))
+        credit = self._depth
+        if controls:
+            slowest = min([control.consumed for control in controls])
+            credit = min(credit, max(0, credit - self._sequence + slowest))
+            if credit and self._pool is not None:
+                credit = min(credit, int(np.count_nonzero(self._pool.free(controls))))
+        self._granted = credit
         return credit
 
     def send(self, token: Message | Settled) -> None:
@@ -76,22 +78,23 @@ class RingWriter:
         if isinstance(token, Settled):
             self._post(DOORBELL.pack(SETTLED, 0, 0, 0, token.bound))
             return
+        if not self._controls():
+            return
+        if self._granted <= 0 and not self.credit():
+            raise RuntimeError("a message was sent without credit")
         codec = codec_of(type(token))
         arrays = codec.arrays(token)
         head = codec.head(token, arrays)
-        size = sum(padded(array.nbytes) for array in arrays)
-        if not self._controls():
-            return
-        if self.credit() <= 0:
-            raise RuntimeError("a message was sent without credit")
+        size = sum([padded(array.nbytes) for array in arrays])
         if size <= INLINE_BYTES:
             parts = [DOORBELL.pack(INLINE, 0, 0, size, self._sequence), head]
             for array in arrays:
                 parts += array.tobytes(), bytes(-array.nbytes % ALIGN)
             datagram = b"".join(parts)
         else:
-            datagram = self._placed(head, arrays, size)
+            datagram = self._placed(codec, head, arrays, size)
         self._sequence += 1
+        self._granted -= 1
         self._post(datagram)
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array:
@@ -102,9 +105,10 @@ class RingWriter:
         if controls and INLINE_BYTES < size <= MAX_BYTES:
             pool = self._pool_for(size)
             free = pool.free(controls)
-            # Two free slots are left: one would make the next credit hang on this loan.
-            if pool.lent() < self._quota and np.count_nonzero(free) > 2:
-                return pool.lend(int(free.argmax()), shape, kind, size)
+            left = int(np.count_nonzero(free)) - 1
+            if left >= 2 and pool.lent() < self._quota:
+                self._granted = min(self._granted, left)
+                return pool.lend(int(free.argmax()), shape, kind)
         return np.empty(shape, kind)
 
     def flush(self) -> bool:
@@ -141,7 +145,7 @@ class RingWriter:
         link = Link(sock, control)
         link.post(DOORBELL.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
         if self._pool is not None:
-            control.released(self._pool.number)[:] = self._pool.stamps
+            control.released(self._pool.arena.number)[:] = self._pool.stamps
             link.post(_announced(self._pool), self._pool.arena.memory)
         return link
 
@@ -157,44 +161,29 @@ class RingWriter:
         """The slots, or larger ones; the old ones live on as long as somebody looks at them."""
         pool = self._pool
         if pool is None or pool.arena.capacity < size:
-            pool = self._pool = Slots(0 if pool is None else pool.number + 1, self._slots, size)
+            pool = self._pool = Slots(0 if pool is None else pool.arena.number + 1, self._slots, size)
             for link in self._links:
                 if link.alive:
                     link.post(_announced(pool), pool.arena.memory)
         return pool
 
-    def _placed(self, head: bytes, arrays: Sequence[Array], size: int) -> bytes:
-        """Put the arrays into a slot, unless one is there already; the datagram that says where."""
-        kept, slot, end = self._slot_of_loan(arrays, size)
+    def _placed(self, codec: Codec, head: bytes, arrays: Sequence[Array], size: int) -> bytes:
+        """Put the arrays into a slot, except one that is there already; the datagram that says where."""
         pool = self._pool_for(size)
-        if kept is None:
-            slot = int(pool.free(self._controls()).argmax())
-        memory = pool.arena.bytes[slot]
-        starts = []
+        stamp = self._sequence + 1
+        kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.first_free(self._controls()), 0)
+        places = []
         for index, array in enumerate(arrays):
             if index == kept:
-                starts.append(0)
+                places.append(0)
                 continue
-            starts.append(end)
-            memory[end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
+            places.append(end)
+            pool.arena.bytes[slot, end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
             end += padded(array.nbytes)
-        pool.sent(slot, self._sequence + 1)
-        doorbell = DOORBELL.pack(SLOT, pool.number, slot, end, self._sequence)
-        return doorbell + head + np.array(starts, "<i8").tobytes()
-
-    def _slot_of_loan(self, arrays: Sequence[Array], size: int) -> tuple[int | None, int, int]:
-        """Array that is in its slot already or None, the slot, and where in it the other arrays may go.
-
-        They go behind all that was lent: they may be views of it themselves.
-        """
-        loan = None if self._pool is None else self._pool.in_place(arrays)
-        if loan is None or self._pool is None:
-            return None, 0, 0
-        index, slot, lent = loan
-        if padded(lent) + size - padded(arrays[index].nbytes) > self._pool.arena.capacity:
-            return None, 0, 0
-        return index, slot, padded(lent)
+        pool.stamps[slot] = stamp
+        doorbell = DOORBELL.pack(SLOT, pool.arena.number, slot, end, self._sequence)
+        return doorbell + head + codec.places.pack(*places)
 
 
 def _announced(pool: Slots) -> bytes:
-    return DOORBELL.pack(ARENA, pool.number, 0, 0, pool.arena.capacity)
+    return DOORBELL.pack(ARENA, pool.arena.number, 0, 0, pool.arena.capacity)

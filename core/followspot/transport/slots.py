@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import mmap
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,50 +11,47 @@ import numpy as np
 from followspot.messages import Array
 from followspot.transport.control import Control
 from followspot.transport.memory import Memory
+from followspot.transport.wire import padded
 
 
 class Arena:
     """Equal slots, page-aligned, in one piece of memory."""
 
-    def __init__(self, memory: Memory, slots: int, capacity: int) -> None:
-        """capacity: of a slot, bytes; a multiple of the page size."""
+    def __init__(self, memory: Memory, number: int, slots: int, capacity: int) -> None:
+        """number: of the arena in the ring's life; capacity: of a slot, bytes, in whole pages."""
         self.memory = memory
-        self.slots = slots
+        self.number = number
         self.capacity = capacity
         self.bytes: Array = np.frombuffer(memory.bytes, np.uint8).reshape(slots, capacity)
-        self._address = self.bytes.ctypes.data
+        start = self.bytes.ctypes.data
+        self.addresses = range(start, start + slots * capacity, capacity)
+        """Where each slot begins in this process."""
 
-    def address(self, slot: int) -> int:
-        """Where the slot begins in this process."""
-        return self._address + slot * self.capacity
+    def interface(self, slot: int, shape: Sequence[int], dtype: str, *, writable: bool) -> dict[str, Any]:
+        """The start of a slot as an array, in terms of numpy's array interface."""
+        data = self.addresses[slot], not writable
+        return {"version": 3, "data": data, "shape": tuple(shape), "typestr": dtype}
 
 
 class Lease:
-    """Lends the start of a slot to numpy; when the last view of it is gone, `release` is called."""
+    """Lends the start of a slot to numpy; when the last view of it is gone, it calls `end` with itself.
 
-    __slots__ = ("__array_interface__", "_arena", "_release")
+    stamp: of the message in the slot, 0 while none was sent from it.
+    """
+
+    __slots__ = ("__array_interface__", "_end", "arena", "slot", "stamp")
 
     def __init__(
-        self,
-        arena: Arena,
-        slot: int,
-        shape: Sequence[int],
-        dtype: str,
-        release: Callable[[], object],
-        *,
-        writable: bool,
+        self, arena: Arena, slot: int, stamp: int, interface: dict[str, Any], end: Callable[[Lease], None]
     ) -> None:
-        self.__array_interface__: dict[str, Any] = {
-            "version": 3,
-            "data": (arena.address(slot), not writable),
-            "shape": tuple(shape),
-            "typestr": dtype,
-        }
-        self._arena = arena  # the memory stays mapped
-        self._release = release
+        self.__array_interface__ = interface
+        self.arena = arena
+        self.slot = slot
+        self.stamp = stamp
+        self._end = end
 
     def __del__(self) -> None:
-        self._release()
+        self._end(self)
 
 
 class Slots:
@@ -65,47 +61,55 @@ class Slots:
     """
 
     def __init__(self, number: int, slots: int, smallest: int) -> None:
-        """number: of the arena in the ring's life; smallest: capacity needed, bytes. Raises OSError."""
+        """number: of the arena; smallest: capacity that a slot needs, bytes. Raises OSError."""
         capacity = max(mmap.PAGESIZE, 1 << (smallest - 1).bit_length())
-        self.number = number
-        self.arena = Arena(Memory.create("followspot-slots", slots * capacity), slots, capacity)
+        self.arena = Arena(Memory.create("followspot-slots", slots * capacity), number, slots, capacity)
         self.stamps: Array = np.zeros(slots, np.uint64)
         self._lent: Array = np.zeros(slots, bool)
-        self._loans: dict[int, tuple[int, int]] = {}
+        self._sizes = [0] * slots
 
     def free(self, controls: Iterable[Control]) -> Array:
         """(slots,) bool: the slots that may be written."""
         free = ~self._lent
         for control in controls:
-            free &= control.released(self.number) == self.stamps
+            free &= control.released(self.arena.number) == self.stamps
         return free
 
     def lent(self) -> int:
         """Number of slots that this process looks at."""
-        return int(self._lent.sum())
+        return int(np.count_nonzero(self._lent))
 
-    def lend(self, slot: int, shape: Sequence[int], dtype: np.dtype[Any], size: int) -> Array:
-        """A writable array of `size` bytes at the start of a free slot, kept until the array dies."""
-        address = self.arena.address(slot)
+    def lend(self, slot: int, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
+        """A writable array at the start of a free slot, which is kept until the array dies."""
+        interface = self.arena.interface(slot, shape, dtype.str, writable=True)
+        loan = np.asarray(Lease(self.arena, slot, 0, interface, self._end))
         self._lent[slot] = True
-        self._loans[address] = slot, size
-        end = partial(self._end, slot, address)
-        return np.asarray(Lease(self.arena, slot, shape, dtype.str, end, writable=True))
+        self._sizes[slot] = loan.nbytes
+        return loan
 
-    def in_place(self, arrays: Sequence[Array]) -> tuple[int, int, int] | None:
-        """Index of an array that was lent and not sent yet, its slot, and the bytes that were lent."""
-        if self._loans:
-            for index, array in enumerate(arrays):
-                loan = self._loans.get(array.ctypes.data)
-                if loan is not None:
-                    return index, *loan
+    def first_free(self, controls: Iterable[Control]) -> int:
+        """The first free slot: those that were used lately are still in the processor's cache."""
+        return int(self.free(controls).argmax())
+
+    def in_place(self, arrays: Sequence[Array], size: int, stamp: int) -> tuple[int, int, int] | None:
+        """Find an array that was lent and not sent yet, and stamp its lease.
+
+        size: of all arrays, bytes. Returns its index, its slot, and where the others may go: behind all that
+        was lent, for they may be views of that themselves. None where there is no such array, or no room.
+        """
+        for index, array in enumerate(arrays):
+            owner: Any = array.base
+            viewed = type(owner) is np.ndarray
+            lease = owner.base if viewed else owner
+            if type(lease) is not Lease or lease.arena is not self.arena or lease.stamp:
+                continue
+            end = padded(self._sizes[lease.slot])
+            if end + size - padded(array.nbytes) > self.arena.capacity:
+                continue
+            if not viewed or array.ctypes.data == self.arena.addresses[lease.slot]:
+                lease.stamp = stamp
+                return index, lease.slot, end
         return None
 
-    def sent(self, slot: int, stamp: int) -> None:
-        """The message of this stamp went out from the slot; a loan of it cannot go out in place again."""
-        self.stamps[slot] = stamp
-        self._loans.pop(self.arena.address(slot), None)
-
-    def _end(self, slot: int, address: int) -> None:
-        self._loans.pop(address, None)
-        self._lent[slot] = False
+    def _end(self, lease: Lease) -> None:
+        self._lent[lease.slot] = False

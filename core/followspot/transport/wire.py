@@ -19,6 +19,9 @@ PREFIX = Struct("<BxH")
 MAX_HEAD = (1 << 16) - ALIGN
 """Largest msgpack head, bytes."""
 
+_PACKER = msgpack.Packer()
+"""One for all, and the interpreter's lock around it: a new one costs a page fault per message."""
+
 
 def padded(size: int) -> int:
     """The next multiple of `ALIGN`, bytes."""
@@ -35,7 +38,7 @@ def aligned(size: int) -> Array:
 def pack_head(fields: Sequence[Any]) -> bytes:
     """Prefix and msgpack array, padded with zeros. Raises InvalidMessage where a field cannot be sent."""
     try:
-        head: bytes = msgpack.packb(fields)
+        head: bytes = _PACKER.pack(fields)
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidMessage(f"cannot be sent: {error}") from None
     if len(head) > MAX_HEAD:
@@ -44,7 +47,7 @@ def pack_head(fields: Sequence[Any]) -> bytes:
     return PREFIX.pack(VERSION, len(head)) + head + bytes(-size % ALIGN)
 
 
-def unpack_head(data: bytes) -> tuple[list[Any], int]:
+def unpack_head(data: bytes | memoryview) -> tuple[list[Any], int]:
     """The fields of the head that `data` begins with, and where the rest begins. Raises InvalidMessage."""
     if len(data) < PREFIX.size:
         raise InvalidMessage(f"{len(data)} bytes are too few for a head")

@@ -202,7 +202,7 @@ def test_arrays_outside_the_body_are_invalid() -> None:
     head, _ = unpack_head(codec.head(message, codec.arrays(message)))
     for starts in ([0, 64, 128, 192, 320], [0, 64, 128, 192, -64], [0, 64, 128, 192, 1]):
         with pytest.raises(InvalidMessage, match="outside"):
-            codec.decode(head, aligned(320), starts)
+            codec.decode(head, aligned(320), codec.places.pack(*starts))
 
 
 def test_a_head_over_the_limit_is_refused_by_the_sender() -> None:

@@ -37,6 +37,12 @@ class Pair:
         self.reader = ZenohReader(self.session, KEY, NAME, Frame, DEPTH)
         until(lambda: self.writer.matched() and self.reader.matched())
 
+    def intruder(self, key: str) -> zenoh.Publisher:
+        """A stranger's publisher whose samples will arrive."""
+        publisher = self.stranger.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK)
+        until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+        return publisher
+
     def close(self) -> None:
         self.writer.close()
         self.reader.close()
@@ -105,8 +111,7 @@ def test_a_message_without_credit_is_a_mistake_of_the_caller(pair: Pair) -> None
 
 
 def test_what_strangers_put_on_the_key_is_invalid_with_a_reason(pair: Pair) -> None:
-    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
-    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    publisher = pair.intruder(KEY)
     pair.writer.send(frame(0))
     publisher.put(b"hello")
     publisher.put(b"", attachment=b"")
@@ -120,8 +125,7 @@ def test_what_strangers_put_on_the_key_is_invalid_with_a_reason(pair: Pair) -> N
 
 def test_lost_and_invalid_messages_are_named_and_their_credit_returns(pair: Pair) -> None:
     """A stranger takes the numbers of the writer: two are skipped, the third is of another type."""
-    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
-    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    publisher = pair.intruder(KEY)
     publisher.put(pack(stamped(seal(Blobs.empty()), Header("", 0, 0))), attachment=NUMBER.pack(2, 3))
     gap, wrong = arrived(pair.reader, 2)
     assert isinstance(gap, Invalid)
@@ -132,8 +136,7 @@ def test_lost_and_invalid_messages_are_named_and_their_credit_returns(pair: Pair
 
 
 def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
-    publisher = pair.stranger.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
-    until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
+    publisher = pair.intruder(KEY)
     for number in range(2000):
         publisher.put(bytes(1000), attachment=NUMBER.pack(number, number))
     publisher.put(bytes(1000), attachment=b"last")
@@ -143,9 +146,10 @@ def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
 
 def test_false_reports_give_no_more_credit_than_was_sent(pair: Pair) -> None:
     pair.writer.send(frame(0))
-    pair.stranger.put(f"{KEY}/credit/nobody", CREDIT.pack(5, 5, True))
-    pair.stranger.put(f"{KEY}/credit/color%2Fcam0.frame", b"short")
-    pair.stranger.put(f"{KEY}/credit/color%2Fcam0.frame", CREDIT.pack(2**63, 2**63, False))
+    pair.intruder(f"{KEY}/credit/nobody").put(CREDIT.pack(5, 5, True))
+    reports = pair.intruder(f"{KEY}/credit/color%2Fcam0.frame")
+    reports.put(b"short")
+    reports.put(CREDIT.pack(2**63, 2**63, False))
     until(lambda: pair.writer.credit() == DEPTH)
 
 
