@@ -51,7 +51,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if (params := _params(instance, stage, mistakes)) is not None
     ]
     edges = connect(expanded.wires, classes, mistakes)
-    check_cycles(expanded, classes, mistakes)
+    check_cycles(edges, mistakes)
     _check_outputs(stages, mistakes)
     room = _checked_room(expanded, mistakes)
     return Checked(expanded.name, room, expanded.seed, tuple(stages), tuple(edges))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, successors
-from followspot.graph.expand import Expanded, Wire
+from followspot.graph.expand import Wire
 from followspot.ports import InputPort, OutputPort, Ports, ports
 from followspot.stage import Stage
 
@@ -92,17 +92,14 @@ def _output(wire: Wire, source: Ports, port: InputPort, mistakes: list[Mistake])
     return None
 
 
-def check_cycles(expanded: Expanded, classes: Mapping[str, type[Stage]], mistakes: list[Mistake]) -> None:
-    """Every cycle needs a delay or a Latest; edges of unknown stages count as plain ones."""
-    plain: dict[tuple[str, str], Wire] = {}
-    for wire in expanded.wires:
-        target = classes.get(wire.target.name)
-        port = None if target is None else ports(target).input(wire.port)
-        if wire.feed.delay == 0 and (port is None or port.kind != "latest"):
-            plain.setdefault((wire.source.declared.name, wire.target.declared.name), wire)
-    names = dict.fromkeys(instance.declared.name for instance in expanded.instances.values())
+def check_cycles(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
+    """Every cycle needs a delay or a Latest."""
+    plain: dict[tuple[str, str], CheckedEdge] = {}
+    for edge in edges:
+        if not edge.held:
+            plain.setdefault((edge.wire.source.declared.name, edge.wire.target.declared.name), edge)
+    names = dict.fromkeys(name for ends in plain for name in ends)
     for cycle in cycles(successors(names, plain)):
-        closing = plain[cycle[-2], cycle[-1]]
+        feed = plain[cycle[-2], cycle[-1]].wire.feed
         text = f"the stages {' -> '.join(cycle)} wait for each other"
-        remedy = f"delay one edge: {{from: {closing.feed.stage}, delay: 1}}"
-        mistakes.append(Mistake(closing.feed.place, text, remedy))
+        mistakes.append(Mistake(feed.place, text, f"delay one edge: {{from: {feed.stage}, delay: 1}}"))

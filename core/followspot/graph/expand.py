@@ -43,11 +43,15 @@ class Wire:
 
 @dataclass(frozen=True)
 class Expanded:
-    """Every instance, in the order of the file and the room, and all that leads from one to another."""
+    """Every instance, in the order of the file and the room, and all that leads from one to another.
+
+    complete: whether the room and all its cameras are known; else names of instances are not.
+    """
 
     name: str
     room: Room
     room_node: Node | None
+    complete: bool
     seed: int
     instances: Mapping[str, Instance]
     wires: tuple[Wire, ...]
@@ -63,7 +67,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     if len(instances) > MAX_INSTANCES:
         first = next(iter(loaded.stages.values())).place
         mistakes.append(Mistake(first, f"the graph has {len(instances)} stages", f"at most {MAX_INSTANCES}"))
-        return Expanded(loaded.name, Room(), None, loaded.seed, {}, ())
+        return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, ())
     rank = {camera: number for number, camera in enumerate(loaded.room.cameras if loaded.room else ())}
     wires = [
         wire
@@ -72,7 +76,8 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         for wire in _wires(instance, entry, groups, rank, mistakes)
     ]
     room = loaded.room or Room()
-    return Expanded(loaded.name, room, loaded.room_node, loaded.seed, instances, tuple(wires))
+    complete = all(instance.declared.each is None or instance.camera for instance in instances.values())
+    return Expanded(loaded.name, room, loaded.room_node, complete, loaded.seed, instances, tuple(wires))
 
 
 def _cameras(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[str | None]:
@@ -157,8 +162,10 @@ def _sources(
         remedy = did_you_mean(feed.stage, groups, "stages")
         mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
         return []
-    if target.camera is None or sources[0].camera is None:
+    if target.declared.each is None or sources[0].declared.each is None:
         return sources
+    if target.camera is None or sources[0].camera is None:
+        return sources[:1]  # which camera is not known because of a mistake
     same = [source for source in sources if source.camera == target.camera]
     if not same:
         text = f'stage "{target.declared.name}" serves camera {target.camera}, stage "{feed.stage}" does not'

@@ -38,6 +38,8 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
     root = _read(placement, mistakes)
     if root is None:
         return _together(expanded)
+    if not expanded.complete:
+        return _together(expanded)  # its names cannot be judged before the room is mended
     form = Form(root, "a placement", ("placement", "by", "workers"), mistakes)
     form.text("placement")
     by = form.text("by", choices=_BY)
@@ -78,7 +80,9 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
     hosts: dict[str, str] = {}
     stages: dict[str, str] = {}
     cameras: dict[str, str] = {}
-    known_stages = [*dict.fromkeys(i.declared.name for i in expanded.instances.values()), *expanded.instances]
+    known_stages = dict.fromkeys(
+        name for instance in expanded.instances.values() for name in (instance.declared.name, instance.name)
+    )
     for name, node in workers.items():
         if not is_name(name):
             mistakes.append(

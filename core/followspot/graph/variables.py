@@ -21,6 +21,9 @@ def substitute(node: Node, values: Mapping[str, Node], mistakes: list[Mistake]) 
         return replace(node, value=tuple(substitute(child, values, mistakes) for child in value))
     if not isinstance(value, str) or "${" not in value:
         return node
+    if value.count("${") != len(_REFERENCE.findall(value)):
+        mistakes.append(Mistake(node.place, "there is a ${ without its }", "write ${NAME}"))
+        return node
     whole = _REFERENCE.fullmatch(value)
     if whole is not None:
         found = _lookup(whole[1], node, values, mistakes)

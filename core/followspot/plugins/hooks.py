@@ -16,6 +16,8 @@ import pluggy
 
 GROUP = "followspot.hooks.v1"
 PROJECT = "followspot"
+RESERVED = ("run", "check", "graph", "plugins")
+"""Commands of followspot itself."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)
 hookimpl = pluggy.HookimplMarker(PROJECT)
@@ -70,12 +72,15 @@ class LoadedHooks:
 @cache
 def load_hooks() -> LoadedHooks:
     """Load every hook module on its own: one that is broken is named and left out, the others serve."""
-    modules, commands, taken = [], [], dict[str, str]()
+    modules: list[HookModule] = []
+    commands: list[Command] = []
+    taken = dict.fromkeys(RESERVED, "followspot")
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         problem, offered = _load(entry)
         for command in offered:
-            if command.title in taken:
-                problem = f'command "{command.title}" is already offered by {taken[command.title]}'
+            other = taken.get(command.title) or taken.get(command.parent or "")
+            if other:
+                problem = f'command "{command.title}" is already offered by {other}'
             else:
                 taken[command.title] = entry.name
                 commands.append(command)
@@ -97,12 +102,23 @@ def _load(entry: EntryPoint) -> tuple[str, list[Command]]:
         module = entry.load()
         manager.register(module, name=entry.name)
         manager.check_pending()
-        unknown = [n for n in vars(module) if n.startswith("followspot_") and not hasattr(Hooks, n)]
-        if unknown:
-            return f"there is no hook {unknown[0]}; known: followspot_commands", []
+        problem = _silent(module)
         offered = [command for commands in manager.hook.followspot_commands() for command in commands]
-    except Exception as error:
-        return f"{type(error).__name__}: {str(error).splitlines()[0] if str(error) else entry.value}", []
+    except (Exception, SystemExit) as error:
+        return " ".join(f"{type(error).__name__}: {error}".split()), []
     if not all(isinstance(command, Command) for command in offered):
         return "followspot_commands returns something that is no Command", []
-    return "", offered
+    return problem, offered
+
+
+def _silent(module: object) -> str:
+    """What pluggy passes over in silence: hooks without the mark, a module without hooks."""
+    functions = {
+        name: hasattr(value, f"{PROJECT}_impl")
+        for name, value in vars(module).items()
+        if name.startswith(f"{PROJECT}_") and callable(value)
+    }
+    for name, marked in functions.items():
+        if not marked:
+            return f"{name} is not marked with @hookimpl"
+    return "" if functions else "the module implements no hook; known: followspot_commands"

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 
 from followspot.errors import FollowspotError
-from followspot.ports import ports
+from followspot.ports import SignatureError, ports
 from followspot.stage import Stage
 
 
@@ -44,18 +44,26 @@ def load_file(path: str) -> tuple[FileStage, ...]:
     sys.modules[module_name] = module  # annotations are resolved there
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        del sys.modules[module_name]
         raise PluginFileError(f"{path}:{_line(error, path)}: {type(error).__name__}: {error}") from error
     classes = [c for c in vars(module).values() if isinstance(c, type) and c.__module__ == module_name]
     stages = [c for c in classes if issubclass(c, Stage)]
     if not stages:
         raise PluginFileError(f"{path}: defines no stage; a stage is a class derived from followspot.Stage")
     for stage in stages:
-        ports(stage)
+        _check_signature(stage, path)
     return tuple(FileStage(f"{file.stem}.{_snake(c.__name__)}", path, c) for c in stages)
 
 
-def _line(error: Exception, path: str) -> int:
+def _check_signature(stage: type[Stage], path: str) -> None:
+    try:
+        ports(stage)
+    except SignatureError as error:
+        raise PluginFileError(f"{path}: {error}") from None
+
+
+def _line(error: BaseException, path: str) -> int:
     """Line of the file in which it went wrong."""
     if isinstance(error, SyntaxError):
         return error.lineno or 1

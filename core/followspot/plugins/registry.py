@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.metadata import Distribution, EntryPoint, distributions, version
+from types import MappingProxyType
 from typing import Literal
 
 from packaging.requirements import InvalidRequirement, Requirement
@@ -19,6 +21,7 @@ from followspot.stage import Stage
 
 GROUP = "followspot.plugins.v1"
 _OTHER_GROUPS = "followspot.plugins.v"
+_VALUE = re.compile(r"\w+(\.\w+)*:\w+")
 
 State = Literal["ok", "duplicate", "outdated", "half-installed", "broken"]
 
@@ -30,6 +33,7 @@ class StageEntry:
     name: str
     value: str
     distribution: str
+    version: str = ""
     state: State = "ok"
     problem: str = ""
 
@@ -62,13 +66,13 @@ def use_plugin_files(paths: Sequence[str]) -> None:
 
 
 @cache
-def catalogue() -> dict[str, StageEntry]:
+def catalogue() -> Mapping[str, StageEntry]:
     """All installed stages by name; nothing is imported."""
     return read_catalogue(list(distributions()))
 
 
-def read_catalogue(installed: Sequence[Distribution]) -> dict[str, StageEntry]:
-    """The stages that these distributions offer, each with its state."""
+def read_catalogue(installed: Sequence[Distribution]) -> Mapping[str, StageEntry]:
+    """The stages that distributions offer, each with its state; of one installed twice the first counts."""
     found: dict[str, StageEntry] = {}
     seen: set[str] = set()
     for distribution in installed:
@@ -78,7 +82,7 @@ def read_catalogue(installed: Sequence[Distribution]) -> dict[str, StageEntry]:
         for entry in distribution.entry_points:
             if entry.group.startswith(_OTHER_GROUPS):
                 _add(found, _entry(entry, distribution))
-    return dict(sorted(found.items()))
+    return MappingProxyType(dict(sorted(found.items())))
 
 
 def stage_names() -> list[str]:
@@ -121,7 +125,10 @@ def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
 
 
 def _entry(entry: EntryPoint, distribution: Distribution) -> StageEntry:
-    found = StageEntry(entry.name, entry.value, distribution.name)
+    found = StageEntry(entry.name, entry.value, distribution.name, distribution.version)
+    if _VALUE.fullmatch(entry.value) is None:
+        problem = f"{distribution.name} registers {entry.value!r} where package.module:Class belongs"
+        return replace(found, state="broken", problem=problem)
     outdated = _outdated(entry, distribution)
     if outdated:
         return replace(found, state="outdated", problem=outdated)
@@ -155,8 +162,9 @@ def _import(entry: StageEntry) -> tuple[type[Stage] | None, str]:
     module, _, attribute = entry.value.partition(":")
     try:
         found = getattr(importlib.import_module(module), attribute, None)
-    except Exception as error:
-        return None, f"{entry.distribution} fails on import: {type(error).__name__}: {error}"
+    except (Exception, SystemExit) as error:
+        reason = " ".join(f"{type(error).__name__}: {error}".split())
+        return None, f"{entry.distribution} fails on import: {reason}"
     if not (isinstance(found, type) and issubclass(found, Stage)):
         return None, f"{entry.distribution} is half installed: {module} has no stage class {attribute}"
     try:
