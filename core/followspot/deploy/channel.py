@@ -48,6 +48,10 @@ class Channel:
     def arrived(self) -> list[dict[str, Any]]:
         """Call when readable: what is complete by now. Raises ChannelClosed, ValueError."""
         self._pending += self._more()
+        return self.buffered()
+
+    def buffered(self) -> list[dict[str, Any]]:
+        """What came along with messages received before; `fileno` does not tell of it. Raises ValueError."""
         messages = []
         while b"\n" in self._pending:
             messages.append(self._cut())

@@ -91,19 +91,26 @@ class Child:
 
     def _run(self) -> None:
         assert self.worker is not None
-        self.worker.watch(self.channel.fileno(), self._obey)
+        self.worker.watch(self.channel.fileno(), self._listen)
+        self._obey(self.channel.buffered())
         signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
         threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
         self.worker.run()
 
-    def _obey(self) -> None:
-        """Something came from the launcher: stop is the only order of a running worker."""
+    def _listen(self) -> bool:
+        """Something came from the launcher, or it is gone."""
         assert self.worker is not None
         try:
-            orders = self.channel.arrived()
+            self._obey(self.channel.arrived())
         except ChannelClosed:
             threading.Thread(target=_exit_later, daemon=True).start()
-            orders = [{"kind": "stop"}]
+            self.worker.stop()
+            return True
+        return False
+
+    def _obey(self, orders: list[dict[str, Any]]) -> None:
+        """Stop is the only order of a running worker."""
+        assert self.worker is not None
         if any(order["kind"] == "stop" for order in orders):
             self.worker.stop()
 

@@ -71,7 +71,9 @@ class Cell:
         self.deadline = deadline
         self.overdue_at: float | None = None
         self.done = False
-        self.open = True
+        self.open = False
+        self.ready = False
+        """Whether `setup` succeeded."""
         self.blocked = False
         """Whether an output is full; its reader's credit wakes this stage."""
         self.count = CellCount()
@@ -82,10 +84,12 @@ class Cell:
 
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
+        self.open = True
         try:
             self.stage.setup()
         except Exception as error:
             raise StageError(self.name, None, error) from error
+        self.ready = True
 
     def step(self) -> None:
         """Fire as often as inputs and outputs allow. Raises StageError where the policy is `fail`."""
@@ -126,10 +130,15 @@ class Cell:
             outlet.end()
 
     def close(self) -> None:
-        """Close the stage; once, whoever asks first."""
-        if self.open:
-            self.open = False
+        """Close the stage; once, whoever asks first. Raises StageError: outputs may be incomplete."""
+        if not self.open:
+            return
+        self.open = False
+        try:
             self.stage.close()
+        except Exception as error:
+            if self.ready:  # else it is half set up, and why was said already
+                raise StageError(self.name, None, error) from error
 
     def _fire(self, fire_at: int) -> None:
         arguments, fired = self.join.take(fire_at)

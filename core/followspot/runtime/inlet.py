@@ -62,13 +62,14 @@ class Inlet:
             self.bound = bound
             self.wake()
 
-    def poll(self) -> None:
-        """Take over what has arrived from another worker."""
+    def poll(self) -> bool:
+        """Take over what has arrived from another worker; whether the stream is over."""
         assert self.reader is not None
         for token in self.reader.poll():
             self.accept(token)
         if self.reader.lost:
             self.settle(END)
+        return self.bound == END
 
     def accept(self, token: Token) -> None:
         """One token from another worker; the sender counted it."""

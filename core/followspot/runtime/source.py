@@ -92,6 +92,7 @@ class LiveCell(SourceCell):
 
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
+    _thread: threading.Thread | None = None
 
     def start(self) -> None:
         """Begin to grab."""
@@ -107,7 +108,8 @@ class LiveCell(SourceCell):
         """Stop grabbing; what was grabbed is still sent."""
         super().stop()
         self.close()
-        self._thread.join(timeout=2.0)
+        if self._thread is not None:
+            self._thread.join(timeout=2.0)
 
     def _grab(self) -> None:
         try:

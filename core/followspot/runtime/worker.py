@@ -11,12 +11,13 @@ import select
 import sys
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from heapq import heappop, heappush
 
 from followspot.errors import FollowspotError
-from followspot.runtime.cell import Cell
+from followspot.runtime.cell import Cell, StageError
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.transport.edge import PortWriter
@@ -26,8 +27,6 @@ _TURNS = 32
 """Firings between two looks at what other workers sent."""
 _NAP_MS = 100
 """Longest sleep, ms; a wake-up that was missed costs no more."""
-_GONE = select.POLLHUP | select.POLLERR | select.POLLNVAL
-"""The other end is closed; what it sent before has been read by then."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 
@@ -64,7 +63,7 @@ class Worker:
         self._marked = [False] * len(cells)
         self._stopping = False
         self._poll = select.poll()
-        self._watched: dict[int, Callable[[], None]] = {}
+        self._watched: dict[int, Callable[[], bool]] = {}
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._connect()
 
@@ -74,8 +73,8 @@ class Worker:
             self._marked[rank] = True
             heappush(self._ready, -rank)
 
-    def watch(self, fd: int, callback: Callable[[], None]) -> None:
-        """Call back when the descriptor is readable."""
+    def watch(self, fd: int, callback: Callable[[], bool]) -> None:
+        """Call back when the descriptor is readable, until the callback says that it is over."""
         self._watched[fd] = callback
         self._poll.register(fd, select.POLLIN)
 
@@ -96,6 +95,7 @@ class Worker:
 
     def run(self) -> None:
         """Run to the end of all streams. Stages are closed however it ends. Raises StageError, StuckError."""
+        problems: list[StageError] = []
         try:
             for source in self.live:
                 source.start()
@@ -104,19 +104,26 @@ class Worker:
             while self._turn():
                 pass
         finally:
-            self.close()
+            problems = self.close()
+        if problems:
+            raise problems[0]
 
-    def close(self) -> None:
-        """Close stages and edges."""
-        for source in self.live:
-            source.stop()
+    def close(self) -> list[StageError]:
+        """Close stages and edges, all of them whatever one of them raises; what was raised."""
+        problems = []
         for cell in self.cells:
-            cell.close()
+            try:
+                if isinstance(cell, LiveCell):
+                    cell.stop()
+                cell.close()
+            except StageError as error:
+                problems.append(error)
         for writer, _ in self.writers:
             writer.close()
         for inlet in self.readers:
             if inlet.reader is not None:
                 inlet.reader.close()
+        return problems
 
     def progress(self) -> Progress:
         """How far the worker is."""
@@ -137,7 +144,7 @@ class Worker:
             self.watch(inlet.reader.fileno(), inlet.poll)
         for writer, rank in self.writers:
             for fd in writer.filenos():
-                self.watch(fd, partial(self._credited, writer, rank))
+                self.watch(fd, partial(self._credited, fd, writer, rank))
         for source in self.live:
             source.notify = self.ring
 
@@ -206,24 +213,23 @@ class Worker:
         return came
 
     def _receive(self, timeout_ms: int) -> None:
-        for fd, event in self._poll.poll(timeout_ms):
-            self._watched[fd]()
-            if event & _GONE:
+        for fd, _ in self._poll.poll(timeout_ms):
+            if self._watched[fd]():
                 self._poll.unregister(fd)
                 del self._watched[fd]
 
-    def _answer_bell(self) -> None:
-        try:
+    def _answer_bell(self) -> bool:
+        with suppress(BlockingIOError):
             os.eventfd_read(self._bell)
-        except BlockingIOError:
-            return
+        return False
 
-    def _credited(self, writer: PortWriter, rank: int) -> None:
+    def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
         writer.drain()
         if writer.lost:
             for _, outlet in self.cells[rank].outlets:
                 outlet.forget_lost()
         self.mark(rank)
+        return fd not in writer.filenos()
 
     def _stop_sources(self) -> None:
         self._stopping = False
