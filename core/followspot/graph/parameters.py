@@ -85,7 +85,7 @@ def _mistake(
         missing = f'{noun} needs the parameter "{name}"'
         return Mistake(node.key if node is not None else place, missing, f"add with: {{{name}: ...}}{about}")
     if kind == "extra_forbidden" and node is not None:
-        known = did_you_mean(name, fields, "parameters")
+        known = did_you_mean(name, fields, "parameters") if len(location) == 1 else "remove it"
         return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
     problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")
     given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"

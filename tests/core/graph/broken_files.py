@@ -231,7 +231,13 @@ PARAMETERS = [
         '"weights.1"',
         "per channel",
     ),
-    Broken("graph", "uses: toy.detect,", "uses: toy.detect, with: {mood: {¦gian: 2}},", '"mood.gian"', ""),
+    Broken(
+        "graph",
+        "uses: toy.detect,",
+        "uses: toy.detect, with: {mood: {¦gian: 2}},",
+        '"mood.gian"',
+        "remove it",
+    ),
     Broken(
         "graph",
         "uses: toy.detect,",
