@@ -118,7 +118,7 @@ def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
     if known is None or known.state == "outdated":
         found[entry.name] = entry
     elif entry.state != "outdated":
-        both = f"{known.distribution} and {entry.distribution}"
+        both = " and ".join(sorted((known.distribution, entry.distribution)))
         found[entry.name] = replace(
             known, state="duplicate", problem=f"offered by both {both}; uninstall one"
         )

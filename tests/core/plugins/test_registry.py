@@ -1,0 +1,197 @@
+"""Plugins are found from metadata; one that is not well is one clear line and harms nobody else."""
+
+from __future__ import annotations
+
+import sys
+import zlib
+from collections.abc import Iterator
+from importlib.metadata import distributions
+from pathlib import Path
+
+import pytest
+from tests.core.plugins.packages import STAGE, install
+
+from followspot.plugins import registry
+from followspot.plugins.registry import PluginError, catalogue, examined, load_stage, read_catalogue
+
+V1 = "[followspot.plugins.v1]\n"
+
+
+def states(site: Path) -> dict[str, str]:
+    return {name: e.state for name, e in read_catalogue(list(distributions(path=[str(site)]))).items()}
+
+
+def problem(site: Path, name: str) -> str:
+    text = read_catalogue(list(distributions(path=[str(site)])))[name].problem
+    assert "\n" not in text
+    return text
+
+
+@pytest.fixture
+def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder of packages, first on the import path."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    before = set(sys.modules)
+    catalogue.cache_clear()
+    yield tmp_path
+    catalogue.cache_clear()
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def test_every_stage_of_followspot_itself_is_well() -> None:
+    own = [entry for entry in catalogue().values() if entry.distribution == "followspot"]
+    assert len(own) > 10
+    assert {entry.name: entry.problem for entry in map(examined, own) if entry.state != "ok"} == {}
+
+
+def test_discovery_imports_nothing(site: Path) -> None:
+    install(site, "keys", V1 + "keys.piano = keys_stage:Piano", modules={"keys_stage.py": "raise SystemExit"})
+    entry = catalogue()["keys.piano"]
+    assert (entry.distribution, entry.version, entry.value, entry.state) == (
+        "keys",
+        "1.0",
+        "keys_stage:Piano",
+        "ok",
+    )
+    assert "keys_stage" not in sys.modules
+
+
+def test_a_stage_of_another_package_is_loaded_when_it_is_used(site: Path) -> None:
+    install(site, "keys", V1 + "keys.piano = keys_ok:Piano", modules={"keys_ok.py": STAGE})
+    assert load_stage("keys.piano").__name__ == "Piano"
+
+
+def test_the_catalogue_cannot_be_changed() -> None:
+    with pytest.raises(TypeError):
+        catalogue()["balls.mean"] = catalogue()["balls.kalman"]  # type: ignore[index]
+
+
+def test_a_name_that_two_packages_offer_is_a_duplicate_and_names_both(site: Path) -> None:
+    install(site, "keys", V1 + "keys.piano = keys:Piano", modules={"keys.py": STAGE})
+    install(site, "more-keys", V1 + "keys.piano = keys:Piano\nkeys.harp = keys:Piano")
+    assert states(site) == {"keys.piano": "duplicate", "keys.harp": "ok"}
+    assert "keys and more-keys" in problem(site, "keys.piano") or "more-keys and keys" in problem(
+        site, "keys.piano"
+    )
+
+
+def test_another_version_of_the_interface_is_outdated(site: Path) -> None:
+    install(site, "old", "[followspot.plugins.v0]\nold.piano = old:Piano", modules={"old.py": STAGE})
+    assert states(site) == {"old.piano": "outdated"}
+    assert "old speaks followspot.plugins.v0, this followspot followspot.plugins.v1" in problem(
+        site, "old.piano"
+    )
+
+
+def test_a_package_for_another_followspot_is_outdated(site: Path) -> None:
+    needs = ["followspot>=99", "numpy>=1"]
+    install(site, "new", V1 + "new.piano = new:Piano", requires=needs, modules={"new.py": STAGE})
+    assert states(site) == {"new.piano": "outdated"}
+    assert "new needs followspot >=99" in problem(site, "new.piano")
+
+
+def test_a_well_version_wins_over_an_outdated_one_of_the_same_name(site: Path) -> None:
+    install(site, "keys", V1 + "keys.piano = keys:Piano", modules={"keys.py": STAGE})
+    install(site, "older", "[followspot.plugins.v0]\nkeys.piano = keys:Piano")
+    assert states(site) == {"keys.piano": "ok"}
+
+
+def test_metadata_without_its_module_is_half_installed(site: Path) -> None:
+    install(site, "gone", V1 + "gone.piano = gone_package.stage:Piano")
+    assert states(site) == {"gone.piano": "half-installed"}
+    assert "reinstall gone" in problem(site, "gone.piano")
+
+
+def test_an_entry_that_names_no_class_is_broken(site: Path) -> None:
+    install(site, "odd", V1 + "odd.piano = odd\nodd.harp = ")
+    assert states(site) == {"odd.piano": "broken", "odd.harp": "broken"}
+    assert "where package.module:Class belongs" in problem(site, "odd.piano")
+
+
+@pytest.mark.parametrize(
+    ("module", "said"),
+    [
+        ("1 / 0", "keys fails on import: ZeroDivisionError: division by zero"),
+        ("raise SystemExit('bye')", "keys fails on import: SystemExit: bye"),
+        ("raise ValueError('two\\nlines')", "keys fails on import: ValueError: two lines"),
+        ("def (", "keys fails on import: SyntaxError"),
+        ("import no_such_package", "ModuleNotFoundError: No module named 'no_such_package'"),
+        ("Piano = 3", "has no stage class Piano"),
+        ("", "has no stage class Piano"),
+        (STAGE.replace(" -> Source[Note]", ""), "keys is broken: Piano.process says not what it returns"),
+    ],
+)
+def test_a_stage_that_cannot_be_imported_is_one_line_and_breaks_only_its_users(
+    site: Path, module: str, said: str
+) -> None:
+    name = f"keys_{zlib.crc32(module.encode())}"  # imports are remembered by name
+    install(site, "keys", V1 + f"keys.piano = {name}:Piano", modules={f"{name}.py": module})
+    with pytest.raises(PluginError) as caught:
+        load_stage("keys.piano")
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert examined(catalogue()["keys.piano"]).state == "broken"
+    assert load_stage("balls.mean").__name__ == "Mean"
+
+
+def test_an_unknown_stage_is_answered_with_the_nearest_name() -> None:
+    with pytest.raises(PluginError) as caught:
+        load_stage("balls.kallman")
+    assert caught.value.problem == 'no stage "balls.kallman" is installed'
+    assert caught.value.remedy.startswith('did you mean "balls.kalman"?')
+
+
+@pytest.fixture
+def no_files(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(registry, "_files", {})
+
+
+def one_file(folder: Path, name: str, text: str) -> str:
+    (folder / name).write_text(text)
+    return str(folder / name)
+
+
+@pytest.mark.usefixtures("no_files")
+def test_each_stage_of_a_file_is_named_after_the_file_and_the_class(tmp_path: Path) -> None:
+    text = STAGE.replace("class Piano", "class GrandPiano")
+    registry.use_plugin_files([one_file(tmp_path, "keys.py", text)])
+    assert load_stage("keys.grand_piano").__name__ == "GrandPiano"
+    assert "keys.grand_piano" in registry.stage_names()
+
+
+@pytest.mark.usefixtures("no_files")
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("boom.py", "x = 1\n\ny = x / 0\n", "boom.py:3: ZeroDivisionError: division by zero"),
+        ("syntax.py", "x = (\n", "syntax.py:1: SyntaxError"),
+        ("leaves.py", "\nraise SystemExit(3)\n", "leaves.py:2: SystemExit: 3"),
+        ("empty.py", "x = 1\n", "defines no stage"),
+        ("Bad-Name.py", STAGE, "name it like a Python module"),
+        ("unsigned.py", STAGE.replace(" -> Source[Note]", ""), "unsigned.py: Piano.process says not"),
+    ],
+)
+def test_a_file_that_is_no_plugin_is_one_line(tmp_path: Path, name: str, text: str, said: str) -> None:
+    with pytest.raises(registry.FollowspotError) as caught:
+        registry.use_plugin_files([one_file(tmp_path, name, text)])
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.usefixtures("no_files")
+def test_a_file_cannot_take_a_name_that_is_taken(tmp_path: Path) -> None:
+    balls = one_file(tmp_path, "balls.py", STAGE.replace("class Piano", "class Mean"))
+    with pytest.raises(PluginError, match=r"balls\.mean is already offered by followspot; rename the file"):
+        registry.use_plugin_files([balls])
+    (tmp_path / "other").mkdir()
+    first, second = one_file(tmp_path, "keys.py", STAGE), one_file(tmp_path / "other", "keys.py", STAGE)
+    registry.use_plugin_files([first, first])
+    with pytest.raises(PluginError, match="already offered by"):
+        registry.use_plugin_files([second])
+
+
+@pytest.mark.usefixtures("no_files")
+def test_a_file_that_is_missing_is_one_line(tmp_path: Path) -> None:
+    with pytest.raises(registry.FollowspotError, match="there is no such file"):
+        registry.use_plugin_files([str(tmp_path / "none.py")])

@@ -1,0 +1,138 @@
+"""The signature of `process` is the contract; a bad one is refused with what to write."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from followspot import Joined, Latest, Message, Source, Stage
+from followspot.ports import InputPort, OutputPort, Ports, SignatureError, accepts, ports
+
+
+class Wheat(Message):
+    grams: float
+
+
+class Rye(Wheat):
+    pass
+
+
+class Bread(Message):
+    loaves: int
+
+
+@dataclass(frozen=True)
+class Baked:
+    bread: Bread
+    crumbs: Wheat | None
+
+
+@dataclass(frozen=True)
+class Odd:
+    bread: Bread
+    price: float
+
+
+def stage(process: Callable[..., Any]) -> type[Stage]:
+    return type("Baker", (Stage,), {"process": process})
+
+
+def test_kinds_and_types_of_inputs_are_read() -> None:
+    def process(
+        self: Any, flour: Wheat, sacks: Joined[Wheat], order: Latest[Bread], salt: Message | None = None
+    ) -> Bread: ...
+
+    assert ports(stage(process)) == Ports(
+        (
+            InputPort("flour", Wheat, "plain", True),
+            InputPort("sacks", Wheat, "joined", True),
+            InputPort("order", Bread, "latest", True),
+            InputPort("salt", Message, "plain", False),
+        ),
+        (OutputPort("out", Bread),),
+        False,
+    )
+
+
+def test_fields_of_a_dataclass_are_several_outputs() -> None:
+    def process(self: Any, flour: Wheat) -> Baked | None: ...
+
+    assert ports(stage(process)).outputs == (OutputPort("bread", Bread), OutputPort("crumbs", Wheat))
+
+
+def test_a_generator_of_messages_is_a_source() -> None:
+    def one(self: Any) -> Source[Bread]: ...
+
+    def several(self: Any) -> Iterator[Baked]: ...
+
+    assert ports(stage(one)) == Ports((), (OutputPort("out", Bread),), True)
+    assert [port.name for port in ports(stage(several)).outputs] == ["bread", "crumbs"]
+
+
+def test_a_stage_that_returns_none_is_a_sink() -> None:
+    def process(self: Any, bread: Bread) -> None: ...
+
+    assert ports(stage(process)).outputs == ()
+
+
+def test_an_output_may_say_nothing() -> None:
+    def process(self: Any, flour: Wheat) -> Bread | None: ...
+
+    assert ports(stage(process)).outputs == (OutputPort("out", Bread),)
+
+
+def test_an_input_takes_its_type_and_what_derives_from_it() -> None:
+    assert accepts(Wheat, Rye)
+    assert accepts(Message, Bread)
+    assert not accepts(Rye, Wheat)
+    assert not accepts(Bread, Wheat)
+
+
+def no_types(self: Any, flour) -> Bread: ...  # type: ignore[no-untyped-def]
+
+
+def no_return(self: Any, flour: Wheat): ...  # type: ignore[no-untyped-def]
+
+
+def no_message(self: Any, flour: float) -> Bread: ...
+
+
+def no_output(self: Any, flour: Wheat) -> float: ...
+
+
+def odd_output(self: Any, flour: Wheat) -> Odd: ...
+
+
+def many(self: Any, *flour: Wheat) -> Bread: ...
+
+
+def unknown(self: Any, flour: Oats) -> Bread: ...  # type: ignore[name-defined]  # noqa: F821
+
+
+def fed_source(self: Any, flour: Wheat) -> Source[Bread]: ...
+
+
+def nothing(self: Any) -> Bread: ...
+
+
+@pytest.mark.parametrize(
+    ("process", "said"),
+    [
+        (no_types, "input flour has no type; write flour: MessageType"),
+        (no_return, "write `-> None` for a sink"),
+        (no_message, r"flour: MessageType, Joined\[MessageType\] or Latest\[MessageType\]"),
+        (no_output, "return a message type, a dataclass of message types"),
+        (odd_output, "return a message type, a dataclass of message types"),
+        (many, "name each input"),
+        (unknown, "an annotation that cannot be read: name 'Oats' is not defined"),
+        (fed_source, "yields and has inputs; a source has none"),
+        (nothing, r"a source returns Source\[MessageType\]"),
+        (3, "define process"),
+    ],
+)
+def test_a_bad_signature_is_refused_with_what_to_write(process: Any, said: str) -> None:
+    with pytest.raises(SignatureError, match=said):
+        ports(stage(process))
