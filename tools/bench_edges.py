@@ -154,8 +154,9 @@ def send(writer: PortWriter, number: int, shape: tuple[int, ...], *, in_place: b
         if not writer.credit():
             sleep(writer.filenos())
         writer.drain()
-    pixels = writer.loan(shape, "u1") if in_place else PIXELS.setdefault(shape, np.zeros(shape, np.uint8))
-    frame = seal(Frame("cam0", pixels))
+    loan = writer.loan(shape, "u1") if in_place else None
+    own = PIXELS.setdefault(shape, np.zeros(shape, np.uint8))
+    frame = seal(Frame("cam0", own if loan is None else loan))
     writer.send(stamped(frame, Header("camera/cam0", number, number, time.monotonic_ns())))
 
 

@@ -12,12 +12,14 @@ from struct import Struct
 
 from followspot.transport.control import Control, fence
 from followspot.transport.memory import Memory
+from followspot.transport.token import END
 
 DOORBELL = Struct("<BBHIq")
 HELLO, ARENA, INLINE, SLOT, SETTLED = range(1, 6)
 """HELLO: slot = most leases, size = number of slots, value = first sequence number; with the control memory.
 ARENA: value = capacity of a slot, bytes; with the memory of the slots. INLINE, SLOT: value = sequence number,
 size = bytes of arrays. SETTLED: value = bound, ns."""
+OVER = DOORBELL.pack(SETTLED, 0, 0, 0, END)
 INLINE_BYTES = 4096
 """Messages whose arrays take no more than this travel in the datagram."""
 
@@ -30,6 +32,7 @@ class Link:
         self.socket = sock
         self.control = control
         self.alive = True
+        self.ended = False
         self._posted = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
 
@@ -77,6 +80,8 @@ class Link:
             return False
         except OSError:
             self.alive = False
+            return True
+        self.ended = datagram == OVER
         self._posted += 1
         self.control.posted = self._posted
         return True

@@ -23,7 +23,7 @@ class PortWriter(Protocol):
 
     @property
     def lost(self) -> frozenset[int]:
-        """Readers, by their index, that are gone; they hold up nothing any more."""
+        """Readers, by their index, that are gone before the end; they hold up nothing any more."""
 
     def matched(self) -> bool:
         """Whether every reader is there; until then what is sent may miss it."""
@@ -38,8 +38,8 @@ class PortWriter(Protocol):
         the wire (a head of over 64 kB), and RuntimeError where it has no credit; nothing was sent then.
         """
 
-    def loan(self, shape: Sequence[int], dtype: str) -> Array:
-        """A writable array to compute an output into; sent without a copy where the memory is shared."""
+    def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
+        """A writable array to compute an output into, to be sent without a copy; None if there is none."""
 
     def flush(self) -> bool:
         """Send what had to wait. True when nothing waits."""
@@ -68,13 +68,13 @@ class PortReader(Protocol):
         """Whether the writer is there."""
 
     def poll(self) -> list[Token]:
-        """Everything that has arrived. An `Invalid` has given its credit back already."""
+        """What has arrived: each message that was sent, or an `Invalid` in its place, and settled times."""
 
     def fileno(self) -> int:
         """Readable when `poll` has something to give, or the writer died."""
 
     def consumed(self, count: int = 1) -> None:
-        """Give credit for messages that were taken out of the queue."""
+        """Give credit for messages, or `Invalid`s in their place, that were taken out of the queue."""
 
     def close(self) -> None:
         """Let go of everything; messages in other hands stay valid."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.messages import Array, InvalidMessage, Message
 from followspot.transport.codec import codec_of
-from followspot.transport.control import ARENAS, Control, fence
+from followspot.transport.control import Control, fence
 from followspot.transport.doorbell import ARENA, DOORBELL, HELLO, INLINE, INLINE_BYTES, SETTLED, SLOT
 from followspot.transport.memory import Memory
 from followspot.transport.slots import Arena, Lease
@@ -66,7 +66,7 @@ class RingReader:
         return self._socket.fileno()
 
     def poll(self) -> list[Token]:
-        """Everything that has arrived, at most 256 datagrams at once."""
+        """What has arrived, at most 256 datagrams at once. Raises OSError where memory cannot be mapped."""
         tokens: list[Token] = []
         for _ in range(_BATCH):
             try:
@@ -104,30 +104,19 @@ class RingReader:
         whole = len(data) >= DOORBELL.size
         kind, number, slot, size, value = DOORBELL.unpack_from(data) if whole else _NONE
         if kind in (INLINE, SLOT):
-            if value != self._sequence:
-                tokens.append(self._gap(value - self._sequence))
+            missing = range(self._sequence, min(value, self._sequence + _BATCH))
+            tokens += [Invalid(f"gap: message {n} of the port never came") for n in missing]
             self._sequence = value + 1
             try:
                 inline = kind == INLINE
                 tokens.append(self._inline(data, size) if inline else self._placed(data, number, slot, size))
             except InvalidMessage as error:
                 tokens.append(Invalid(str(error)))
-                self.consumed()
         elif kind == SETTLED:
             self._ended = value == END
             tokens.append(Settled(value))
         elif kind in (HELLO, ARENA) and extra:
-            try:
-                self._map(int.from_bytes(extra[0][2], sys.byteorder), kind, number, slot, size, value)
-            except (OSError, ValueError, OverflowError) as error:
-                tokens.append(Invalid(f"shared memory cannot be used: {error}"))
-        else:
-            tokens.append(Invalid(f"a datagram of kind {kind} and {len(data)} bytes"))
-
-    def _gap(self, missing: int) -> Invalid:
-        """Report messages that never came, and give their credit back."""
-        self.consumed(max(0, missing))
-        return Invalid(f"gap: expected message {self._sequence}, {missing} are missing")
+            self._map(int.from_bytes(extra[0][2], sys.byteorder), kind, number, slot, size, value)
 
     def _inline(self, data: memoryview, size: int) -> Message:
         head, start = unpack_head(data[DOORBELL.size :])
@@ -165,7 +154,7 @@ class RingReader:
         self._wake()
 
     def _map(self, fd: int, kind: int, number: int, slot: int, size: int, value: int) -> None:
-        """Map the memory that a datagram brought. Raises OSError, ValueError, OverflowError."""
+        """Map the memory that a datagram brought. Raises OSError."""
         if kind == HELLO:
             self._control = Control(Memory(fd, Control.size(size), writable=True), size)
             self._quota = slot
@@ -173,8 +162,6 @@ class RingReader:
             self._sequence = self._consumed = value
             return
         memory = Memory(fd, self._slots * value, writable=False)
-        if number >= ARENAS:
-            raise ValueError(f"arena {number}, at most {ARENAS} allowed")
         self._arena = arena = Arena(memory, number, self._slots, value)
         self._interfaces = [arena.interface(i, (value,), "|u1", writable=False) for i in range(self._slots)]
 

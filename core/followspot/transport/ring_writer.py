@@ -49,8 +49,8 @@ class RingWriter:
 
     @property
     def lost(self) -> frozenset[int]:
-        """Indices of the readers that are gone."""
-        return frozenset(i for i, link in enumerate(self._links) if not link.alive)
+        """Indices of the readers that are gone before the end."""
+        return frozenset(i for i, link in enumerate(self._links) if not link.alive and not link.ended)
 
     def matched(self) -> bool:
         """True: the sockets exist before the processes do."""
@@ -97,8 +97,8 @@ class RingWriter:
         self._granted -= 1
         self._post(datagram)
 
-    def loan(self, shape: Sequence[int], dtype: str) -> Array:
-        """A writable array in a free slot; in ordinary memory where there is none or the array is small."""
+    def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
+        """A writable array in a free slot; None where there is no slot to spare, or the array is small."""
         kind = np.dtype(dtype)
         size = prod(shape) * kind.itemsize
         controls = self._controls()
@@ -109,7 +109,7 @@ class RingWriter:
             if left >= 2 and pool.lent() < self._quota:
                 self._granted = min(self._granted, left)
                 return pool.lend(int(free.argmax()), shape, kind)
-        return np.empty(shape, kind)
+        return None
 
     def flush(self) -> bool:
         """Send what found no room in a socket. True when nothing waits."""

@@ -17,7 +17,7 @@ class Settled(NamedTuple):
 
 
 class Invalid(NamedTuple):
-    """Made by the reader: something arrived, or was lost, that breaks the contract; the text says what."""
+    """Stands, at the reader, for a message that was lost or breaks its contract; the text says why."""
 
     reason: str
 

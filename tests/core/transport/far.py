@@ -26,7 +26,8 @@ KEY = "test/port"
 
 def frame(number: int, shape: tuple[int, ...], writer: PortWriter | None = None) -> Frame:
     """A frame that shows its number; computed in a loan where a writer is given."""
-    pixels = np.empty(shape, np.uint8) if writer is None else writer.loan(shape, "u1")
+    loan = None if writer is None else writer.loan(shape, "u1")
+    pixels = np.empty(shape, np.uint8) if loan is None else loan
     pixels[:] = number % 251
     return stamped(seal(Frame("cam0", pixels)), Header("camera/cam0", number, number))
 

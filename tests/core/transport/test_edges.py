@@ -259,6 +259,7 @@ def test_a_loan_reaches_the_other_process_without_a_copy(ring: Edge) -> None:
     """The slot is one piece of memory: what is written behind the seal shows in the other process."""
     writer = ring.writer({"keep": 1})
     loan = writer.loan(VGA, "u1")
+    assert loan is not None
     behind = loan.view()
     loan[:] = 0
     send_all(writer, [stamped(seal(Frame("cam0", loan)), Header("camera/cam0", 0, 0)), frame(1, VGA)])

@@ -1,0 +1,159 @@
+"""The writing end of an edge over Zenoh (docs/wire.md).
+
+Zenoh loses nothing between living peers as long as nobody floods it, so credit bounds what is under way.
+Its threads only note reports and ring a bell; all else happens in the worker's thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from urllib.parse import quote
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.messages import Array, Message
+from followspot.transport.bell import Bell
+from followspot.transport.codec import pack
+from followspot.transport.token import END, Settled
+from followspot.transport.zenoh_terms import (
+    CREDIT,
+    NUMBER,
+    WINDOW,
+    chunks,
+    presence,
+    publisher,
+    reached,
+    undeclare,
+)
+
+
+class ZenohWriter:
+    """`PortWriter` for readers anywhere that a session reaches."""
+
+    def __init__(self, session: zenoh.Session, key: str, readers: Sequence[str], depth: int) -> None:
+        """key: of the port, for example ``followspot/RUN/color/cam0/out``; readers: their names."""
+        self._depth = depth
+        self._index = {quote(name, safe=""): index for index, name in enumerate(readers)}
+        self._reports = [(0, 0)] * len(readers)
+        self._present: set[int] = set()
+        self._done: set[int] = set()
+        self._gone: set[int] = set()
+        self._tokens = 0
+        self._messages = 0
+        self._held: Settled | None = None
+        self._ending = False
+        self._waiting = False
+        self._bell = Bell()
+        self._publisher = publisher(session, key)
+        self._declared = [
+            session.declare_subscriber(f"{key}/credit/*", Callback(self._on_report, indirect=False)),
+            presence(session, f"{key}/alive/*/*", self._on_presence),
+            session.liveliness().declare_token(f"{key}/alive/writer"),
+        ]
+
+    @property
+    def lost(self) -> frozenset[int]:
+        """Indices of the readers that are gone before the end."""
+        return frozenset(self._gone)
+
+    def matched(self) -> bool:
+        """Whether every reader is there, and would get what is sent."""
+        return len(self._present) == len(self._reports) and reached(self._publisher)
+
+    def credit(self) -> int:
+        """How many messages may be sent now."""
+        reports = self._living()
+        if not reports:
+            return self._depth
+        if self._full(reports):
+            return 0
+        return max(0, self._depth - self._messages + min(consumed for consumed, _ in reports))
+
+    def send(self, token: Message | Settled) -> None:
+        """Put the token on the key; see `PortWriter.send`."""
+        if isinstance(token, Settled):
+            self._held = token
+            self._ending |= token.bound == END
+            self._send_held()
+            return
+        payload = pack(token)
+        if self.credit() <= 0:
+            raise RuntimeError("a message was sent without credit")
+        self._send_held()
+        self._messages += 1
+        self._put(payload)
+
+    def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
+        """None: Zenoh copies in any case."""
+        return None
+
+    def flush(self) -> bool:
+        """Send the settled time that had to wait. True when nothing waits; the end must have arrived."""
+        self._waiting = True
+        self._send_held()
+        arrived = len(self._done | self._gone) == len(self._reports)
+        return self._held is None and (arrived or not self._ending)
+
+    def filenos(self) -> list[int]:
+        """The bell."""
+        return [self._bell.fileno()]
+
+    def want_credit(self) -> None:
+        """Ring the bell at the next report."""
+        self._waiting = True
+
+    def drain(self) -> None:
+        """Hush the bell."""
+        self._bell.hush()
+        self._send_held()
+
+    def close(self) -> None:
+        """Undeclare everything; the session stays open."""
+        undeclare([*reversed(self._declared), self._publisher])
+        self._bell.close()
+
+    def _living(self) -> list[tuple[int, int]]:
+        return [report for index, report in enumerate(self._reports) if index not in self._gone]
+
+    def _full(self, reports: Sequence[tuple[int, int]]) -> bool:
+        """Whether as many tokens are under way as may be."""
+        return self._tokens - min(taken for _, taken in reports) >= WINDOW
+
+    def _send_held(self) -> None:
+        held = self._held
+        reports = self._living()
+        if held is not None and not (reports and self._full(reports)):
+            self._held = None
+            self._put(pack(held))
+
+    def _put(self, payload: bytes) -> None:
+        number = NUMBER.pack(self._tokens, self._messages)
+        self._tokens += 1
+        try:
+            if reached(self._publisher):  # a put that nobody gets is still copied
+                self._publisher.put(payload, attachment=number)
+        except zenoh.ZError:  # the session is closed
+            self._gone.update(range(len(self._reports)))
+
+    def _on_report(self, sample: zenoh.Sample) -> None:
+        index = self._index.get(chunks(sample)[-1])
+        report = sample.payload.to_bytes()
+        if index is None or len(report) != CREDIT.size:
+            return
+        consumed, taken = CREDIT.unpack(report)
+        self._reports[index] = min(consumed, self._messages), min(taken, self._tokens)
+        if self._waiting:
+            self._waiting = False
+            self._bell.ring()
+
+    def _on_presence(self, sample: zenoh.Sample) -> None:
+        _, role, name = chunks(sample)
+        index = self._index.get(name)
+        if index is None:
+            return
+        if sample.kind == zenoh.SampleKind.PUT:
+            (self._done if role == "done" else self._present).add(index)
+        elif index not in self._done:
+            self._gone.add(index)
+        self._bell.ring()
