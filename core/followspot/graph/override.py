@@ -38,7 +38,7 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
         return None
     try:
         # Blanks in front of the value give its places the columns of the option.
-        node = parse(" " * column + value, _FILE, option)
+        node = parse(" " * (column - 1) + value, _FILE, option)
     except InputError as error:
         mistakes += error.mistakes
         return None

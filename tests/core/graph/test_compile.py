@@ -1,0 +1,302 @@
+"""From files to a plan: fan-out, ports, overrides, variables, includes, order, seeds."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.core.graph.files import GRAPH, ROOM, TOY, write
+
+from followspot.errors import InputError
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan, PlannedStage
+
+PAIR = "  pair: {uses: toy.pair, in: {blobs: detect}}\n"
+
+
+def planned(folder: Path, *overrides: str, graph: str = GRAPH, room: str = ROOM) -> Plan:
+    return compile_graph(write(folder, graph=graph, room=room), overrides=overrides, plugin_files=[TOY])
+
+
+def stage(plan: Plan, name: str) -> PlannedStage:
+    return next(stage for stage in plan.stages if stage.name == name)
+
+
+def edges(plan: Plan) -> list[str]:
+    return [edge.name + (f" delay {edge.delay}" if edge.delay else "") for edge in plan.edges]
+
+
+def refused(folder: Path, *overrides: str, graph: str = GRAPH) -> list[str]:
+    with pytest.raises(InputError) as caught:
+        planned(folder, *overrides, graph=graph)
+    return [mistake.render() for mistake in caught.value.mistakes]
+
+
+def test_stages_fan_out_over_cameras_and_edges_over_instances(tmp_path: Path) -> None:
+    plan = planned(tmp_path)
+    assert [s.name for s in plan.stages] == [
+        "camera/cam0",
+        "camera/cam1",
+        "detect/cam0",
+        "detect/cam1",
+        "pair",
+        "track",
+        "save",
+    ]
+    assert edges(plan) == [
+        "camera/cam0.out -> detect/cam0.frame",
+        "track.forecast -> detect/cam0.forecast delay 1",
+        "camera/cam1.out -> detect/cam1.frame",
+        "track.forecast -> detect/cam1.forecast delay 1",
+        "detect/cam0.out -> pair.blobs",
+        "detect/cam1.out -> pair.blobs",
+        "pair.out -> track.blobs",
+        "track.tracks -> save.tracks",
+    ]
+    assert [s.camera for s in plan.stages[:5]] == ["cam0", "cam1", "cam0", "cam1", None]
+
+
+def test_a_camera_takes_its_source_from_the_room_and_the_graph_overrides_it(tmp_path: Path) -> None:
+    plan = planned(tmp_path)
+    assert [stage(plan, f"camera/cam{n}").params["frames"] for n in (0, 1)] == [20, 30]
+    plan = planned(tmp_path, "camera.frames=5")
+    assert [stage(plan, f"camera/cam{n}").params["frames"] for n in (0, 1)] == [5, 5]
+
+
+def test_parameters_of_the_plan_are_complete_and_of_json_types(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "detect.weights=[1, 2]")
+    assert stage(plan, "detect/cam0").params == {
+        "level": 0.5,
+        "start": "cold",
+        "weights": [1.0, 2.0],
+        "mood": {"gain": 1.0},
+    }
+
+
+def test_the_plan_does_not_depend_on_the_order_in_which_stages_are_declared(tmp_path: Path) -> None:
+    head, _, body = GRAPH.partition("stages:\n")
+    backwards = head + "stages:\n" + "\n".join(reversed(body.splitlines())) + "\n"
+    order = [s.name for s in planned(tmp_path, graph=backwards).stages]
+    assert order.index("camera/cam0") < order.index("detect/cam0") < order.index("pair")
+    assert order.index("pair") < order.index("track") < order.index("save")
+
+
+def test_a_latest_may_close_a_cycle_without_delay(tmp_path: Path) -> None:
+    plan = planned(tmp_path, graph=GRAPH.replace("{from: track.forecast, delay: 1}", "track.forecast"))
+    assert [s.group for s in plan.stages] == ["camera", "camera", "detect", "detect", "pair", "track", "save"]
+    assert {edge.delay for edge in plan.edges} == {0}
+
+
+def test_a_latest_outside_a_cycle_counts_for_the_order(tmp_path: Path) -> None:
+    graph = GRAPH.replace("  camera:", "  hint: {uses: toy.any, in: {blobs: echo}}\n  camera:").replace(
+        PAIR, PAIR + "  echo: {uses: toy.any, in: {blobs: pair, hint: track.forecast}}\n"
+    )
+    order = [s.name for s in planned(tmp_path, graph=graph).stages]
+    assert order.index("track") < order.index("echo") < order.index("hint")
+
+
+def test_a_stage_without_cameras_is_broadcast_to_those_with(tmp_path: Path) -> None:
+    graph = GRAPH.replace(PAIR, PAIR + "  echo: {uses: toy.any, each: cameras, in: {blobs: pair}}\n")
+    found = [name for name in edges(planned(tmp_path, graph=graph)) if "echo" in name]
+    assert found == ["pair.out -> echo/cam0.blobs", "pair.out -> echo/cam1.blobs"]
+
+
+def test_one_camera_may_feed_a_plain_input(tmp_path: Path) -> None:
+    graph = GRAPH.replace("each: cameras", 'each: "cameras[kind=color]"').replace("toy.pair", "toy.any")
+    assert "detect/cam0.out -> pair.blobs" in edges(planned(tmp_path, graph=graph))
+
+
+def test_joined_edges_come_in_the_order_of_the_rooms_cameras(tmp_path: Path) -> None:
+    second = '  second: {uses: toy.detect, each: "cameras[name=cam0]", in: {frame: camera}}\n'
+    graph = GRAPH.replace(
+        "detect: {uses: toy.detect, each: cameras", 'detect: {uses: toy.detect, each: "cameras[name=cam1]"'
+    )
+    graph = graph.replace(PAIR, second + PAIR.replace("detect", "[detect, second]"))
+    joined = [name for name in edges(planned(tmp_path, graph=graph)) if "pair.blobs" in name]
+    assert joined == ["second/cam0.out -> pair.blobs", "detect/cam1.out -> pair.blobs"]
+
+
+@pytest.mark.parametrize(
+    ("selector", "cameras"),
+    [
+        ("cameras", ["cam0", "cam1"]),
+        ("cameras[]", ["cam0", "cam1"]),
+        ("cameras[kind=infrared]", ["cam1"]),
+        ("cameras[name = cam1|cam0]", ["cam0", "cam1"]),
+        ("cameras[kind=color, name=cam0]", ["cam0"]),
+        ("cameras[host=pc-left]", ["cam1"]),
+        ("cameras[model=pinhole]", ["cam0", "cam1"]),
+    ],
+)
+def test_selectors_choose_cameras_in_the_order_of_the_room(
+    tmp_path: Path, selector: str, cameras: list[str]
+) -> None:
+    plan = planned(tmp_path, f"detect.each={selector!r}")
+    assert [s.camera for s in plan.stages if s.group == "detect"] == cameras
+
+
+def test_any_part_of_a_graph_can_be_overridden(tmp_path: Path) -> None:
+    split = "  split: {uses: toy.split, each: cameras, in: {blobs: detect}}\n"
+    plan = planned(
+        tmp_path,
+        "pair.uses=toy.any",
+        "pair.in.blobs=[split.left]",
+        "detect.level=0.25",
+        "detect.mood.gain=3",
+        "track.with.model=steady",
+        "track.on_error=skip",
+        "track.tolerance=0.01",
+        "track.deadline=2",
+        "save.in.tracks={from: track, depth: 3}",
+        graph=GRAPH.replace(PAIR, PAIR + split).replace("each: cameras", 'each: "cameras[kind=color]"'),
+    )
+    assert stage(plan, "pair").uses == "toy.any"
+    assert "split/cam0.left -> pair.blobs" in edges(plan)
+    assert stage(plan, "detect/cam0").params["level"] == 0.25
+    assert stage(plan, "detect/cam0").params["mood"] == {"gain": 3.0}
+    track = stage(plan, "track")
+    assert track.params == {"model": "steady"}
+    assert (track.on_error, track.tolerance, track.deadline) == ("skip", 0.01, 2.0)
+    assert plan.edges[-1].depth == 3
+
+
+@pytest.mark.parametrize(
+    ("option", "column", "said"),
+    [
+        ("detect.level=2", 14, "must be less than or equal to 1"),
+        ("detect.levle=1", 8, 'has no parameter "levle"'),
+        ("detekt.level=1", 1, 'the graph has no stage "detekt"'),
+        ("detect.uses=toy.detekt", 13, 'no stage "toy.detekt" is installed'),
+        ("detect.level=[1", 16, "not valid YAML"),
+        ("detect.in=camera", 8, '"in" holds several values'),
+        ("detect.in.frame=track", 17, "has no output of type Frame"),
+        ("detect.in.frme=camera", 11, 'has no input "frme"'),
+        ("detect", 1, "is no override"),
+        ("level=2", 1, "is no override"),
+        ("detect.=2", 1, "is no override"),
+        ("", 1, "is no override"),
+        ("track.model=${nobody}", 13, 'there is no variable "nobody"'),
+        ("camera.path=nowhere.png", 13, "which does not exist"),
+    ],
+)
+def test_a_mistake_in_an_override_is_shown_in_its_text(
+    tmp_path: Path, option: str, column: int, said: str
+) -> None:
+    shown = refused(tmp_path, option)[0]
+    assert shown.startswith(f"--set:1:{column}: ")
+    assert said in shown
+    if option:
+        line, caret = shown.splitlines()[1:3]
+        assert line == f"    1 | {option}"
+        assert caret.index("^") == len("    1 | ") + column - 1
+
+
+def test_variables_keep_their_type_and_can_be_set(tmp_path: Path) -> None:
+    graph = GRAPH.replace(
+        "{uses: toy.detect,", "{uses: toy.detect, with: {level: '${least}', start: '${mood}'},"
+    )
+    graph = graph.replace("least: 0.5", "least: 0.5, mood: cold, n: 1").replace("constant", "'order-${n}'")
+    plan = planned(tmp_path, "vars.mood=warm", graph=graph)
+    assert stage(plan, "detect/cam0").params["level"] == 0.5
+    assert stage(plan, "detect/cam0").params["start"] == "warm"
+    assert stage(plan, "track").params["model"] == "order-1"
+
+
+def test_a_variable_may_name_the_room(tmp_path: Path) -> None:
+    graph = GRAPH.replace("room: room.yaml", "room: '${place}.yaml'").replace("least: 0.5", "place: room")
+    assert planned(tmp_path, graph=graph).room.name == "stage"
+
+
+def test_stages_come_from_included_files_and_the_including_file_prevails(tmp_path: Path) -> None:
+    (tmp_path / "parts").mkdir()
+    lines = GRAPH.splitlines(keepends=True)
+    track = next(line for line in lines if "track: {" in line)
+    part = "graph: part\nseed: 1\nvars: {model: slow, least: 0.1}\nstages:\n" + track
+    part = part.replace("constant", "'${model}'")
+    (tmp_path / "parts" / "track.yaml").write_text(part, encoding="utf-8")
+    (tmp_path / "parts" / "all.yaml").write_text("include: track.yaml\n", encoding="utf-8")
+    graph = GRAPH.replace(track, "").replace(
+        "seed: 7", "include: [parts/all.yaml, parts/track.yaml]\nseed: 7"
+    )
+    plan = planned(tmp_path, graph=graph.replace("least: 0.5", "model: fast"))
+    assert (plan.graph, plan.seed) == ("play", 7)
+    assert stage(plan, "track").params["model"] == "fast"
+
+
+def test_a_stage_declared_in_two_files_is_a_mistake_in_the_second(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text("stages:\n  save: {uses: toy.save, in: {tracks: track}}\n")
+    found = refused(tmp_path, graph=GRAPH.replace("seed: 7", "include: part.yaml"))
+    assert len(found) == 1
+    assert 'stage "save" is declared twice' in found[0]
+    assert "part.yaml, line 2" in found[0]
+
+
+def test_a_mistake_in_an_included_file_is_placed_there(tmp_path: Path) -> None:
+    (tmp_path / "part.yaml").write_text("stages:\n  more: {uses: toy.anny, in: {blobs: pair}}\n")
+    (found,) = refused(tmp_path, graph=GRAPH.replace("seed: 7", "include: part.yaml"))
+    assert "part.yaml:2:16: " in found
+
+
+def test_the_seed_comes_from_the_option_or_the_graph_or_is_nought(tmp_path: Path) -> None:
+    graph = write(tmp_path)
+    assert compile_graph(graph, plugin_files=[TOY]).seed == 7
+    assert compile_graph(graph, plugin_files=[TOY], seed=3).seed == 3
+    assert planned(tmp_path, graph=GRAPH.replace("seed: 7\n", "")).seed == 0
+
+
+def test_another_room_serves_the_same_graph(tmp_path: Path) -> None:
+    graph = write(tmp_path)
+    (tmp_path / "small.yaml").write_text(ROOM.partition("  cam1:")[0])
+    plan = compile_graph(graph, room=tmp_path / "small.yaml", plugin_files=[TOY])
+    assert [s.name for s in plan.stages][:2] == ["camera/cam0", "detect/cam0"]
+    with pytest.raises(InputError, match=r"--room:1:1: there is no room file gone\.yaml"):
+        compile_graph(graph, room="gone.yaml", plugin_files=[TOY])
+
+
+def test_input_paths_become_absolute_from_the_file_they_stand_in(tmp_path: Path) -> None:
+    (tmp_path / "rooms").mkdir()
+    (tmp_path / "rooms" / "clip.png").touch()
+    (tmp_path / "rooms" / "truth.csv").touch()
+    room = ROOM.replace("{frames: 20}", "{path: clip.png}")
+    graph = write(tmp_path)
+    (tmp_path / "rooms" / "room.yaml").write_text(room)
+    plan = compile_graph(graph, room=tmp_path / "rooms" / "room.yaml", plugin_files=[TOY])
+    assert stage(plan, "camera/cam0").params["path"] == str(tmp_path / "rooms" / "clip.png")
+    assert plan.room.truth is not None
+    assert plan.room.truth.params == {"path": str(tmp_path / "rooms" / "truth.csv")}
+
+
+def test_a_graph_may_do_without_a_room(tmp_path: Path) -> None:
+    text = "stages:\n  know: {uses: toy.knowing, with: {path: truth.csv}}\n"
+    plan = compile_graph(write(tmp_path, graph=text), plugin_files=[TOY])
+    assert (plan.graph, plan.room.name, len(plan.stages)) == ("graph", "room", 1)
+    (found,) = refused(tmp_path, graph="stages:\n  eye: {uses: toy.camera, each: cameras}\n")
+    assert "needs cameras, but the graph names no room" in found
+
+
+@pytest.mark.parametrize("text", ["", "graph: nothing\n", "stages: {}\n"])
+def test_an_empty_graph_is_a_mistake(tmp_path: Path, text: str) -> None:
+    assert "the graph has no stages" in "\n".join(refused(tmp_path, graph=text))
+
+
+def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_path: Path) -> None:
+    graph = write(
+        tmp_path,
+        graph=GRAPH.replace("toy.pair", "toy.peir").replace("constant", "7"),
+        room=ROOM.replace("kind: color", "kind: red"),
+        placement="by: planet\n",
+    )
+    with pytest.raises(InputError) as caught:
+        compile_graph(
+            graph,
+            placement=tmp_path / "placement.yaml",
+            overrides=["nobody.x=1"],
+            plugin_files=[TOY, str(tmp_path / "none.py")],
+        )
+    shown = str(caught.value)
+    for part in ("none.py: there is no such file", "--set:1:1", "toy.peir", "cannot be 7", 'cannot be "red"'):
+        assert part in shown
+
+
+def test_a_mistake_of_a_stage_is_reported_once_however_many_cameras(tmp_path: Path) -> None:
+    assert len(refused(tmp_path, "detect.level=7")) == 1

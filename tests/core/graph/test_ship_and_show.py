@@ -1,0 +1,88 @@
+"""A plan travels to other processes unchanged, and people can see it."""
+
+from __future__ import annotations
+
+import json
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.core.graph.files import TOY, write
+
+from followspot.errors import FollowspotError
+from followspot.graph import show
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data, plan_to_data
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    return compile_graph(write(tmp_path), placement=tmp_path / "placement.yaml", plugin_files=[TOY])
+
+
+def test_a_shipped_plan_is_the_same(plan: Plan) -> None:
+    data = json.loads(json.dumps(plan_to_data(plan)))
+    found = plan_from_data(data)
+    assert plan_to_data(found) == data
+    assert (found.stages, found.edges, found.workers) == (plan.stages, plan.edges, plan.workers)
+    assert (found.graph, found.seed, found.plugin_files, found.notes) == ("play", 7, (TOY,), plan.notes)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "said"),
+    [
+        (("version",), 99, "the plan has version 99"),
+        (("stages", 0, "worker"), "nobody", "speaks of nobody"),
+        (("edges", 0, "to_stage"), "nobody", "speaks of nobody"),
+        (("edges", 0, "kind"), "pigeon", r"edges\.0\.kind"),
+        (("edges", 0, "delay"), "x", r"edges\.0\.delay"),
+        (("stages", 0, "on_error"), "cry", r"stages\.0\.on_error"),
+        (("stages", 1, "name"), "camera/cam0", "a name stands for two"),
+        (("room", "cameras", "cam0", "size"), [0, 0], "whole pixels"),
+        (("stages",), None, "this is no plan: stages"),
+    ],
+)
+def test_data_that_is_no_plan_is_refused(plan: Plan, path: tuple[Any, ...], value: Any, said: str) -> None:
+    data = plan_to_data(plan)
+    inner: Any = data
+    for key in path[:-1]:
+        inner = inner[key]
+    inner[path[-1]] = value
+    with pytest.raises(FollowspotError, match=said):
+        plan_from_data(data)
+
+
+def test_text_names_every_worker_stage_and_kind(plan: Plan) -> None:
+    lines = show.text(plan).splitlines()
+    assert lines[0] == "play in stage: 7 stages, 8 edges, 3 workers"
+    assert "worker left on pc-left" in lines
+    assert "  camera  toy.camera  cam0" in lines
+    assert "  pair.out        -> track.blobs      reference" in lines
+    assert "  track.forecast  -> detect.forecast  zenoh, delay 1 (main to left)" in lines
+
+
+def test_mermaid_holds_every_box_once_and_dots_what_is_delayed(plan: Plan) -> None:
+    lines = show.mermaid(plan).splitlines()
+    assert lines[0] == "flowchart LR"
+    assert sum("subgraph" in line for line in lines) == 3
+    assert sum("toy.detect" in line for line in lines) == 2
+    assert sum("-.->" in line for line in lines) == 2
+    assert sum(line.strip() == "end" for line in lines) == 3
+
+
+def test_svg_is_a_picture_of_every_box_and_edge(plan: Plan) -> None:
+    root = ET.fromstring(show.svg(plan))
+    space = "{http://www.w3.org/2000/svg}"
+    texts = {text.text for text in root.iter(f"{space}text")}
+    assert {"worker left on pc-left", "worker main", "worker right", "pair", "reference", "zenoh"} <= set(
+        texts
+    )
+    assert len(list(root.iter(f"{space}path"))) == 8
+    width, height = int(root.attrib["width"]), int(root.attrib["height"])
+    for box in root.iter(f"{space}rect"):
+        right = int(box.attrib.get("x", 0)) + int(box.attrib["width"])
+        bottom = int(box.attrib.get("y", 0)) + int(box.attrib["height"])
+        assert right <= width
+        assert bottom <= height
