@@ -36,7 +36,8 @@ def components(graph: Successors) -> dict[str, int]:
                 if work:
                     low[work[-1][0]] = min(low[work[-1][0]], low[name])
                 if low[name] == index[name]:
-                    _close(name, stack, number)
+                    while name not in number:
+                        number[stack.pop()] = index[name]
             elif end not in index:
                 index[end] = low[end] = len(index)
                 stack.append(end)
@@ -44,13 +45,6 @@ def components(graph: Successors) -> dict[str, int]:
             elif end not in number:
                 low[name] = min(low[name], index[end])
     return number
-
-
-def _close(root: str, stack: list[str], number: dict[str, int]) -> None:
-    """Number the component whose first member is `root`."""
-    own = len(set(number.values()))
-    while root not in number:
-        number[stack.pop()] = own
 
 
 def cycles(graph: Successors) -> list[list[str]]:

@@ -55,7 +55,7 @@ def load(
     text = _Text()
     root = _gather(Path(path), text, (), mistakes)
     changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
-    values = apply_to_vars(text.values, changes)
+    values = apply_to_vars(text.values, changes, mistakes)
     nodes = apply_to_stages(text.stages, changes, mistakes)
     stages = {
         name: read_stage(name, substitute(node, values, mistakes), mistakes) for name, node in nodes.items()

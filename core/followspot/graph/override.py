@@ -45,10 +45,19 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
     return Override(tuple(keys), tuple(places), node)
 
 
-def apply_to_vars(values: Mapping[str, Node], overrides: list[Override]) -> dict[str, Node]:
-    """The variables with those of `--set vars.NAME=VALUE`; names that the graph does not use do no harm."""
-    changed = {o.keys[1]: replace(o.value, key=o.places[1]) for o in overrides if o.keys[0] == "vars"}
-    return {**values, **changed}
+def apply_to_vars(
+    values: Mapping[str, Node], overrides: list[Override], mistakes: list[Mistake]
+) -> dict[str, Node]:
+    """The variables with those of `--set vars.NAME=VALUE`; one for an unknown variable is noted."""
+    changed = dict(values)
+    for override in overrides:
+        group, name = override.keys[0], ".".join(override.keys[1:])
+        if group == "vars" and name in values:
+            changed[name] = override.value
+        elif group == "vars":
+            remedy = did_you_mean(name, values, "vars")
+            mistakes.append(Mistake(override.places[1], f'the graph has no variable "{name}"', remedy))
+    return changed
 
 
 def apply_to_stages(

@@ -21,6 +21,7 @@ from followspot.stage import Stage
 
 GROUP = "followspot.plugins.v1"
 _OTHER_GROUPS = "followspot.plugins.v"
+_SEE = "`followspot plugins` lists every plugin and its state"
 _VALUE = re.compile(r"\w+(\.\w+)*:\w+")
 
 State = Literal["ok", "duplicate", "outdated", "half-installed", "broken"]
@@ -98,10 +99,10 @@ def load_stage(name: str) -> type[Stage]:
     if entry is None:
         raise PluginError(f'no stage "{name}" is installed', did_you_mean(name, stage_names(), "stages"))
     if entry.state != "ok":
-        raise PluginError(f"{name}: {entry.problem}")
+        raise PluginError(f"{name}: {entry.problem}", _SEE)
     stage, problem = _import(entry)
     if stage is None:
-        raise PluginError(f"{name}: {problem}")
+        raise PluginError(f"{name}: {problem}", _SEE)
     return stage
 
 

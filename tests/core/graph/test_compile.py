@@ -171,6 +171,8 @@ def test_any_part_of_a_graph_can_be_overridden(tmp_path: Path) -> None:
         ("detect.in=camera", 8, '"in" holds several values'),
         ("detect.in.frame=track", 17, "has no output of type Frame"),
         ("detect.in.frme=camera", 11, 'has no input "frme"'),
+        ("vars.leest=1", 6, 'the graph has no variable "leest"'),
+        ("vars.least.most=1", 6, 'the graph has no variable "least.most"'),
         ("detect", 1, "is no override"),
         ("level=2", 1, "is no override"),
         ("detect.=2", 1, "is no override"),
