@@ -12,7 +12,7 @@ from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import hsv_tiles, target_level
 from followspot_balls.components import Components, above_local_peak, components, cut
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import search_circles, windows, within
+from followspot_balls.search import in_picture, search_circles, windows, within
 from followspot_balls.votes import disc_centers
 
 
@@ -23,6 +23,9 @@ class Found(NamedTuple):
     area: Array
     similarity: Array
     target: Array
+
+
+NOTHING = Found(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0, int))
 
 
 class ColorBlobs(Stage):
@@ -120,18 +123,18 @@ class ColorBlobs(Stage):
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
         circles = search_circles(self.camera, forecast, self.sizes, p.radius, p.scale)
-        near, lost = np.flatnonzero(~np.isnan(circles.center[:, 0])), np.flatnonzero(circles.lost)
-        found = []
+        near, lost = in_picture(circles, self.camera.size), np.flatnonzero(circles.lost)
+        found = [NOTHING]
         if len(near):
-            corners, side = windows(circles, near)
+            corners, side = windows(circles, near, self.camera.size)
             found.append(
                 self.search(cut(frame.pixels, corners, side, side), near, corners, circles.ball[near])
             )
-        if len(lost) or not found:
+        if len(lost):
             corners = np.zeros((len(lost), 2), int)
             tiles = cut(frame.pixels, np.zeros((1, 2), int), *frame.pixels.shape[:2])
             found.append(self.search(tiles, lost, corners, None))
-        blobs = found[0] if len(found) == 1 else Found(*map(np.concatenate, zip(*found, strict=True)))
+        blobs = Found(*map(np.concatenate, zip(*found, strict=True)))
         targets = within(circles, blobs.pixel) & (blobs.target[:, None] == np.arange(len(self.sizes)))
         keep = targets.any(axis=1)
         pixel = blobs.pixel[keep]

@@ -8,7 +8,7 @@ from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.components import above_local_peak, components, cut
-from followspot_balls.search import Circles, search_circles, windows, within
+from followspot_balls.search import Circles, in_picture, search_circles, windows, within
 from followspot_balls.votes import disc_centers
 
 SAME = 0.5
@@ -92,8 +92,11 @@ class IrBlobs(Stage):
         if circles.lost.any():
             corners = np.zeros((1, 2), int)
         else:
-            corners, height = windows(circles, np.flatnonzero(~np.isnan(circles.center[:, 0])))
+            near = in_picture(circles, self.camera.size)
+            corners, height = windows(circles, near, self.camera.size)
             width = height
+        if not len(corners):
+            return np.empty((0, 2)), np.empty(0)
         gray = cut(pixels, corners, height, width)[..., 0]
         level = np.where((gray >= self.darkest) & (gray <= self.brightest), gray, np.uint8(0))
         blobs = components(above_local_peak(level, self.params.edge), level, self.sought)

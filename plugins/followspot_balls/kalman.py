@@ -55,7 +55,7 @@ class Kalman(Stage):
             "raising it avoids false recoveries",
         )
         frames: int = Field(
-            4,
+            8,
             ge=1,
             unit="frames",
             description="frames in a row after which fewer candidates are believed; raising it avoids false "

@@ -57,7 +57,7 @@ class MeanShift(Stage):
             "targets jump",
         )
         used: float = Field(
-            0.4,
+            0.6,
             ge=0,
             lt=1,
             unit="1",

@@ -45,14 +45,14 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
     start: (M, 3) m; tolerance: length of the last step, m; steps: at most.
     """
     center, taken = start, np.zeros(len(start), int)
-    held = sample.weights
+    held, moving = sample.weights, np.ones(len(start), bool)
     for step in range(1, steps + 1):
         held = kernel(sample.xyz - center[:, None], sample.bandwidth, sample.labelled) * sample.weights
-        mean = np.where(held.any(axis=1, keepdims=True), weighted_mean(sample.xyz, held), center)
+        free = moving & held.any(axis=1)
+        mean = np.where(free[:, None], weighted_mean(sample.xyz, held), center)
+        taken[moving] = step
         moving = np.linalg.norm(mean - center, axis=1) >= tolerance
         center = mean
-        taken[taken == step - 1] += 1
-        taken[~moving & (taken == step)] = step
         if not moving.any():
             break
     return Modes(center, held, taken)

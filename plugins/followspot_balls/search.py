@@ -96,13 +96,20 @@ def within(circles: Circles, pixel: Array) -> Array:
     return np.asarray(inside | circles.lost)
 
 
-def windows(circles: Circles, chosen: Array) -> tuple[Array, int]:
+def in_picture(circles: Circles, size: tuple[int, int]) -> Array:
+    """Targets whose search region reaches into a picture of this width and height, px: their numbers."""
+    inside = (circles.center >= -circles.radius[:, None]) & (circles.center <= size + circles.radius[:, None])
+    return np.flatnonzero(inside.all(axis=1))
+
+
+def windows(circles: Circles, chosen: Array, size: tuple[int, int]) -> tuple[Array, int]:
     """Squares around some search regions, so large that a ball on the circle is whole in them.
 
-    Returns the upper left corners, (M, 2) int px, and the side, px; of all the same, for the largest.
+    Returns the upper left corners, (M, 2) int px, and the side, px, the same for all: that of the
+    largest, but no window exceeds twice the picture, of width and height `size`.
     """
     reach = circles.radius[chosen] + WINDOW * circles.ball[chosen]
-    half = int(reach.max(initial=0)) + 3
+    half = int(min(reach.max(initial=0), max(size))) + 3
     return np.rint(circles.center[chosen]).astype(int) - half, 2 * half + 1
 
 

@@ -20,7 +20,7 @@ class Triangulate(Stage):
         scale: float = Field(2.0, gt=0, unit="1", description="radius of a sphere over the last displacement")
 
         smallest: float = Field(
-            0.2,
+            0.25,
             ge=0,
             unit="1",
             description="smallest blob over the target's outline at that distance, while the target is not "

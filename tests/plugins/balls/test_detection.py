@@ -1,0 +1,225 @@
+"""Colour and infrared detection, and the templates learnt for it (sections 2 and 3.2, 3.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import SIZE, disc, forecast_at, make_room, picture
+
+from followspot.geometry import project
+from followspot.messages import Array, seal
+from followspot.stage import Context, Stage
+from followspot.tracking import Blobs, Forecast, Frame
+from followspot_balls.color_blobs import ColorBlobs
+from followspot_balls.components import MOST, above_local_peak, components
+from followspot_balls.hue import bhattacharyya, membership, normalised
+from followspot_balls.ir_blobs import IrBlobs
+from followspot_balls.template import learn_color, learn_infrared
+from followspot_balls.votes import disc_centers
+
+ROOM = make_room()
+HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)
+BALLS = {"red": np.array(HERE), "green": np.array(THERE)}
+FORECAST = forecast_at([HERE, THERE])
+
+
+def detector(kind: type[Stage], camera: str, **params: float) -> Stage:
+    stage = kind(Context(room=ROOM, camera=ROOM.cameras[camera]), **params)
+    stage.setup()
+    return stage
+
+
+def painted(camera: str, discs: list[tuple[float, float, float, tuple[int, int, int]]]) -> Frame:
+    """A picture of discs: x, y, radius, colour."""
+    pixels = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)
+    for x, y, radius, color in discs:
+        disc(pixels, np.array([x, y]), radius, color)
+    color_camera = ROOM.cameras[camera].kind == "color"
+    return seal(Frame(camera=camera, pixels=pixels if color_camera else pixels[..., :1].copy()))
+
+
+def test_bhattacharyya_by_hand() -> None:
+    a, b = np.zeros(16), np.zeros(16)
+    a[[0, 1]], b[[1, 2]] = 0.5, [0.5, 0.5]
+    assert bhattacharyya(a, b) == pytest.approx(0.5)
+    assert bhattacharyya(a, a) == pytest.approx(1.0)
+    assert bhattacharyya(a, np.eye(16)[0]) == pytest.approx(np.sqrt(0.5))
+
+
+def test_histograms_are_normalised_and_an_empty_one_stays_zero() -> None:
+    counts = np.zeros((2, 16))
+    counts[0, [2, 5]] = [1, 3]
+    assert normalised(counts)[0, [2, 5]] == pytest.approx([0.25, 0.75])
+    assert not normalised(counts)[1].any()
+
+
+def test_membership_has_sixteen_bins_of_sixteen_hues() -> None:
+    member = membership(np.eye(16)[[1]], 0.02)
+    assert np.flatnonzero(member[0]).tolist() == list(range(16, 32))
+
+
+@pytest.mark.parametrize("forecast", [None, Forecast.empty(), FORECAST])
+@pytest.mark.parametrize("camera", ["cam0", "cam2"])
+def test_color_blobs_finds_each_ball_for_its_own_target(camera: str, forecast: Forecast | None) -> None:
+    blobs = detector(ColorBlobs, camera).process(picture(ROOM.cameras[camera], BALLS), forecast)
+    assert blobs.targets.tolist() == [[True, False], [False, True]]
+    assert blobs.pixel == pytest.approx(project(ROOM.cameras[camera], np.array([HERE, THERE])), abs=0.2)
+    assert (blobs.similarity > 0.99).all()
+
+
+@pytest.mark.parametrize("forecast", [None, FORECAST])
+def test_a_saturated_white_core_does_not_break_a_blob(forecast: Forecast | None) -> None:
+    frame = picture(ROOM.cameras["cam0"], BALLS, white_core=True)
+    blobs = detector(ColorBlobs, "cam0").process(frame, forecast)
+    assert blobs.pixel == pytest.approx(project(ROOM.cameras["cam0"], np.array([HERE, THERE])), abs=0.2)
+
+
+def test_similarity_must_exceed_the_threshold() -> None:
+    # half of the ball shows a hue of the neighbouring target: similarity sqrt(1/2) with either template
+    mixed = make_room()
+    for target in mixed.targets.values():
+        target.hue_histogram["cam0"][[0, 5]] = [0.5, 0.5]  # type: ignore[index]
+    stage = ColorBlobs(Context(room=mixed, camera=mixed.cameras["cam0"]))
+    stage.setup()
+    frame = painted("cam0", [(80.0, 60.0, 3.3, (0, 0, 255))])
+    assert len(stage.process(frame, None).xy) == 0
+    loose = ColorBlobs(Context(room=mixed, camera=mixed.cameras["cam0"]), similarity=0.7)
+    loose.setup()
+    assert loose.process(frame, None).similarity == pytest.approx(np.full(2, np.sqrt(0.5)))
+
+
+@pytest.mark.parametrize(("radius", "found"), [(0.7, 0), (3.3, 1), (8.0, 0)])
+def test_size_control_removes_blobs_out_of_the_range(radius: float, found: int) -> None:
+    # template 15 to 60 px, tolerance 0.3 and 1.5: from 4.5 to 90 px
+    frame = painted("cam0", [(80.0, 60.0, radius, (0, 0, 255))])
+    assert len(detector(ColorBlobs, "cam0").process(frame, None).xy) == found
+    frame = painted("cam1", [(80.0, 60.0, radius, (200, 200, 200))])
+    assert len(detector(IrBlobs, "cam1").process(frame, None).xy) == found
+
+
+def test_a_ball_submerged_by_a_larger_projection_counts_as_hidden() -> None:
+    x, y = project(ROOM.cameras["cam0"], np.array([HERE]))[0]
+    frame = painted("cam0", [(x, y, 12.0, (0, 0, 250)), (x, y, 3.3, (0, 0, 255))])
+    blobs = detector(ColorBlobs, "cam0").process(frame, FORECAST)
+    assert len(blobs.xy) == 0
+
+
+def test_a_ball_is_cut_from_the_dimmer_projection_that_it_touches() -> None:
+    x, y = project(ROOM.cameras["cam0"], np.array([HERE]))[0]
+    frame = painted("cam0", [(x + 5, y, 4.0, (0, 0, 120)), (x, y, 3.3, (0, 0, 255))])
+    blobs = detector(ColorBlobs, "cam0").process(frame, FORECAST)
+    assert np.hypot(*(blobs.pixel - [x, y]).T).min() < 0.4
+
+
+@pytest.mark.parametrize(("camera", "kind"), [("cam0", ColorBlobs), ("cam1", IrBlobs)])
+def test_a_half_hidden_ball_is_found_where_it_is_and_not_at_its_centroid(
+    camera: str, kind: type[Stage]
+) -> None:
+    view = ROOM.cameras[camera]
+    frame = picture(view, {"red": np.array(HERE)})
+    x, y = project(view, np.array([HERE]))[0]
+    pixels = frame.pixels.copy()
+    pixels[:, : round(x)] = 0  # hidden by something vertical
+    blobs = detector(kind, camera, rim=0.0).process(seal(Frame(camera=camera, pixels=pixels)), FORECAST)
+    assert np.hypot(*(blobs.pixel[0] - [x, y])) < 0.6
+    blind = detector(kind, camera).process(seal(Frame(camera=camera, pixels=pixels)), None)
+    assert np.hypot(*(blind.pixel[0] - [x, y])) > 0.9
+
+
+@pytest.mark.parametrize("forecast", [None, FORECAST])
+def test_ir_blobs_finds_both_balls_and_labels_neither(forecast: Forecast | None) -> None:
+    blobs = detector(IrBlobs, "cam1", rim=0.0).process(picture(ROOM.cameras["cam1"], BALLS), forecast)
+    expected = project(ROOM.cameras["cam1"], np.array([HERE, THERE]))
+    order = np.argsort(blobs.pixel[:, 1])
+    assert blobs.pixel[order] == pytest.approx(expected[np.argsort(expected[:, 1])], abs=0.2)
+    assert (blobs.similarity == 1).all()
+    if forecast is None:
+        assert blobs.targets.all()
+    else:
+        assert blobs.targets[order].sum(axis=1).tolist() == [1, 1]
+
+
+def test_an_infrared_blob_in_two_windows_is_one_blob_of_two_targets() -> None:
+    near = (HERE[0] + 0.1, HERE[1], HERE[2])
+    frame = picture(ROOM.cameras["cam1"], {"red": np.array(HERE)})
+    blobs = detector(IrBlobs, "cam1").process(frame, forecast_at([HERE, near]))
+    assert blobs.targets.tolist() == [[True, True]]
+
+
+def test_hot_pixels_are_not_balls() -> None:
+    frame = painted("cam1", [])
+    pixels = frame.pixels.copy()
+    pixels[::9, ::9] = 255
+    assert len(detector(IrBlobs, "cam1").process(seal(Frame(camera="cam1", pixels=pixels)), None).xy) == 0
+
+
+def test_grey_levels_out_of_the_range_are_not_seen() -> None:
+    frame = painted("cam1", [(80.0, 60.0, 3.3, (50, 50, 50))])
+    assert len(detector(IrBlobs, "cam1").process(frame, None).xy) == 0
+
+
+def test_noise_is_bounded() -> None:
+    level = np.zeros((1, 201, 200), np.uint8)
+    level[0, :200:3, ::3] = 200
+    found = components(above_local_peak(level, 0.5), level, np.array([[1.0, 9.0]]))
+    assert len(found.area) == MOST
+
+
+def test_without_a_radius_the_centre_is_the_centroid() -> None:
+    level = np.zeros((1, 21, 20), np.uint8)
+    level[0, 5:9, 5:9] = 200
+    found = components(above_local_peak(level, 0.5), level, np.array([[1.0, 90.0]]))
+    assert disc_centers(level, found, np.array([np.nan]), 0.5) == pytest.approx(np.array([[6.5, 6.5]]))
+
+
+def clip(camera: str, color: tuple[int, int, int], seen: Array) -> list[Array]:
+    """A disc that moves; with a hot pixel, and frames in which it is out of view."""
+    frames = []
+    for i, visible in enumerate(seen):
+        discs = [(20.0 + 5 * i, 50.0, 2.5 + 0.1 * i, color)] if visible else []
+        pixels = painted(camera, discs).pixels.copy()
+        pixels[5, 5] = 255
+        frames.append(pixels)
+    return frames
+
+
+def test_a_template_is_learnt_from_a_lone_ball() -> None:
+    seen = np.arange(20) % 5 != 0
+    histogram, area = learn_color(clip("cam0", (0, 0, 255), seen))
+    assert histogram == pytest.approx(np.eye(16)[0])
+    assert np.pi * 2.4**2 < area[0] < np.pi * 3.2**2
+    assert np.pi * 4.0**2 < area[1] < np.pi * 5.0**2
+    gray, area = learn_infrared(clip("cam1", (180, 180, 180), seen))
+    assert 60 < gray[0] < 120
+    assert gray[1] == 180
+    assert area[0] < 30 < 50 < area[1]
+
+
+@pytest.mark.parametrize("learn", [learn_color, learn_infrared])
+def test_a_clip_without_a_ball_says_why(learn: object) -> None:
+    with pytest.raises(ValueError, match="no frames"):
+        learn([])  # type: ignore[operator]
+    dark = clip("cam0", (0, 0, 0), np.zeros(20, bool))
+    with pytest.raises(ValueError, match=r"moves|moving"):
+        learn(dark)  # type: ignore[operator]
+
+
+def test_a_colourless_spot_is_no_colour_template() -> None:
+    with pytest.raises(ValueError, match="no colour"):
+        learn_color(clip("cam0", (255, 255, 255), np.ones(20, bool)))
+
+
+def test_detectors_of_a_room_without_targets_find_nothing() -> None:
+    empty = make_room(targets=())
+    for name, kind in (("cam0", ColorBlobs), ("cam1", IrBlobs)):
+        stage = kind(Context(room=empty, camera=empty.cameras[name]))
+        stage.setup()
+        blobs: Blobs = stage.process(picture(ROOM.cameras[name], BALLS), None)
+        assert blobs.targets.shape == (0, 0)
+
+
+def test_a_camera_that_sees_no_search_region_finds_nothing() -> None:
+    behind = forecast_at([(30.0, 0.0, 1.0), (0.0, 30.0, 1.0)])
+    for name, kind in (("cam0", ColorBlobs), ("cam1", IrBlobs)):
+        blobs = detector(kind, name).process(picture(ROOM.cameras[name], BALLS), behind)
+        assert blobs.targets.shape == (0, 2)

@@ -1,0 +1,121 @@
+"""Equations 4 to 8 of Jin & Qian 2008 on cases computed by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from tests.plugins.balls.scene import candidates_at, forecast_at
+
+from followspot_balls.kernels import (
+    ellipsoid,
+    epipolar_weight,
+    flat_kernel,
+    kernel,
+    truncated_gaussian_kernel,
+)
+from followspot_balls.mean import Mean
+from followspot_balls.mean_shift import MeanShift
+from followspot_balls.modes import Sample, densest, seek_modes
+
+H = np.array([0.1, 0.2, 0.4])
+OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])
+
+
+def test_ellipsoid_is_negative_inside_zero_on_it_and_positive_outside() -> None:
+    # 0 - 1, 1 - 1, 3 * 1/4 - 1, 1/4 - 1, 1.21 - 1
+    assert ellipsoid(OFFSETS, H) == pytest.approx([-1.0, 0.0, -0.25, -0.75, 0.21])
+
+
+def test_flat_kernel_is_one_inside_the_ellipsoid_only() -> None:
+    assert flat_kernel(OFFSETS, H).tolist() == [1.0, 0.0, 1.0, 1.0, 0.0]
+
+
+def test_gaussian_kernel_falls_with_the_widest_bandwidth_and_is_cut_at_the_ellipsoid() -> None:
+    expected = [1.0, 0.0, np.exp(-(0.05**2 + 0.1**2 + 0.2**2) / 0.16), np.exp(-0.01 / 0.16), 0.0]
+    assert truncated_gaussian_kernel(OFFSETS, H) == pytest.approx(expected)
+
+
+def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> None:
+    labelled = np.array([True, True, True, False, False])
+    both = kernel(OFFSETS[None], H[None], labelled)[0]
+    assert both == pytest.approx([1.0, 0.0, 1.0, np.exp(-0.01 / 0.16), 0.0])
+
+
+def test_weight_of_epipolar_distance_has_alpha_two_t_squared() -> None:
+    assert epipolar_weight(np.array([0.0, 3.0, 6.0]), 3.0) == pytest.approx([1.0, np.exp(-0.5), np.exp(-2.0)])
+
+
+def test_one_step_is_the_weighted_mean_of_what_the_kernel_holds() -> None:
+    xyz = np.array([[0.0, 0.0, 0.0], [0.06, 0.0, 0.0], [5.0, 0.0, 0.0]])
+    sample = Sample(xyz, np.ones(3, bool), np.array([[1.0, 0.5, 1.0]]), np.full((1, 3), 0.1))
+    modes = seek_modes(np.array([[0.01, 0.0, 0.0]]), sample, 0.0005, 1)
+    assert modes.center[0] == pytest.approx([0.02, 0.0, 0.0])
+    assert modes.held[0] == pytest.approx([1.0, 0.5, 0.0])
+
+
+def test_a_centre_rests_when_its_step_is_shorter_than_half_a_millimetre() -> None:
+    xyz = np.array([[0.0, 0.0, 0.0]])
+    sample = Sample(xyz, np.ones(1, bool), np.ones((2, 1)), np.full((2, 3), 0.1))
+    start = np.array([[0.0004, 0.0, 0.0], [0.0006, 0.0, 0.0]])
+    assert seek_modes(start, sample, 0.0005, 30).steps.tolist() == [1, 2]
+
+
+def test_an_empty_kernel_stays_where_it_is() -> None:
+    sample = Sample(np.zeros((1, 3)), np.ones(1, bool), np.ones((1, 1)), np.full((1, 3), 0.1))
+    modes = seek_modes(np.array([[1.0, 0.0, 0.0]]), sample, 0.0005, 30)
+    assert modes.center.tolist() == [[1.0, 0.0, 0.0]]
+    assert not modes.held.any()
+
+
+@settings(deadline=None, max_examples=50)
+@given(arrays(float, (6, 3), elements=st.floats(-0.2, 0.2)))
+def test_a_mode_lies_within_the_candidates(xyz: np.ndarray) -> None:
+    sample = Sample(xyz, np.ones(6, bool), np.ones((1, 6)), np.full((1, 3), 0.1))
+    modes = seek_modes(densest(sample, np.ones((1, 6))), sample, 0.0005, 30)
+    assert (modes.center >= xyz.min(axis=0) - 1e-12).all()
+    assert (modes.center <= xyz.max(axis=0) + 1e-12).all()
+    assert modes.held.any()
+
+
+def test_mean_shift_ignores_the_biased_candidate_that_the_mean_takes() -> None:
+    found = candidates_at([(0.0, 0.0, 1.0), (0.004, 0.0, 1.0), (0.002, 0.0, 1.0), (0.15, 0.0, 1.0)])
+    forecast = forecast_at([(0.01, 0.0, 1.0)])
+    assert MeanShift().process(found, forecast).xyz[0] == pytest.approx([0.002, 0.0, 1.0], abs=1e-9)
+    assert Mean().process(found, forecast).xyz[0] == pytest.approx([0.039, 0.0, 1.0])
+
+
+def test_mean_shift_leaves_a_forecast_that_its_candidates_contradict() -> None:
+    found = candidates_at([(0.02, 0.0, 1.0)] + [(0.15 + 0.001 * i, 0.0, 1.0) for i in range(5)])
+    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)]))
+    assert position.xyz[0] == pytest.approx([0.152, 0.0, 1.0], abs=1e-6)
+
+
+def test_each_target_takes_its_own_candidates_and_shares_unlabelled_ones() -> None:
+    found = candidates_at(
+        [(0.0, 0.0, 1.0), (0.17, 0.0, 1.0), (0.0, 0.01, 1.0)],
+        labelled=[True, True, False],
+        confirmed=[True, True, False],
+        targets=[[True, False], [False, True], [True, True]],
+    )
+    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0), (0.17, 0.0, 1.0)]))
+    assert position.target.tolist() == [0, 1]
+    assert position.xyz[1] == pytest.approx([0.17, 0.0, 1.0])
+    assert position.support.tolist() == [2, 1]
+
+
+@pytest.mark.parametrize("fusion", [MeanShift, Mean])
+def test_a_lost_target_gets_no_position_without_a_color_infrared_pair(fusion: type) -> None:
+    places = [(0.0, 0.0, 1.0), (0.001, 0.0, 1.0)]
+    assert len(fusion().process(candidates_at(places, confirmed=[False, False]), None).target) == 0
+    assert len(fusion().process(candidates_at(places, confirmed=[True, False]), None).target) == 1
+
+
+@pytest.mark.parametrize("start", ["forecast", "densest", "mean"])
+def test_every_initial_centre_finds_a_single_cluster(start: str) -> None:
+    found = candidates_at([(0.001 * i, 0.0, 1.0) for i in range(5)])
+    position = MeanShift(start=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
+    assert position.xyz[0] == pytest.approx([0.002, 0.0, 1.0])
+    assert position.iterations[0] >= 1

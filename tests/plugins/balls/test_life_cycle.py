@@ -1,0 +1,129 @@
+"""The filter and the life cycle of a target: tracked, missing, lost, recovered (sections 3.7 and 3.8)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import make_room, positions_at
+
+from followspot.stage import Context
+from followspot.tracking import LOST, MISSING, TRACKED
+from followspot_balls.kalman import Kalman, Outputs
+from followspot_balls.motion import Motion, predict, started, update
+
+FPS = 30
+HERE = (0.0, 0.0, 1.0)
+
+
+def kalman(**params: float) -> Kalman:
+    stage = Kalman(Context(room=make_room()), **params)
+    stage.setup()
+    return stage
+
+
+def watch(stage: Kalman, frames: int, first: int = 0, seen: bool = True, **how: object) -> list[Outputs]:
+    """Run frames in which target 0 is measured at rest, or is not."""
+    places = {0: HERE} if seen else {}
+    return [
+        stage.process(positions_at(places, (first + i) / FPS, **how))  # type: ignore[arg-type]
+        for i in range(frames)
+    ]
+
+
+def test_a_measured_target_is_tracked_and_an_unseen_one_stays_lost() -> None:
+    outputs = watch(kalman(), 3)[-1]
+    assert outputs.tracks.target.tolist() == [0]
+    assert outputs.forecast.state.tolist() == [TRACKED, LOST]
+    assert outputs.tracks.xyz[0] == pytest.approx(HERE)
+
+
+def test_a_target_is_missing_for_25_frames_then_lost() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    states = [o.forecast.state[0] for o in watch(stage, 26, first=40, seen=False)]
+    assert states == [MISSING] * 25 + [LOST]
+
+
+def test_a_missing_target_that_shows_itself_again_starts_its_counter_anew() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    watch(stage, 20, first=40, seen=False)
+    watch(stage, 1, first=60)
+    assert watch(stage, 25, first=61, seen=False)[-1].forecast.state[0] == MISSING
+
+
+def test_there_is_never_a_position_for_a_missing_or_lost_target() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    for outputs in watch(stage, 40, first=40, seen=False):
+        assert len(outputs.tracks.target) == 0
+    lost = outputs.forecast
+    assert not lost.xyz.any()
+    assert not lost.covariance.any()
+
+
+def test_a_lost_target_is_recovered_only_by_a_color_infrared_pair() -> None:
+    stage = kalman()
+    assert all(len(o.tracks.target) == 0 for o in watch(stage, 20, confirmed=False))
+    assert len(watch(stage, 1, first=20)[0].tracks.target) == 1
+
+
+def test_a_single_pair_is_believed_after_frames_in_a_row() -> None:
+    shown = [len(o.tracks.target) for o in watch(kalman(frames=4), 6, support=1)]
+    assert shown == [0, 0, 0, 1, 1, 1]
+
+
+def test_a_single_pair_that_jumps_is_a_coincidence() -> None:
+    stage = kalman(frames=4)
+    for i in range(12):
+        outputs = stage.process(positions_at({0: (0.5 * (i % 2), 0.0, 1.0)}, i / FPS, support=1))
+        assert len(outputs.tracks.target) == 0
+
+
+def test_a_target_that_was_seen_briefly_is_lost_as_soon() -> None:
+    stage = kalman()
+    watch(stage, 2)
+    states = [o.forecast.state[0] for o in watch(stage, 3, first=2, seen=False)]
+    assert states == [MISSING, MISSING, LOST]
+
+
+@pytest.mark.parametrize("fps", [15, 30, 120])
+def test_the_forecast_is_for_the_next_frame_at_any_rate(fps: int) -> None:
+    stage = kalman()
+    for i in range(60):
+        outputs = stage.process(positions_at({0: (1.5 * i / fps, 0.0, 1.0)}, i / fps))
+    assert outputs.forecast.period == pytest.approx(1 / fps)
+    assert outputs.forecast.velocity[0] == pytest.approx([1.5, 0.0, 0.0], abs=0.02)
+    assert outputs.forecast.xyz[0] == pytest.approx([1.5 * 60 / fps, 0.0, 1.0], abs=0.002)
+    travel = outputs.forecast.last - outputs.forecast.before
+    assert travel[0] == pytest.approx([1.5 / fps, 0.0, 0.0], abs=0.002)
+
+
+def test_a_missing_target_comes_to_rest_near_its_last_place() -> None:
+    stage = kalman(fade=0.0)
+    for i in range(40):
+        stage.process(positions_at({0: (0.05 * i, 0.0, 1.0)}, i / FPS))
+    outputs = watch(stage, 3, first=40, seen=False)[-1]
+    assert outputs.forecast.xyz[0] == pytest.approx(outputs.forecast.last[0])
+
+
+def test_prediction_and_update_follow_the_equations() -> None:
+    motion = started(Motion.zero(1), np.array([0]), np.array([[1.0, 2.0, 3.0]]), np.eye(3)[None] * 4.0, 1.0)
+    ahead = predict(motion, 0.5, 2.0)
+    # P = 4 + 0.5^2 * 1 + (0.5^2 / 2)^2 * 2^2 = 4.3125; P_v = 1 + 0.5^2 * 4 = 2; P_xv = 0.5 + 0.125 * 0.5 * 4
+    assert ahead.covariance[0, 0, 0] == pytest.approx(4.3125)
+    assert ahead.covariance[0, 3, 3] == pytest.approx(2.0)
+    assert ahead.covariance[0, 0, 3] == pytest.approx(0.75)
+    measured = update(ahead, np.array([0]), np.array([[2.0, 2.0, 3.0]]), np.eye(3)[None] * 4.3125)
+    assert measured.xyz[0] == pytest.approx([1.5, 2.0, 3.0])
+    assert measured.velocity[0] == pytest.approx([0.75 / 8.625, 0.0, 0.0])
+    assert measured.covariance[0, 0, 0] == pytest.approx(4.3125 / 2)
+
+
+def test_a_successor_carries_on_where_its_predecessor_stopped() -> None:
+    old, new = kalman(), kalman()
+    watch(old, 10)
+    new.restore(old.state())
+    a, b = watch(old, 1, first=10)[0], watch(new, 1, first=10)[0]
+    assert a.tracks.xyz.tobytes() == b.tracks.xyz.tobytes()
+    assert a.forecast.covariance.tobytes() == b.forecast.covariance.tobytes()

@@ -1,0 +1,171 @@
+"""Search regions, pair verification and candidates (Jin & Qian 2008, sections 3.3 to 3.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, make_room
+
+from followspot.geometry import project
+from followspot.messages import Array, seal
+from followspot.room import Room
+from followspot.stage import Context
+from followspot.tracking import Blobs, Forecast, Pairs
+from followspot_balls.search import search_circles, search_radius, search_spheres
+from followspot_balls.search_gate import SearchGate
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs, homography_test
+
+ROOM = make_room()
+BALL = (0.1, 0.2, 1.0)
+
+
+def verify(blobs: dict[str, list[tuple[float, float, float]]], **params: float) -> Pairs:
+    """Pairs of exact blobs of red points in the named cameras, an infrared one serving both targets."""
+    stage = VerifyPairs(Context(room=ROOM), **params)
+    stage.setup()
+    return stage.process(tuple(named(ROOM, n, p) for n, p in blobs.items()))
+
+
+def named(room: Room, name: str, places: list[tuple[float, float, float]]) -> Blobs:
+    camera = room.cameras[name]
+    return blobs_of(camera, places, [[True, camera.kind == "infrared"]] * len(places))
+
+
+def views(pairs: Pairs) -> list[list[int]]:
+    return pairs.view.tolist()
+
+
+def test_search_radius_is_10_px_or_one_and_a_half_times_the_travel() -> None:
+    travel = np.array([0.0, 10.0, 10.1, 20.0, np.nan])
+    assert search_radius(travel, 10.0, 1.5) == pytest.approx([10.0, 10.0, 15.15, 30.0, 10.0])
+
+
+def test_search_circle_lies_on_the_reprojected_forecast() -> None:
+    camera = ROOM.cameras["cam0"]
+    forecast = forecast_at([BALL, (0.0, 0.0, 0.5)])
+    circles = search_circles(camera, forecast, np.full(2, RADIUS), 10.0, 1.5)
+    assert circles.center == pytest.approx(project(camera, forecast.xyz))
+    assert not circles.lost.any()
+    # 150 px * 7.62 cm / about 3.5 m
+    assert circles.ball == pytest.approx([3.3, 3.0], abs=0.4)
+
+
+@pytest.mark.parametrize("forecast", [None, Forecast.empty()])
+def test_without_a_forecast_every_target_is_sought_everywhere(forecast: Forecast | None) -> None:
+    assert search_circles(ROOM.cameras["cam0"], forecast, np.full(2, RADIUS), 10.0, 1.5).lost.all()
+
+
+def test_search_spheres_have_22_cm_or_twice_the_last_displacement() -> None:
+    still = forecast_at([BALL, BALL])
+    before = still.before.copy()
+    before[1, 0] -= 0.2
+    moved = Forecast(**{**vars(still), "before": before})
+    assert search_spheres(moved, 0.225, 2.0) == pytest.approx([0.225, 0.4])
+
+
+def test_gate_keeps_a_blob_for_each_target_in_whose_circle_it_lies() -> None:
+    gate = SearchGate(Context(room=ROOM))
+    gate.setup()
+    blobs = named(ROOM, "cam1", [BALL, (1.2, 0.0, 0.0)])
+    near = forecast_at([BALL, (0.1, 0.3, 1.0)])
+    apart = forecast_at([BALL, (-1.0, 0.0, 1.0)])
+    assert gate.process(blobs, near).targets.tolist() == [[True, True]]
+    assert gate.process(blobs, apart).targets.tolist() == [[True, False]]
+    assert len(gate.process(blobs, None).xy) == 2
+
+
+def test_one_point_makes_a_pair_in_every_two_views_with_its_labels() -> None:
+    pairs = verify({n: [BALL] for n in ROOM.cameras})
+    assert views(pairs) == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
+    assert pairs.labelled.tolist() == [True, True, True, True, False, True]
+    assert pairs.confirmed.tolist() == [True, False, True, True, False, True]
+    assert pairs.epipolar == pytest.approx(np.zeros(6), abs=1e-6)
+    assert pairs.targets[0].tolist() == [True, False]
+    assert pairs.targets[4].tolist() == [True, True]
+
+
+def test_blobs_of_different_targets_are_never_paired() -> None:
+    stage = VerifyPairs(Context(room=ROOM))
+    stage.setup()
+    red = blobs_of(ROOM.cameras["cam0"], [BALL], [[True, False]])
+    green = blobs_of(ROOM.cameras["cam2"], [BALL], [[False, True]])
+    assert len(stage.process((red, green)).view) == 0
+
+
+@pytest.mark.parametrize(("offset", "kept"), [(2.9, 1), (3.1, 0)])
+def test_pairs_3_px_off_the_epipolar_line_are_rejected(offset: float, kept: int) -> None:
+    stage = VerifyPairs(Context(room=ROOM))
+    stage.setup()
+    one, other = named(ROOM, "cam0", [BALL]), named(ROOM, "cam1", [BALL])
+    line = stage.fundamental[0, 1] @ np.append(one.xy[0], 1.0)
+    back = stage.fundamental[0, 1].T @ np.append(other.xy[0], 1.0)
+    slope = np.hypot(*line[:2])
+    scale = min(1.0, np.hypot(*back[:2]) / slope)  # the larger of both distances counts
+    moved = Blobs(**{**vars(other), "xy": other.xy + offset * scale * line[:2] / slope})
+    assert len(stage.process((one, seal(moved))).view) == kept
+
+
+def test_projection_on_floor_is_rejected_unless_infrared_confirms_it() -> None:
+    spot = [(0.3, -0.2, 0.0)]
+    assert len(verify({"cam0": spot, "cam2": spot}).view) == 0
+    with_infrared = verify({"cam0": spot, "cam1": spot, "cam2": spot})
+    assert views(with_infrared) == [[0, 1], [0, 2], [1, 2]]
+
+
+def test_a_point_above_the_floor_passes_the_homography_test() -> None:
+    assert views(verify({"cam0": [BALL], "cam2": [BALL]})) == [[0, 2]]
+
+
+def test_the_homography_test_can_be_switched_off() -> None:
+    spot = [(0.3, -0.2, 0.0)]
+    assert len(verify({"cam0": spot, "cam2": spot}, homography=0.0).view) == 1
+
+
+def test_list_b_excuses_only_pairs_that_share_the_confirmed_color_blob() -> None:
+    # blobs 0, 1: colour camera a; 2, 3: colour camera b; 4: infrared
+    pair = np.array([[0, 2], [1, 3], [0, 4]])
+    color = np.array([[True, True], [True, True], [True, False]])
+    on_plane = np.array([[True, True, True]])
+    assert homography_test(pair, color, on_plane, 5).tolist() == [True, False, True]
+
+
+def test_list_b_of_one_plane_does_not_excuse_another() -> None:
+    pair = np.array([[0, 2], [0, 4]])
+    color = np.array([[True, True], [True, False]])
+    on_plane = np.array([[True, False], [False, True]])
+    assert homography_test(pair, color, on_plane, 5).tolist() == [False, True]
+
+
+def candidates_for(pairs: Pairs, forecast: Forecast | None) -> Array:
+    stage = Triangulate(Context(room=ROOM))
+    stage.setup()
+    return stage.process(pairs, forecast)
+
+
+def test_every_pair_becomes_the_point_that_made_it() -> None:
+    pairs = verify({n: [BALL] for n in ROOM.cameras})
+    found = candidates_for(pairs, forecast_at([BALL, BALL]))
+    assert found.xyz == pytest.approx(np.tile(BALL, (6, 1)), abs=1e-6)
+    assert found.labelled.tolist() == pairs.labelled.tolist()
+
+
+@pytest.mark.parametrize(("distance", "kept"), [(0.22, 6), (0.23, 0)])
+def test_candidates_outside_the_sphere_are_rejected(distance: float, kept: int) -> None:
+    away = (BALL[0] + distance, BALL[1], BALL[2])
+    pairs = verify({n: [BALL] for n in ROOM.cameras})
+    assert len(candidates_for(pairs, forecast_at([away, (2.0, 2.0, 1.0)])).xyz) == kept
+
+
+def test_an_unlabelled_candidate_serves_every_target_near_it() -> None:
+    pairs = verify({"cam1": [BALL], "cam3": [BALL]})
+    near = (BALL[0] + 0.17, BALL[1], BALL[2])
+    assert candidates_for(pairs, forecast_at([BALL, near])).targets.tolist() == [[True, True]]
+    assert candidates_for(pairs, forecast_at([BALL, (2.0, 2.0, 1.0)])).targets.tolist() == [[True, False]]
+
+
+@pytest.mark.parametrize(("area", "kept"), [(2.0, 0), (28.0, 1), (120.0, 0)])
+def test_a_lost_target_is_not_seen_in_blobs_of_the_wrong_size(area: float, kept: int) -> None:
+    pairs = verify({"cam0": [BALL], "cam1": [BALL]})
+    resized = seal(Pairs(**{**vars(pairs), "area": np.full((1, 2), area)}))
+    assert len(candidates_for(resized, None).xyz) == kept
