@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import time
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from followspot.errors import FollowspotError
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -19,6 +23,17 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         help="which worker runs what: a placement file, or one worker per camera or per stage",
     )
     parser.add_argument(
+        "--edges",
+        choices=("auto", "reference", "ring", "zenoh"),
+        default="auto",
+        help="force the kind of every edge (default auto: call, ring or Zenoh as near as it can be)",
+    )
+    add_change_options(parser)
+
+
+def add_change_options(parser: argparse.ArgumentParser) -> None:
+    """--set, --plugin, --seed."""
+    parser.add_argument(
         "--set",
         dest="overrides",
         action="append",
@@ -33,12 +48,6 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="FILE.py",
         help="load the stages of a Python file; repeatable",
-    )
-    parser.add_argument(
-        "--edges",
-        choices=("auto", "reference", "ring", "zenoh"),
-        default="auto",
-        help="force the kind of every edge (default auto: call, ring or Zenoh as near as it can be)",
     )
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
 
@@ -56,3 +65,23 @@ def plan_of(args: argparse.Namespace) -> Plan:
         edges=args.edges,
         seed=args.seed,
     )
+
+
+def frame_count(text: str) -> int:
+    """The value of --frames. Raises argparse.ArgumentTypeError."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return number
+
+
+def output_folder(asked: str | None, name: str) -> Path:
+    """The folder that was asked for, or a new one for this name and time; made. Raises FollowspotError."""
+    out = Path(asked) if asked else Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FollowspotError(
+            f"cannot make the output folder {out}: {error.strerror}; choose one with --out"
+        ) from error
+    return out
