@@ -15,6 +15,9 @@ from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, norma
 from followspot_balls.search import in_picture, search_circles, windows, within
 from followspot_balls.votes import disc_centers
 
+SMALL = 12.0
+"""Area up to which a blob is never too large for its forecast, px: pixels are coarse."""
+
 
 class Found(NamedTuple):
     """Blobs of some targets."""
@@ -95,6 +98,13 @@ class ColorBlobs(Stage):
             unit="1",
             description="largest area over the template's; raising it accepts balls merged with projections",
         )
+        submerged: float = Field(
+            1.8,
+            gt=0,
+            unit="1",
+            description="largest area over the outline expected at the forecast; a ball that is part of more "
+            "counts as hidden; raising it keeps biased blobs",
+        )
         radius: float = Field(
             10.0,
             gt=0,
@@ -164,7 +174,8 @@ class ColorBlobs(Stage):
         keep = similarity > p.similarity
         center = blobs.center
         if ball is not None:
-            keep &= ~blobs.clipped
+            outline = np.pi * np.square(ball[blobs.tile])
+            keep &= ~blobs.clipped & (blobs.area <= np.maximum(p.submerged * outline, SMALL))
             center = disc_centers(level, blobs, ball[blobs.tile] + p.rim, p.edge)
         pixel = center + corners[blobs.tile]
         return Found(pixel[keep], blobs.area[keep], similarity[keep], owner[keep])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
+from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.search import lost_targets, search_spheres, tracked_targets
@@ -33,12 +33,20 @@ class Triangulate(Stage):
             description="largest blob over the outline, likewise; lowering it avoids false recoveries",
         )
 
+        sink: float = Field(
+            0.04,
+            unit="m",
+            description="how deep a target may seem to sink into a plane; raising it allows poor planes, "
+            "and points pulled down by projections that merge with a ball",
+        )
+
     params: Params
 
     def setup(self) -> None:
         cameras = self.room.cameras.values()
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
         self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+        self.planes = facing_planes(self.room, self.centers)
         self.sizes = np.array([t.radius for t in self.room.targets.values()])
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
 
@@ -47,6 +55,7 @@ class Triangulate(Stage):
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers[pairs.view], rays)
         targets = pairs.targets & self.within(xyz, forecast) & self.plausible(xyz, pairs, forecast)
+        targets &= self.above_planes(xyz)
         keep = targets.any(axis=1)
         return Candidates(
             cameras=pairs.cameras,
@@ -70,6 +79,11 @@ class Triangulate(Stage):
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
         return np.asarray(real & (lost | (distance <= spheres)))
 
+    def above_planes(self, xyz: Array) -> Array:
+        """Which targets could lie there without sinking into a plane: (N, T) bool."""
+        height = xyz @ self.planes[:, :3].T + self.planes[:, 3]
+        return np.asarray(height.min(axis=1, initial=np.inf)[:, None] >= self.sizes - self.params.sink)
+
     def plausible(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which pairs are as large as the target would be there: (N, T) bool; all, for tracked targets.
 
@@ -84,3 +98,14 @@ class Triangulate(Stage):
         fits = share.min(axis=1)[:, None] >= self.params.smallest * outline
         fits &= share.max(axis=1)[:, None] <= self.params.largest * outline
         return np.asarray(fits | tracked)
+
+
+def facing_planes(room: Room, centers: Array) -> Array:
+    """Planes that all cameras see from the same side, with the normal towards them: (K, 4).
+
+    Others do not bound the space that the targets are in. centers: (C, 3) m, of the cameras.
+    """
+    planes = np.array(list(room.planes.values())).reshape(-1, 4)
+    side = np.sign(centers @ planes[:, :3].T + planes[:, 3])
+    bounding = (side == side[:1]).all(axis=0)
+    return np.asarray((planes * side[0][:, None])[bounding])

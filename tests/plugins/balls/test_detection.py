@@ -104,6 +104,17 @@ def test_a_ball_submerged_by_a_larger_projection_counts_as_hidden() -> None:
     assert len(blobs.xy) == 0
 
 
+@pytest.mark.parametrize(("submerged", "found"), [(1.3, 0), (3.0, 1)])
+def test_a_ball_that_merges_with_an_equally_bright_projection_counts_as_hidden(
+    submerged: float, found: int
+) -> None:
+    # two discs of 3.3 px, 4 px apart: 1.7 times the outline, within the template's range of sizes
+    x, y = project(ROOM.cameras["cam0"], np.array([HERE]))[0]
+    frame = painted("cam0", [(x, y, 3.3, (0, 0, 255)), (x + 4, y, 3.3, (0, 0, 255))])
+    blobs = detector(ColorBlobs, "cam0", submerged=submerged).process(frame, FORECAST)
+    assert len(blobs.xy) == found
+
+
 def test_a_ball_is_cut_from_the_dimmer_projection_that_it_touches() -> None:
     x, y = project(ROOM.cameras["cam0"], np.array([HERE]))[0]
     frame = painted("cam0", [(x + 5, y, 4.0, (0, 0, 120)), (x, y, 3.3, (0, 0, 255))])

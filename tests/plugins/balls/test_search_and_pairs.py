@@ -13,7 +13,7 @@ from followspot.stage import Context
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
-from followspot_balls.triangulate import Triangulate
+from followspot_balls.triangulate import Triangulate, facing_planes
 from followspot_balls.verify_pairs import VerifyPairs, homography_test
 
 ROOM = make_room()
@@ -169,3 +169,17 @@ def test_a_lost_target_is_not_seen_in_blobs_of_the_wrong_size(area: float, kept:
     pairs = verify({"cam0": [BALL], "cam1": [BALL]})
     resized = seal(Pairs(**{**vars(pairs), "area": np.full((1, 2), area)}))
     assert len(candidates_for(resized, None).xyz) == kept
+
+
+@pytest.mark.parametrize(("height", "kept"), [(RADIUS, 1), (0.04, 1), (0.03, 0), (-0.2, 0)])
+def test_a_ball_does_not_sink_into_the_floor(height: float, kept: int) -> None:
+    # its centre stays one radius, 7.6 cm, above, less a tolerance of 4 cm
+    place = (0.3, -0.2, height)
+    pairs = verify({"cam0": [place], "cam1": [place]}, homography=0.0)
+    assert len(candidates_for(pairs, forecast_at([place, BALL])).xyz) == kept
+
+
+def test_a_plane_between_the_cameras_bounds_nothing() -> None:
+    centers = np.array([c.center for c in ROOM.cameras.values()])
+    room = Room("r", ROOM.cameras, {"floor": np.array([0, 0, -1.0, 0]), "door": np.array([1.0, 0, 0, 0])})
+    assert facing_planes(room, centers).tolist() == [[0, 0, 1.0, 0]]
