@@ -1,0 +1,1 @@
+"""`followspot compare`: variants of a graph on the same recordings, against ground truth."""

@@ -1,0 +1,82 @@
+"""The figures that are compared, each for one target or for many together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot_compare.trial import TargetFigures
+
+Figures = Sequence[TargetFigures]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A figure. of: its value for some targets, NaN where nothing was measured; ratio: whether one tells."""
+
+    key: str
+    heading: str
+    form: str
+    of: Callable[[Figures], float]
+    ratio: bool = True
+
+    def cell(self, figures: Figures) -> str:
+        """The value as text, a dash for NaN."""
+        value = self.of(figures)
+        return self.form.format(value) if math.isfinite(value) else "-"
+
+
+def mean(values: Sequence[float]) -> float:
+    """Mean of what was measured; NaN for nothing."""
+    known = [value for value in values if math.isfinite(value)]
+    return float(np.mean(known)) if known else math.nan
+
+
+def _false_percent(figures: Figures) -> float:
+    hidden = sum(f.tracks.hidden_frames for f in figures)
+    return 100 * sum(f.tracks.false_positions for f in figures) / hidden if hidden else math.nan
+
+
+def _recovery(figures: Figures) -> float:
+    """Slowest of all returns, frames."""
+    return max((float(frames) for f in figures for frames in f.tracks.recovery_frames), default=math.nan)
+
+
+def _mean_of(name: str, *, scale: float = 1.0) -> Callable[[Figures], float]:
+    """Mean over the targets of a figure of their tracks."""
+    return lambda figures: scale * mean([getattr(f.tracks, name) for f in figures])
+
+
+def _mean_of_recorded(name: str) -> Callable[[Figures], float]:
+    """Mean over the targets of a figure that only some graphs record."""
+    return lambda figures: mean([getattr(f, name) for f in figures])
+
+
+def _switches(figures: Figures) -> float:
+    return sum(f.tracks.identity_switches for f in figures)
+
+
+COLUMNS = (
+    Column("coverage_percent", "coverage", "{:.1f} %", _mean_of("coverage", scale=100), ratio=False),
+    Column("rmse_mm", "RMSE", "{:.1f} mm", _mean_of("rmse_mm")),
+    Column("median_mm", "median", "{:.1f} mm", _mean_of("median_mm")),
+    Column("p95_mm", "p95", "{:.1f} mm", _mean_of("p95_mm")),
+    Column("switches", "switches", "{:.0f}", _switches, ratio=False),
+    Column("false_percent", "false when hidden", "{:.1f} %", _false_percent, ratio=False),
+    Column("recovery_frames", "recovery", "{:.0f} frames", _recovery, ratio=False),
+    Column("jerk_cost", "jerk cost", "{:.5f}", _mean_of("jerk_cost")),
+    Column("reprojection_px", "reprojection", "{:.2f} px", _mean_of("reprojection_px")),
+    Column("fused_mm", "unfiltered", "{:.1f} mm", _mean_of_recorded("fused_mm")),
+    Column("fused_px", "unfiltered", "{:.2f} px", _mean_of_recorded("fused_px")),
+    Column("detection_px", "to detections", "{:.2f} px", _mean_of_recorded("detection_px")),
+)
+"""All of them, in the order of the table. Several targets: the mean of theirs, but the sum of switches, the
+share of all hidden frames and the slowest recovery."""
+
+
+def measured(groups: Mapping[str, Figures]) -> tuple[Column, ...]:
+    """The columns that have a value for any variant."""
+    return tuple(c for c in COLUMNS if any(math.isfinite(c.of(figures)) for figures in groups.values()))

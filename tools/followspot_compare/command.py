@@ -1,0 +1,110 @@
+"""What `followspot compare` does: plan everything, run everything, then tell."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+
+from followspot.accuracy import TruthTable
+from followspot.cli.graph_options import output_folder
+from followspot.cli.progress import ProgressBar
+from followspot.deploy.truth import room_truth
+from followspot.errors import InputError, Mistake
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.runtime.wiring import RunOptions
+from followspot_compare.plot import draw
+from followspot_compare.report import Comparison, data, text
+from followspot_compare.trial import Trial, run_trial
+from followspot_compare.variants import Variant, read_variants
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A room as a folder and a table call it, and the plan of every variant in it."""
+
+    name: str
+    plans: tuple[Plan, ...]
+
+
+def compare(args: argparse.Namespace) -> int:
+    """Run every variant in every room; print tables or JSON, draw plots. Returns the exit code."""
+    variants = read_variants(args.graphs, args.variants)
+    scenes = plan_scenes(variants, args)
+    out = output_folder(args.out, "compare")
+    trials = [trial for scene in scenes for trial in run_scene(scene, variants, out, args)]
+    comparison = Comparison(tuple(trials))
+    print(json.dumps(data(comparison)) if args.json else text(comparison))
+    (out / "compare.json").write_text(json.dumps(data(comparison)), encoding="utf-8")
+    pictures = draw(comparison, out)
+    if not args.json:
+        print("\n" + pictures + f"\noutputs: {out}")
+    return 0
+
+
+def plan_scenes(variants: Sequence[Variant], args: argparse.Namespace) -> tuple[Scene, ...]:
+    """The plans of every variant in every room. Raises InputError with the mistakes of all of them."""
+    names = [Path(room).stem for room in args.rooms]
+    twice = dict.fromkeys(name for name in names if names.count(name) > 1)
+    mistakes = [Mistake(None, f'several rooms are named "{name}"', "rename a file") for name in twice]
+    rooms = args.rooms or [None]
+    scenes = []
+    for room in rooms:
+        plans = [plan for v in variants if (plan := _plan(v, room, args, mistakes)) is not None]
+        if len(plans) == len(variants):
+            _check_room(plans, room, mistakes)
+            scenes.append(Scene(Path(room).stem if room else plans[0].room.name, tuple(plans)))
+    if mistakes:
+        raise InputError(list(dict.fromkeys(mistakes)))
+    return tuple(scenes)
+
+
+def _plan(
+    variant: Variant, room: str | None, args: argparse.Namespace, mistakes: list[Mistake]
+) -> Plan | None:
+    try:
+        return compile_graph(
+            variant.graph,
+            room=room,
+            overrides=[*args.overrides, *variant.overrides],
+            plugin_files=args.plugin_files,
+            seed=args.seed,
+        )
+    except InputError as error:
+        mistakes += error.mistakes
+        return None
+
+
+def _check_room(plans: Sequence[Plan], room: str | None, mistakes: list[Mistake]) -> None:
+    """Note a room without truth, and graphs that name different rooms."""
+    first = plans[0].room
+    if first.truth is None:
+        remedy = "compare needs truth: a recording imported with its truth.csv, or a simulated room"
+        mistakes.append(Mistake(None, f"room {room or first.name} knows no ground truth", remedy))
+    for plan in plans:
+        if (plan.room.name, plan.room.truth) != (first.name, first.truth):
+            text = f"the graphs name different rooms: {first.name} and {plan.room.name}"
+            mistakes.append(Mistake(None, text, "give one for all with --room FILE"))
+
+
+def run_scene(scene: Scene, variants: Sequence[Variant], out: Path, args: argparse.Namespace) -> list[Trial]:
+    """Every variant in one room, one after the other so that they do not slow each other down."""
+    truth: TruthTable | None = None
+    trials = []
+    for variant, plan in zip(variants, scene.plans, strict=True):
+        truth = truth or room_truth(plan, args.frames)
+        assert truth is not None  # checked with the plans
+        if not args.quiet:
+            print(f"{scene.name}: {variant.name}", file=sys.stderr, flush=True)
+        folder = out / scene.name / variant.name
+        folder.mkdir(parents=True, exist_ok=True)
+        with closing(ProgressBar()) as bar:
+            options = RunOptions(folder, args.frames)
+            show = None if args.quiet else bar.show
+            trials.append(run_trial(variant.name, scene.name, plan, truth, options, show))
+    return trials

@@ -1,0 +1,66 @@
+"""Joins `followspot compare` to the command line."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from followspot.cli.graph_options import add_change_options, frame_count
+from followspot.plugins.hooks import Command, hookimpl
+
+HELP = """Run variants of a graph on the same recordings and compare their accuracy.
+
+Every graph file is a variant; each --variant is one more, of the first graph. Prints per target and as
+means: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden,
+recovery, jerk cost, reprojection error, speed; ratios to the first variant. Plots need matplotlib:
+pip install "followspot[plots]".
+
+  followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
+  followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison
+  followspot compare graphs/experiments/recorded.yaml --variant "no homography test:verify.homography=0"
+
+Where a graph writes what its fusion gives to positions.jsonl and its candidates to candidates.jsonl
+(graphs/experiments/recorded.yaml does), the errors before the filter, the reprojection error against
+the detections and the histogram of iterations are shown too.
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The command `compare`."""
+    return [Command("compare", HELP, configure, run)]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("graphs", nargs="+", metavar="GRAPH", help="graph file; each is a variant")
+    parser.add_argument(
+        "--room",
+        dest="rooms",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="room file instead of the graphs' own; repeatable: every variant runs in every room",
+    )
+    parser.add_argument(
+        "--variant",
+        dest="variants",
+        action="append",
+        default=[],
+        metavar="NAME:STAGE.KEY=VALUE[,STAGE.KEY=VALUE]...",
+        help="one more variant: the first graph with these overrides; repeatable",
+    )
+    add_change_options(parser)
+    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
+    parser.add_argument(
+        "-o", "--out", metavar="DIR", help="folder for outputs and plots (default: runs/compare-DATE-TIME)"
+    )
+    parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run, compare, print."""
+    from followspot_compare.command import compare
+
+    return compare(args)

@@ -1,0 +1,114 @@
+"""What a graph recorded on the way: fused positions before the filter, and the candidates they rest on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from followspot.accuracy import TrackTable
+from followspot.messages import Array
+from followspot.room import Camera
+from followspot.tracking import TRACKED
+
+POSITIONS = "positions.jsonl"
+"""Messages `Positions` in a run's output folder."""
+CANDIDATES = "candidates.jsonl"
+"""Messages `Candidates`, likewise."""
+SECONDS = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Fused:
+    """Positions as the fusion gave them, and the (N,) steps that each took."""
+
+    tracks: TrackTable
+    iterations: Array
+
+
+def read_fused(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> Fused | None:
+    """Fused positions of those targets and frames that have a track; None where none were recorded."""
+    time, target, xyz, steps = [], [], [], []
+    for message in _messages(folder / POSITIONS):
+        time += [message["time"]] * len(message["target"])
+        target += message["target"]
+        xyz += message["xyz"]
+        steps += message["iterations"]
+    if not time:
+        return None
+    stamp, row = np.array(time, "i8"), np.array(target, "i4")
+    kept = np.isin(keys(stamp, row), track_keys(tracks, objects))
+    table = TrackTable(
+        tuple(objects),
+        stamp[kept] * SECONDS,
+        row[kept],
+        np.full(int(kept.sum()), TRACKED, "u1"),
+        np.array(xyz, "f8")[kept],
+    )
+    return Fused(table, np.array(steps, "i4")[kept])
+
+
+def detection_errors(
+    folder: Path, tracks: TrackTable, objects: Sequence[str], cameras: Sequence[Camera]
+) -> dict[str, Array]:
+    """Distances from each target's reprojected tracks to the detections, px, over frames and cameras.
+
+    In each camera the nearest blob counts of those that are part of a candidate of the target, as the
+    2D candidates of Jin & Qian 2008 are (section 4). Empty where no candidates were recorded.
+    """
+    blobs = list(_blobs(folder / CANDIDATES))
+    if not blobs:
+        return {}
+    time, target, camera, pixel = (np.concatenate(column) for column in zip(*blobs, strict=True))
+    key, known = keys(time, target), track_keys(tracks, objects)
+    order = np.argsort(known)
+    row = order[np.searchsorted(known[order], key).clip(max=len(known) - 1)]
+    found = known[row] == key
+    row, target, camera, pixel = row[found], target[found], camera[found], pixel[found]
+    apart = np.linalg.norm(_images(cameras, camera, tracks.xyz[row]) - pixel, axis=1)
+    view, index = np.unique(np.column_stack([row, camera]), axis=0, return_inverse=True)
+    nearest = np.full(len(view), np.inf)
+    np.minimum.at(nearest, index.ravel(), apart)
+    owner = tracks.target[view[:, 0]]
+    return {name: nearest[owner == tracks.objects.index(name)] for name in tracks.objects}
+
+
+def track_keys(tracks: TrackTable, objects: Sequence[str]) -> Array:
+    """One number for time and target of each row of the tracks. Targets are numbered like `objects`."""
+    number = np.array([objects.index(name) for name in tracks.objects], "i8")
+    return keys(np.rint(tracks.time / SECONDS).astype("i8"), number[tracks.target])
+
+
+def keys(time: Array, target: Array) -> Array:
+    """One number for a time, ns, and a target; times are compared by the microsecond."""
+    return np.asarray(np.rint(time / 1000).astype("i8") * 1000 + target)
+
+
+def _images(cameras: Sequence[Camera], camera: Array, xyz: Array) -> Array:
+    """Undistorted images of points (N, 3) m, each in the camera of that number: (N, 2) px."""
+    P = np.array([c.projection for c in cameras])[camera]
+    homogeneous = np.einsum("nij,nj->ni", P[:, :, :3], xyz) + P[:, :, 3]
+    return np.asarray(homogeneous[:, :2] / homogeneous[:, 2:])
+
+
+def _blobs(path: Path) -> Iterator[tuple[Array, Array, Array, Array]]:
+    """Both ends of every candidate, once per target that it may belong to: time, target, camera, xy."""
+    for message in _messages(path):
+        if not message["xy"]:
+            continue
+        row, target = np.nonzero(np.array(message["targets"], bool))
+        camera, xy = np.array(message["view"])[row], np.array(message["xy"])[row]
+        time = np.full(2 * len(row), message["time"], "i8")
+        yield time, np.repeat(target, 2), camera.ravel(), xy.reshape(-1, 2)
+
+
+def _messages(path: Path) -> Iterator[dict[str, Any]]:
+    if not path.exists():
+        return
+    with path.open(encoding="utf-8") as lines:
+        for line in lines:
+            yield json.loads(line)

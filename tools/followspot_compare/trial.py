@@ -1,0 +1,106 @@
+"""One variant run in one room, and what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from followspot.accuracy import TargetScore, TruthTable, read_tracks_csv, score
+from followspot.deploy.launch import run_plan
+from followspot.deploy.local import OnProgress
+from followspot.deploy.report import RunReport
+from followspot.deploy.truth import TRACKS
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.messages import Array
+from followspot.runtime.wiring import RunOptions
+from followspot_compare.recorded import detection_errors, read_fused
+
+
+@dataclass(frozen=True)
+class TargetFigures:
+    """How one target fared. Figures that the graph did not record are NaN."""
+
+    tracks: TargetScore
+    fused_mm: float
+    """RMSE of what the fusion gave, before the filter."""
+    fused_px: float
+    """Mean reprojection error of that against the truth."""
+    detection_px: float
+    """Mean distance of the reprojected tracks from the detections: the paper's reprojection error."""
+    detection_std_px: float
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One variant in one room."""
+
+    variant: str
+    room: str
+    frames: int
+    seconds: float
+    tracking_ms: float
+    """Time per frame in all stages but sources and sinks, ms."""
+    targets: Mapping[str, TargetFigures]
+    iterations: tuple[int, ...]
+    """How many positions took 0, 1, 2, ... steps; empty where the graph did not record them."""
+
+
+def run_trial(
+    variant: str,
+    room: str,
+    plan: Plan,
+    truth: TruthTable,
+    options: RunOptions,
+    on_progress: OnProgress | None,
+) -> Trial:
+    """Run the plan and score it. Raises FollowspotError where the run fails, KeyboardInterrupt on Ctrl-C."""
+    report = run_plan(plan, options, on_progress)
+    if report.stopped:
+        raise KeyboardInterrupt
+    if not report.ok:
+        reasons = "\n".join(report.errors) or "messages are unaccounted for"
+        raise FollowspotError(f'variant "{variant}" failed in room {room}:\n{reasons}')
+    targets, iterations = _figures(plan, options.out, truth)
+    return Trial(
+        variant, room, report.frames, report.seconds, tracking_ms(report), targets, tuple(iterations.tolist())
+    )
+
+
+def tracking_ms(report: RunReport) -> float:
+    """Time per frame in the stages that have inputs and outputs, ms."""
+    edges = report.plan.edges
+    inner = {edge.to_stage for edge in edges} & {edge.from_stage for edge in edges}
+    busy = sum(s.busy_ms for worker in report.workers for s in worker.stages if s.stage in inner)
+    return busy / max(1, report.frames)
+
+
+def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, TargetFigures], Array]:
+    """Figures of each target of the truth or the tracks, and the histogram of iterations."""
+    room, objects = plan.room, tuple(plan.room.targets)
+    path = out / TRACKS
+    if not path.exists():
+        raise FollowspotError(f"graph {plan.graph} writes no {TRACKS}; it needs a stage sinks.csv")
+    tracks = read_tracks_csv(path)
+    scores = score(tracks, truth, room)
+    fused = read_fused(out, tracks, objects)
+    before = score(fused.tracks, truth, room) if fused else {}
+    pixels = detection_errors(out, tracks, objects, tuple(room.cameras.values()))
+    nothing = np.zeros(0)
+    figures = {
+        name: TargetFigures(
+            one,
+            before[name].rmse_mm if name in before else np.nan,
+            before[name].reprojection_px if name in before else np.nan,
+            *_mean_and_std(pixels.get(name, nothing)),
+        )
+        for name, one in scores.items()
+    }
+    return figures, np.bincount(fused.iterations) if fused else nothing.astype(int)
+
+
+def _mean_and_std(values: Array) -> tuple[float, float]:
+    return (float(values.mean()), float(values.std())) if len(values) else (np.nan, np.nan)
