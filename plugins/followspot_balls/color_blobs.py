@@ -167,7 +167,7 @@ class ColorBlobs(Stage):
         hsv = hsv_tiles(tiles)
         colored, level = target_level(hsv, self.member[target], p.saturation, p.value, p.white)
         blobs = components(above_local_peak(level, p.edge), level, self.area[target])
-        hue = np.broadcast_to(hsv[..., 0], level.shape).reshape(-1)[blobs.pixels]
+        hue = np.broadcast_to(hsv.hue, level.shape).reshape(-1)[blobs.pixels]
         histograms = component_histograms(blobs, hue_bin(hue), colored.reshape(-1)[blobs.pixels])
         owner = target[blobs.tile]
         similarity = bhattacharyya(histograms, self.histograms[owner])
