@@ -50,8 +50,8 @@ def _mean_of(name: str, *, scale: float = 1.0) -> Callable[[Figures], float]:
     return lambda figures: scale * mean([getattr(f.tracks, name) for f in figures])
 
 
-def _mean_of_recorded(name: str) -> Callable[[Figures], float]:
-    """Mean over the targets of a figure that only some graphs record."""
+def _mean_of_figure(name: str) -> Callable[[Figures], float]:
+    """Mean over the targets of a figure that is no score of their tracks."""
     return lambda figures: mean([getattr(f, name) for f in figures])
 
 
@@ -68,10 +68,11 @@ COLUMNS = (
     Column("false_percent", "false when hidden", "{:.1f} %", _false_percent, ratio=False),
     Column("recovery_frames", "recovery", "{:.0f} frames", _recovery, ratio=False),
     Column("jerk_cost", "jerk cost", "{:.5f}", _mean_of("jerk_cost")),
+    Column("true_jerk_cost", "of the truth", "{:.5f}", _mean_of_figure("true_jerk_cost"), ratio=False),
     Column("reprojection_px", "reprojection", "{:.2f} px", _mean_of("reprojection_px")),
-    Column("fused_mm", "unfiltered", "{:.1f} mm", _mean_of_recorded("fused_mm")),
-    Column("fused_px", "unfiltered", "{:.2f} px", _mean_of_recorded("fused_px")),
-    Column("detection_px", "to detections", "{:.2f} px", _mean_of_recorded("detection_px")),
+    Column("fused_mm", "unfiltered", "{:.1f} mm", _mean_of_figure("fused_mm")),
+    Column("fused_px", "unfiltered", "{:.2f} px", _mean_of_figure("fused_px")),
+    Column("detection_px", "to detections", "{:.2f} px", _mean_of_figure("detection_px")),
 )
 """All of them, in the order of the table. Several targets: the mean of theirs, but the sum of switches, the
 share of all hidden frames and the slowest recovery."""

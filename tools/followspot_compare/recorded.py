@@ -58,10 +58,10 @@ def detection_errors(
     """Distances from each target's reprojected tracks to the detections, px, over frames and cameras.
 
     In each camera the nearest blob counts of those that are part of a candidate of the target, as the
-    2D candidates of Jin & Qian 2008 are (section 4). Empty where no candidates were recorded.
+    2D candidates of Jin & Qian 2008 are (section 4). Empty without candidates or tracks.
     """
     blobs = list(_blobs(folder / CANDIDATES))
-    if not blobs:
+    if not blobs or not len(tracks.time):
         return {}
     time, target, camera, pixel = (np.concatenate(column) for column in zip(*blobs, strict=True))
     key, known = keys(time, target), track_keys(tracks, objects)

@@ -95,9 +95,9 @@ def data(comparison: Comparison) -> dict[str, Any]:
 
 def _trial_data(trial: Trial) -> dict[str, Any]:
     scores = to_json({name: figures.tracks for name, figures in trial.targets.items()})
-    recorded = ("fused_mm", "fused_px", "detection_px", "detection_std_px")
+    more = ("true_jerk_cost", "fused_mm", "fused_px", "detection_px", "detection_std_px")
     for name, figures in trial.targets.items():
-        scores[name] |= {key: _finite(getattr(figures, key)) for key in recorded}
+        scores[name] |= {key: _finite(getattr(figures, key)) for key in more}
     return {
         "variant": trial.variant,
         "room": trial.room,

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy import TargetScore, TruthTable, read_tracks_csv, score
+from followspot.accuracy import TargetScore, TrackTable, TruthTable, read_tracks_csv, score
+from followspot.accuracy.figures import jerk_cost
+from followspot.accuracy.scoring import trajectory
 from followspot.deploy.launch import run_plan
 from followspot.deploy.local import OnProgress
 from followspot.deploy.report import RunReport
@@ -25,6 +27,8 @@ class TargetFigures:
     """How one target fared. Figures that the graph did not record are NaN."""
 
     tracks: TargetScore
+    true_jerk_cost: float
+    """Jerk cost of the truth in the frames that have a track: what a perfect tracker has."""
     fused_mm: float
     """RMSE of what the fusion gave, before the filter."""
     fused_px: float
@@ -93,6 +97,7 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
     figures = {
         name: TargetFigures(
             one,
+            true_jerk_cost(tracks, truth, name),
             before[name].rmse_mm if name in before else np.nan,
             before[name].reprojection_px if name in before else np.nan,
             *_mean_and_std(pixels.get(name, nothing)),
@@ -100,6 +105,14 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
         for name, one in scores.items()
     }
     return figures, np.bincount(fused.iterations) if fused else nothing.astype(int)
+
+
+def true_jerk_cost(tracks: TrackTable, truth: TruthTable, name: str) -> float:
+    """Eq. 9-10 of Jin & Qian 2008 for the truth where there is a track; NaN for what the truth lacks."""
+    if name not in truth.objects:
+        return np.nan
+    there = trajectory(tracks, name, truth.time).there
+    return jerk_cost(np.where(there[:, None], truth.xyz[:, truth.objects.index(name)], np.nan))
 
 
 def _mean_and_std(values: Array) -> tuple[float, float]:

@@ -11,7 +11,7 @@ from followspot.errors import InputError, Mistake, Place
 
 _NEXT = re.compile(r",(?=[\w-]+(?:\.[\w-]+)+=)")
 """A comma between two overrides; others belong to a value."""
-_NAME = re.compile(r"\w[\w +.=%-]{0,59}")
+_NAME = re.compile(r"\w[\w ,+.=%-]{0,59}")
 """Names become names of folders, so they hold no slash and do not begin with a dot."""
 
 
@@ -48,6 +48,6 @@ def _variant(graph: str, option: str, mistakes: list[Mistake]) -> Variant:
         example = "NAME:STAGE.KEY=VALUE, for example mean:fuse.uses=balls.mean"
         mistakes.append(Mistake(place, f'"{option}" is no variant', f"write {example}"))
     elif not _NAME.fullmatch(name):
-        remedy = "letters, digits, blanks and _ + - . = %, at most 60"
+        remedy = "letters, digits, blanks and _ , + - . = %, at most 60"
         mistakes.append(Mistake(place, f'a variant cannot be named "{name}"', remedy))
     return Variant(name, graph, tuple(_NEXT.split(changes)))
