@@ -79,8 +79,7 @@ class Link:
         except BlockingIOError:
             return False
         except OSError:
-            self.alive = False
-            return True
+            return True  # the reader died; `drain` will find out, and until then this counts as under way
         self.ended = datagram == OVER
         self._posted += 1
         self.control.posted = self._posted

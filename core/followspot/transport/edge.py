@@ -23,7 +23,7 @@ class PortWriter(Protocol):
 
     @property
     def lost(self) -> frozenset[int]:
-        """Readers, by their index, that are gone before the end; they hold up nothing any more."""
+        """Readers, by their index, that `drain` found gone before the end; they hold up nothing any more."""
 
     def matched(self) -> bool:
         """Whether every reader is there; until then what is sent may miss it."""
@@ -51,7 +51,7 @@ class PortWriter(Protocol):
         """Ask to be woken through `filenos()` by the next credit."""
 
     def drain(self) -> None:
-        """Swallow the wake-ups, and notice who died."""
+        """Swallow the wake-ups, notice who died, and send what had to wait."""
 
     def close(self) -> None:
         """Let go of everything; loans and messages in other hands stay valid."""

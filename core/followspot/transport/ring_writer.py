@@ -49,7 +49,7 @@ class RingWriter:
 
     @property
     def lost(self) -> frozenset[int]:
-        """Indices of the readers that are gone before the end."""
+        """Indices of the readers that `drain` found gone before the end."""
         return frozenset(i for i, link in enumerate(self._links) if not link.alive and not link.ended)
 
     def matched(self) -> bool:

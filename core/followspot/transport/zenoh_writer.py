@@ -38,6 +38,7 @@ class ZenohWriter:
         self._reports = [(0, 0)] * len(readers)
         self._present: set[int] = set()
         self._done: set[int] = set()
+        self._leaving: set[int] = set()
         self._gone: set[int] = set()
         self._tokens = 0
         self._messages = 0
@@ -54,7 +55,7 @@ class ZenohWriter:
 
     @property
     def lost(self) -> frozenset[int]:
-        """Indices of the readers that are gone before the end."""
+        """Indices of the readers that `drain` found gone before the end."""
         return frozenset(self._gone)
 
     def matched(self) -> bool:
@@ -104,8 +105,9 @@ class ZenohWriter:
         self._waiting = True
 
     def drain(self) -> None:
-        """Hush the bell."""
+        """Hush the bell, notice who died, send what waited."""
         self._bell.hush()
+        self._gone |= self._leaving - self._done
         self._send_held()
 
     def close(self) -> None:
@@ -134,7 +136,8 @@ class ZenohWriter:
             if reached(self._publisher):  # a put that nobody gets is still copied
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
-            self._gone.update(range(len(self._reports)))
+            self._leaving.update(range(len(self._reports)))
+            self._bell.ring()
 
     def _on_report(self, sample: zenoh.Sample) -> None:
         index = self._index.get(chunks(sample)[-1])
@@ -154,6 +157,6 @@ class ZenohWriter:
             return
         if sample.kind == zenoh.SampleKind.PUT:
             (self._done if role == "done" else self._present).add(index)
-        elif index not in self._done:
-            self._gone.add(index)
+        else:
+            self._leaving.add(index)
         self._bell.ring()

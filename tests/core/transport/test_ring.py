@@ -355,7 +355,10 @@ def test_a_dead_reader_holds_neither_credit_nor_slots(shared: Ring) -> None:
     assert shared.writer.credit() == DEPTH
     shared.readers[1].close()
     shared.readers[2].close()
-    shared.writer.send(frame(9))
+    for number in range(DEPTH):
+        shared.writer.send(frame(number))
+    assert (shared.writer.lost, shared.writer.credit()) == ({0}, 0)  # nobody has noticed yet
+    shared.writer.drain()
     assert shared.writer.lost == {0, 1, 2}
     assert shared.writer.credit() == DEPTH
     shared.writer.send(frame(10))
