@@ -181,8 +181,10 @@ class Worker:
         return pulled
 
     def _finished(self) -> bool:
+        """Whether all is done, sent, and received: feedback to a stage that has ended is still counted."""
         flushed = [writer.flush() for writer, _ in self.writers]
-        return all(flushed) and all(cell.done for cell in self.cells)
+        received = all(inlet.bound == END for inlet in self.readers)
+        return received and all(flushed) and all(cell.done for cell in self.cells)
 
     def _wait(self) -> None:
         """Sleep until another worker, a thread or a deadline has something for us."""
