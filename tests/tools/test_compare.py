@@ -1,0 +1,299 @@
+"""`followspot compare`: variants, runs, figures, pictures; and the commands in docs/experiments.md."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from followspot.accuracy import TargetScore, TrackTable
+from followspot.cli.main import build_parser, main
+from followspot.errors import InputError
+from followspot.plugins.registry import load_stage, use_plugin_files
+from followspot.testing.tiny_room import tiny_room
+from followspot.tracking import Pairs
+from followspot_compare.columns import COLUMNS
+from followspot_compare.command import plan_scenes
+from followspot_compare.plot import MISSING, draw
+from followspot_compare.recorded import detection_errors, read_fused
+from followspot_compare.report import Comparison, data, text
+from followspot_compare.trial import TargetFigures, Trial
+from followspot_compare.variants import read_variants
+
+ROOT = Path(__file__).parents[2]
+RECORDED = str(ROOT / "graphs/experiments/recorded.yaml")
+SIMULATED = str(ROOT / "graphs/rooms/simulated.yaml")
+DOCUMENT = ROOT / "docs/experiments.md"
+
+
+def figures(rmse: float = 5.0, **score: object) -> TargetFigures:
+    values: dict[str, object] = {
+        "frames": 100,
+        "coverage": 1.0,
+        "rmse_mm": rmse,
+        "median_mm": rmse,
+        "p95_mm": 2 * rmse,
+        "identity_switches": 0,
+        "hidden_frames": 0,
+        "false_positions": 0,
+        "false_share": math.nan,
+        "recovery_frames": (),
+        "recovery_worst": 0,
+        "jerk_cost": 0.001,
+        "reprojection_px": 0.2,
+        "reprojection_std_px": 0.1,
+    }
+    return TargetFigures(TargetScore(**{**values, **score}), 0.001, math.nan, math.nan, math.nan, math.nan)
+
+
+def trial(variant: str, room: str, iterations: tuple[int, ...] = (), **targets: TargetFigures) -> Trial:
+    return Trial(variant, room, 100, 2.0, 1.5, targets, iterations)
+
+
+def column(key: str, *of: TargetFigures) -> float:
+    return next(c for c in COLUMNS if c.key == key).of(of)
+
+
+def test_each_graph_is_a_variant_and_each_option_changes_the_first() -> None:
+    options = ["both:fuse.uses=balls.mean,verify.in.blobs=[color, infrared],verify.homography=0"]
+    variants = read_variants(["graphs/a.yaml", "b.yaml"], options)
+    assert [(v.name, v.graph) for v in variants] == [
+        ("a", "graphs/a.yaml"),
+        ("b", "b.yaml"),
+        ("both", "graphs/a.yaml"),
+    ]
+    assert variants[2].overrides == (
+        "fuse.uses=balls.mean",
+        "verify.in.blobs=[color, infrared]",
+        "verify.homography=0",
+    )
+
+
+@pytest.mark.parametrize(
+    ("graphs", "options", "says"),
+    [
+        (["a.yaml"], ["fuse.uses=balls.mean"], "is no variant"),
+        (["a.yaml"], ["mean:"], "is no variant"),
+        (["a.yaml"], ["../up:fuse.uses=balls.mean"], 'cannot be named "../up"'),
+        (["a.yaml"], [".hidden:fuse.uses=balls.mean"], 'cannot be named ".hidden"'),
+        (["x/a.yaml", "y/a.yaml"], [], '2 variants are named "a"'),
+        (["a.yaml"], ["a:fuse.uses=balls.mean"], '2 variants are named "a"'),
+    ],
+)
+def test_variants_that_cannot_be_told_apart_or_read_are_refused(
+    graphs: list[str], options: list[str], says: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(says)):
+        read_variants(graphs, options)
+
+
+def test_variants_run_on_the_same_recording_and_are_held_against_the_first(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--variant", "same:fuse.uses=balls.mean_shift", "--variant", "mean:fuse.uses=balls.mean"]
+    command = ["compare", RECORDED, *arguments, "--frames", "8", "-o", str(tmp_path), "--quiet", "--json"]
+    assert main(command) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["variants"] == ["recorded", "same", "mean"]
+    first, same, mean = result["trials"]
+    assert first["targets"] == same["targets"]
+    assert first["targets"]["red"]["rmse_mm"] != mean["targets"]["red"]["rmse_mm"]
+    assert first["targets"]["red"]["detection_px"] > 0
+    assert set(result["ratios"]["same"].values()) <= {1.0, None}
+    assert sum(first["iterations"][1:]) > 0
+    assert mean["iterations"] == [sum(mean["iterations"])]
+    assert (tmp_path / "simulated/mean/tracks.csv").is_file()
+    assert json.loads((tmp_path / "compare.json").read_text()) == result
+
+
+def test_mistakes_of_all_variants_come_at_once_and_nothing_runs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ["--variant", "a:fusion.uses=balls.mean", "--variant", "b:fuse.bandwith=3"]
+    assert main(["compare", RECORDED, *options, "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert 'no stage "fusion"' in said
+    assert "bandwith" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_room_without_truth_cannot_be_compared_in(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    blind = tmp_path / "blind.yaml"
+    blind.write_text(re.sub(r"^truth:.*\n", "", Path(SIMULATED).read_text(), flags=re.MULTILINE))
+    assert main(["compare", RECORDED, "--room", str(blind)]) == 2
+    assert "knows no ground truth" in capsys.readouterr().err
+
+
+def test_rooms_of_one_name_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", RECORDED, "--room", SIMULATED, "--room", SIMULATED]) == 2
+    assert 'several rooms are named "simulated"' in capsys.readouterr().err
+
+
+def test_failing_variant_is_named_and_the_exit_code_is_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugin = tmp_path / "broken.py"
+    plugin.write_text(
+        "from followspot import Stage\n"
+        "from followspot.tracking import Candidates, Positions\n"
+        "class Fusion(Stage):\n"
+        "    def process(self, candidates: Candidates) -> Positions:\n"
+        "        raise ValueError('no such mode')\n"
+    )
+    graph = tmp_path / "graph.yaml"
+    text = Path(ROOT / "graphs/glowballs.yaml").read_text().replace("rooms/simulated.yaml", SIMULATED)
+    graph.write_text(re.sub(r"(fuse: .*candidates: triangulate), forecast: .*", r"\1}}", text))
+    command = ["compare", str(graph), "--plugin", str(plugin), "--variant", "bad:fuse.uses=broken.fusion"]
+    assert main([*command, "--frames", "2", "-o", str(tmp_path / "out"), "--quiet"]) == 1
+    said = capsys.readouterr().err
+    assert 'variant "bad" failed in room simulated' in said
+    assert "no such mode" in said
+
+
+def test_several_targets_share_a_mean_a_sum_or_the_worst() -> None:
+    a = figures(4.0, identity_switches=1, hidden_frames=10, false_positions=1, recovery_frames=(2, 7))
+    b = figures(8.0, identity_switches=2, hidden_frames=30, false_positions=1, recovery_frames=(3,))
+    nothing = figures(math.nan)
+    assert column("rmse_mm", a, b, nothing) == 6.0
+    assert column("switches", a, b) == 3
+    assert column("false_percent", a, b, nothing) == 5.0
+    assert column("recovery_frames", a, b) == 7
+    assert math.isnan(column("recovery_frames", nothing))
+    assert math.isnan(column("rmse_mm"))
+
+
+def test_ratio_compares_means_over_all_rooms_with_those_of_the_first_variant() -> None:
+    trials = (
+        trial("plain", "hall", (0, 3, 1), red=figures(4.0)),
+        trial("plain", "attic", (0, 0, 0, 2), red=figures(8.0)),
+        trial("other", "hall", (4,), red=figures(6.0), ghost=figures(math.nan, hidden_frames=9)),
+        trial("other", "attic", (2,), red=figures(12.0)),
+    )
+    comparison = Comparison(trials)
+    assert comparison.ratio("other", "rmse_mm") == 1.5
+    assert comparison.iterations("plain") == (0, 3, 1, 2)
+    assert data(comparison)["means"]["other"]["false_percent"] == 0.0
+    shown = text(comparison)
+    assert "hall, ghost" in shown
+    assert re.search(r"ratio to plain\n +other +1\.50", shown)
+    assert re.search(r"plain +200 +50 +1\.50 ms", shown)
+
+
+def test_without_matplotlib_the_tables_remain_and_it_says_how_to_get_plots(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_svg", None)
+    assert draw(Comparison((trial("plain", "hall", red=figures()),)), tmp_path) == MISSING
+    assert 'pip install "followspot[plots]"' in MISSING
+    assert not list(tmp_path.iterdir())
+
+
+def test_pictures_are_drawn_and_the_same_again(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    trials = (trial("plain", "hall", (0, 9, 1), red=figures(4.0)), trial("bad", "hall", red=figures(400.0)))
+    for folder in (tmp_path / "a", tmp_path / "b"):
+        folder.mkdir()
+        assert "errors.svg" in draw(Comparison(trials), folder)
+    for name in ("errors.svg", "iterations.svg"):
+        picture = (tmp_path / "a" / name).read_bytes()
+        assert b"plain" in picture
+        assert picture == (tmp_path / "b" / name).read_bytes()
+
+
+def test_distance_from_detections_takes_the_nearest_blob_of_each_camera(tmp_path: Path) -> None:
+    room = tiny_room()
+    cameras = tuple(room.cameras.values())
+    image = [((c.projection @ [0, 0, 0, 1])[:2] / (c.projection @ [0, 0, 0, 1])[2]).tolist() for c in cameras]
+    near = [image[0][0] + 3, image[0][1] + 4]  # 5 px off
+    far = [image[0][0] + 30, image[0][1]]
+    line = {"time": 2_000_000_000, "view": [[0, 1], [0, 1]], "targets": [[True], [True]]}
+    line["xy"] = [[near, image[1]], [far, image[1]]]
+    (tmp_path / "candidates.jsonl").write_text(json.dumps(line) + "\n")
+    tracks = TrackTable(("red",), np.array([2.0]), np.zeros(1, int), np.ones(1, "u1"), np.zeros((1, 3)))
+    apart = detection_errors(tmp_path, tracks, ("red",), cameras)["red"]
+    assert sorted(apart.tolist()) == pytest.approx([0.0, 5.0], abs=1e-9)
+    without = TrackTable((), np.zeros(0), np.zeros(0, int), np.zeros(0, "u1"), np.zeros((0, 3)))
+    assert detection_errors(tmp_path, without, ("red",), cameras) == {}
+
+
+def test_fused_positions_count_only_where_the_target_is_tracked(tmp_path: Path) -> None:
+    lines = [
+        {"time": 1_000_000_000, "target": [0, 1], "xyz": [[1, 0, 0], [2, 0, 0]], "iterations": [3, 4]},
+        {"time": 1_033_333_333, "target": [1], "xyz": [[2, 1, 0]], "iterations": [5]},
+    ]
+    (tmp_path / "positions.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    tracks = TrackTable(
+        ("blue",), np.array([1.033333333]), np.zeros(1, int), np.ones(1, "u1"), np.zeros((1, 3))
+    )
+    fused = read_fused(tmp_path, tracks, ("red", "blue"))
+    assert fused is not None
+    assert fused.iterations.tolist() == [5]
+    assert fused.tracks.xyz.tolist() == [[2.0, 1.0, 0.0]]
+    assert read_fused(tmp_path / "elsewhere", tracks, ("red", "blue")) is None
+
+
+@pytest.mark.parametrize(
+    ("params", "kept", "evident"),
+    [
+        ({}, [0, 1, 2], [False, True, False]),
+        ({"infrared_infrared": False}, [0, 1], [False, True]),
+        ({"color_infrared": False, "evident": True}, [0, 2], [True, True]),
+        ({"color_color": False}, [1, 2], [True, False]),
+    ],
+)
+def test_the_stage_of_the_experiments_keeps_kinds_of_pairs(
+    params: dict[str, bool], kept: list[int], evident: list[bool]
+) -> None:
+    use_plugin_files([str(ROOT / "graphs/experiments/pairs.py")])
+    blob = np.repeat(np.arange(3, dtype="i4")[:, None], 2, axis=1)
+    labelled, confirmed = np.array([True, True, False]), np.array([False, True, False])
+    pairs = Pairs(
+        ("a", "b"),
+        np.zeros((3, 2), "i4"),
+        blob,
+        np.zeros((3, 2, 2)),
+        np.ones((3, 2)),
+        np.zeros(3),
+        labelled,
+        confirmed,
+        np.ones((3, 1), bool),
+    )
+    chosen = load_stage("pairs.choose")(**params).process(pairs)
+    assert chosen.blob[:, 0].tolist() == kept
+    assert chosen.confirmed.tolist() == evident
+
+
+def commands() -> list[str]:
+    shown = "\n".join(re.findall(r"```sh\n(.*?)```", DOCUMENT.read_text(), re.DOTALL)).replace("\\\n", " ")
+    return [line for line in shown.splitlines() if line.startswith("followspot ")]
+
+
+def test_the_document_shows_commands() -> None:
+    assert len(commands()) > 5
+
+
+@pytest.mark.parametrize("line", commands())
+def test_every_command_of_the_document_is_understood_and_its_variants_can_be_planned(
+    line: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(ROOT)
+    args = build_parser().parse_args(shlex.split(line)[1:])
+    assert callable(args.run_command)
+    for path in re.findall(r"graphs/\S+\.(?:yaml|py)", line):
+        assert Path(path).is_file()
+    if line.startswith("followspot compare "):
+        args.rooms = [SIMULATED]
+        assert plan_scenes(read_variants(args.graphs, args.variants), args)
+
+
+def test_every_picture_of_the_document_is_there() -> None:
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", DOCUMENT.read_text())
+    assert pictures
+    for path in pictures:
+        assert (DOCUMENT.parent / path).stat().st_size > 5_000
