@@ -64,7 +64,8 @@ def _describe(name: str, stage: Any) -> dict[str, Any]:
         "name": name,
         "description": (stage.__doc__ or "").strip(),
         "inputs": [
-            {"name": p.name, "type": p.type.__name__, "kind": p.kind, "required": p.required} for p in found.inputs
+            {"name": p.name, "type": p.type.__name__, "kind": p.kind, "required": p.required}
+            for p in found.inputs
         ],
         "outputs": [{"name": p.name, "type": p.type.__name__} for p in found.outputs],
         "parameters": [_parameter(key, info) for key, info in stage.Params.model_fields.items()],
