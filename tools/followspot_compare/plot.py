@@ -33,12 +33,12 @@ def draw(comparison: Comparison, folder: Path) -> str:
         drawings[ITERATIONS] = _iterations
     with mpl.rc_context({"svg.hashsalt": "followspot", "svg.fonttype": "none", "font.size": 9}):
         for name, drawing in drawings.items():
-            figure = Figure(figsize=(7.5, 3.2), layout="constrained")
+            figure = Figure(figsize=(max(7.5, 0.55 * len(comparison.targets)), 3.2), layout="constrained")
             FigureCanvasSVG(figure)
             axes = figure.add_subplot()
             axes.spines[["top", "right"]].set_visible(False)
             drawing(axes, comparison)
-            axes.legend(frameon=False, fontsize=8)
+            figure.legend(loc="outside upper left", ncols=5, frameon=False, fontsize=8)
             figure.savefig(folder / name, metadata={"Date": None})
     return "plots: " + ", ".join(str(folder / name) for name in drawings)
 
