@@ -4,120 +4,163 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_sim.sight import approach, blocked
+from followspot_sim.eyes import Eyes
+from followspot_sim.outline import SUBPIXEL, fill
+from followspot_sim.sensor import DISPLAYED
+from followspot_sim.sight import approach, depth_in, dot, unit
 
 DEFOCUS = 1.7
 """Width of the soft edge of a ball, px."""
-HALO = 0.16
-"""Brightness of the glow at the edge of the ball, over that of the ball."""
-
-
-@dataclass(frozen=True, eq=False)
-class View:
-    """A camera's eye.
-
-    center: (3,) m; rays: (3, H * W) float32, unit vectors; size: width and height, px; focal:
-    length in px; margin: how many pixels around a ball are drawn.
-    """
-
-    center: Array
-    rays: Array
-    size: tuple[int, int]
-    focal: float
-    margin: int
+HALO, GLOW = 0.16, 1.7
+"""Brightness of the glow at the edge of the ball, over that of the ball, and radii at which it ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stamps:
-    """Balls in square windows of the picture, from far to near.
+    """Balls in square windows of the pictures, camera by camera, from far to near.
 
-    ball: (B,) number of the ball; corner: (B, 2) row and column where its window begins; cover:
-    (B, S, S) share of each pixel that the ball fills and nothing hides; halo: (B, S, S) share of its
-    light that its glow adds; facing: (3, B, S, S) where on the ball the pixel looks, across the line
-    of sight, in radii; distance: (B,) m.
+    camera, ball: (B,) their numbers; corner: (B, 2) column and row where its window begins; cover:
+    (B, S, S) uint8, share of each pixel that the ball fills and nothing hides, in 1/255; facing:
+    (3, B, S, S) where on the ball the pixel looks, across the line of sight, in radii; square: (B, S, S)
+    its squared length; distance: (B,) m; shown: (B,) share of the ball in the picture that nothing hides.
     """
 
+    camera: Array
     ball: Array
     corner: Array
     cover: Array
-    halo: Array
     facing: Array
+    square: Array
     distance: Array
+    shown: Array
+
+    def of(self, camera: int) -> Stamps:
+        """Those in the picture of one camera."""
+        rows = slice(*np.searchsorted(self.camera, [camera, camera + 1]).tolist())
+        return Stamps(
+            self.camera[rows],
+            self.ball[rows],
+            self.corner[rows],
+            self.cover[rows],
+            self.facing[:, rows],
+            self.square[rows],
+            self.distance[rows],
+            self.shown[rows],
+        )
 
 
-def stamps(view: View, pixel: Array, balls: Array, radii: Array, limbs: Array, thick: Array) -> Stamps:
-    """The balls as the camera sees them; those outside the picture or not shown are left out.
+def stamps(eyes: Eyes, pixel: Array, balls: Array, radii: Array) -> Stamps:
+    """The balls as the cameras would see them alone; those outside the picture or not shown are left out.
 
-    pixel: (T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m; limbs: (K, 2, 3) m and
-    thick: (K,) m may hide them. A ray meets a ball where it passes the centre at less than the
-    radius; the edge of the disc is that distance in units of its own change per pixel, so the
-    ellipse of the sphere and the lens come out right.
+    pixel: (V, T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m. A ray meets a ball where it
+    passes the centre at less than the radius, so the ellipse of the sphere and the lens come out right.
     """
-    away = balls - view.center
-    distance = np.sqrt(np.square(away).sum(axis=1))
-    reach = view.focal * radii / distance + view.margin
-    width, height = view.size
+    away = balls - eyes.center[:, None]
+    distance = np.sqrt(dot(away, away))
+    size = eyes.size[:, None]
     with np.errstate(invalid="ignore"):
-        seen = np.all((pixel > -reach[:, None]) & (pixel < [width, height] + reach[:, None]), axis=1)
-    ball = np.flatnonzero(seen)[np.argsort(-distance[seen])]
-    away, distance = away[ball].astype(np.float32), distance[ball].astype(np.float32)
-    radius = radii[ball].astype(np.float32)[:, None, None]
-    side = min(2 * int(np.ceil(reach[ball].max(initial=1.0))) + 1, width, height)
-    corner = np.round(pixel[ball])[:, ::-1] - side // 2
-    corner = np.clip(corner, 0, [height - side, width - side]).astype(int)
-    span = np.arange(side)
-    rows, columns = corner[:, 0, None, None] + span[:, None], corner[:, 1, None, None] + span
-    rays = view.rays.take(rows * width + columns, axis=1)
-    along = np.einsum("ibhw,bi->bhw", rays, away)
-    across = rays * along - away.T[:, :, None, None]
-    miss = np.sqrt(np.einsum("ibhw,ibhw->bhw", across, across))
-    cover = np.minimum(np.maximum(0.5 + (radius - miss) / (DEFOCUS * _pitch(miss)), 0), 1)
-    halo = HALO * np.exp(-1.6 * np.maximum(miss / radius - 1.0, 0.0)) * (1.0 - cover)
-    if len(limbs) and len(ball):
-        free = cover.sum(axis=(1, 2))
-        surface = along - np.sqrt(np.maximum(radius * radius - miss * miss, 0))
-        nearness, _ = approach(view.center, away.T / distance, limbs)
-        near = np.any(nearness < thick[:, None] + 1.3 * radius[:, 0, 0], axis=1)
-        _hide(cover, view, rays, surface, distance, limbs[near], thick[near])
-        halo *= (cover.sum(axis=(1, 2)) / np.maximum(free, 1e-9))[:, None, None]
-    return Stamps(ball, corner, cover, halo, across / radius, distance)
+        nearest = np.minimum(np.maximum(np.rint(pixel).astype(int), 0), size - 1)
+        pitch = eyes.pitch[eyes.first[:, None] + nearest[..., 1] * size[..., 0] + nearest[..., 0]]
+        reach = eyes.reach[:, None] * radii / (distance * pitch) + 2.0
+        seen = np.all((pixel > -reach[..., None]) & (pixel < size + reach[..., None]), axis=2)
+    camera, ball = np.nonzero(seen)
+    order = np.lexsort((-distance[camera, ball], camera))
+    camera, ball = camera[order], ball[order]
+    distance, size = distance[camera, ball], eyes.size[camera]
+    half = int(np.ceil(reach[camera, ball].max(initial=1.0)))
+    side = min(2 * half + 1, int(eyes.size.min()))
+    corner = np.rint(pixel[camera, ball]).astype(int) - side // 2
+    corner = np.minimum(np.maximum(corner, 0), size - side)
+    facing, square = _facing(eyes, camera, corner, side, away[camera, ball], radii[ball])
+    hard = 255 * radii[ball] / (DEFOCUS * pitch[camera, ball] * distance)
+    soft = (1.0 - np.sqrt(square)) * hard.astype(np.float32)[:, None, None]
+    cover = np.minimum(np.maximum(128.0 + soft, 0), 255).astype(np.uint8)
+    return Stamps(camera, ball, corner, cover, facing, square, distance, np.ones(len(ball)))
 
 
-def _hide(
-    cover: Array, view: View, rays: Array, surface: Array, distance: Array, limbs: Array, thick: Array
-) -> None:
-    """Take from `cover` what limbs hide; only pixels that a ball fills are looked at."""
-    filled = np.flatnonzero(cover)
-    soft = (distance / view.focal).repeat(cover[0].size).take(filled)
-    rays = rays.reshape(3, -1).take(filled, axis=1)
-    hidden = blocked(view.center, rays, surface.take(filled), limbs, thick, soft)
-    cover.put(filled, cover.take(filled) * (1 - hidden))
+def _facing(
+    eyes: Eyes, camera: Array, corner: Array, side: int, away: Array, radii: Array
+) -> tuple[Array, Array]:
+    """Where on the balls the pixels of their windows look; `facing` and `square` of :class:`Stamps`."""
+    width, span = eyes.size[camera, 0], np.arange(side)
+    first = eyes.first[camera] + corner[:, 1] * width + corner[:, 0]
+    rays = eyes.rays.take(
+        (first[:, None, None] + width[:, None, None] * span[:, None] + span).astype(np.intp), axis=1
+    )
+    x, y, z = away.astype(np.float32).T[:, :, None, None]
+    along = rays[0] * x + rays[1] * y + rays[2] * z
+    rays *= along
+    rays -= away.astype(np.float32).T[:, :, None, None]
+    rays /= radii.astype(np.float32)[:, None, None]
+    return rays, rays[0] * rays[0] + rays[1] * rays[1] + rays[2] * rays[2]
 
 
-def _pitch(miss: Array) -> Array:
-    """Change per pixel of a distance, (B, S, S)."""
-    down, right = np.gradient(miss, axis=(1, 2))
-    return np.asarray(np.sqrt(down * down + right * right) + 1e-9)
+def in_front(eyes: Array, balls: Array, radii: Array, ends: Array, thick: Array) -> Array:
+    """Which limbs hide a part of which balls, (B, K) bool.
 
-
-def color_light(color: Array, facing: Array) -> Array:
-    """Light of glowing balls: their colour, and a core too bright for the sensor, which turns white.
-
-    color: (B, 3) linear BGR; facing: (3, B, S, S) in radii. Returns (B, S, S, 3).
+    eyes: (B, 3) m; balls: (B, 3) m; radii: (B,) m; ends: (K, 2, 3) m; thick: (K,) m. Both surfaces are
+    compared on the line of sight through the middle of the overlap.
     """
-    square = np.einsum("ibhw,ibhw->bhw", facing, facing)[..., None]
-    base = color[:, None, None, :]
-    core = 0.45 * np.exp(-square / 0.12)
-    return np.asarray(base * (1.0 - 0.12 * np.minimum(square, 1.0)) + core * (255.0 - base))
+    rays, distance = unit(balls - eyes)
+    gap, along = approach(eyes[:, None], rays[:, None], ends)
+    radius = radii[:, None]
+    middle = (np.maximum(gap - thick, -radius) + np.minimum(gap + thick, radius)) / 2
+    entry = along - depth_in(thick, gap - middle)
+    overlap = gap < thick + 1.3 * radius  # the soft edge of the ball included
+    return np.asarray(overlap & (entry < distance[:, None] - depth_in(radius, middle)))
 
 
-def infrared_light(brightness: Array, facing: Array) -> Array:
-    """Light of the reflecting patches, (B, S, S, 1): a pattern without a preferred side, so the centre stays.
+def hide(seen: Stamps, before: Array, polygons: list[Array]) -> None:
+    """Take from the cover of the balls what is behind limbs, and note how much is left.
 
-    brightness: (B,) grey levels; facing: (3, B, S, S) in radii.
+    before: (B, K) bool, limb k is in front of ball b; polygons: for each camera (K, P, 2), the outlines
+    of the limbs as OpenCV draws them.
     """
-    seams = np.cos(5.0 * facing).prod(axis=0)
-    return np.asarray(brightness[:, None, None] * (0.8 + 0.2 * seams))[..., None]
+    whole = seen.cover.sum(axis=(1, 2))
+    corner = (seen.corner << SUBPIXEL).astype(np.int32)
+    for k, limb in np.argwhere(before).tolist():
+        fill(seen.cover[k], polygons[seen.camera[k]][limb] - corner[k], 0)
+    np.divide(seen.cover.sum(axis=(1, 2)), np.maximum(whole, 1), out=seen.shown)
+
+
+def color_light(seen: Stamps, color: Array) -> Array:
+    """What is shown of glowing balls: their colour with a glow around it, and a core too bright to show.
+
+    The core turns white; the glow is as strong as the part of the ball that shows.
+    color: (T, 3) linear BGR. Returns (B, S, S, 3) uint8, what is added where the ball is.
+    """
+    square, cover = seen.square, seen.cover * np.float32(1 / 255)
+    core = 0.45 * np.exp(square * np.float32(-1 / 0.12))
+    tail = np.maximum(GLOW * GLOW - square, 0) / (GLOW * GLOW - 1)
+    halo = tail * tail * (HALO * seen.shown).astype(np.float32)[:, None, None]
+    own = (1 - 0.12 * np.minimum(square, 1) - core - halo) * cover + halo
+    white = 255 * core * cover + 0.5
+    light = own[..., None] * color[seen.ball][:, None, None] + white[..., None]
+    shown = cv2.LUT(np.minimum(light, 255).astype(np.uint8).reshape(-1, 3), DISPLAYED)
+    return np.asarray(shown.reshape(light.shape))
+
+
+def infrared_light(seen: Stamps, brightness: Array) -> Array:
+    """Light of the reflecting patches: a pattern without a preferred side, so the centre stays.
+
+    brightness: (B,) grey levels. Returns (B, S, S) uint8.
+    """
+    x, y, z = np.cos(5.0 * seen.facing)
+    level = (brightness / 255).astype(np.float32)[:, None, None]
+    return np.asarray(np.minimum(level * (0.8 + 0.2 * x * y * z) * seen.cover + 0.5, 255).astype(np.uint8))
+
+
+def compose(picture: Array, seen: Stamps, light: Array) -> None:
+    """Put the balls over the picture, (H, W) or (H, W, 3) uint8; light: (B, S, S[, 3]) uint8."""
+    kept = 255 - seen.cover
+    if light.ndim > kept.ndim:
+        kept = np.repeat(kept[..., None], light.shape[-1], axis=-1)
+    side = kept.shape[1]
+    for ball, (column, row) in enumerate(seen.corner.tolist()):
+        window = picture[row : row + side, column : column + side]
+        cv2.multiply(window, kept[ball], dst=window, scale=1 / 255)
+        cv2.add(window, light[ball], dst=window)

@@ -31,6 +31,10 @@ class SimCamera(Stage):
         """Prepare what stays the same in all pictures. Raises InputError for an unknown target."""
         self._picture = Picture(self.params, self.room, self.camera)
 
+    def length(self) -> int | None:
+        """Number of pictures; None where they never end."""
+        return self.params.frames or None
+
     def process(self) -> Source[Frame]:
         """Pictures at the middle of their exposure: frame k at k / fps seconds."""
         for frame, time_ns in schedule(self.params):

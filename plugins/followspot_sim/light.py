@@ -1,10 +1,11 @@
 """The interfering projections: moving spots in the balls' colours, stripes, flashes, shadows of people.
 
-Colours here are linear light, 0 to 255, in the order BGR.
+Colours are BGR, 0 to 255: linear light as given, what colour cameras show of it in `Shapes` and `Splashes`.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -13,8 +14,11 @@ import numpy as np
 
 from followspot import Array
 from followspot_sim.body import PARTS
-from followspot_sim.screen import TEXEL, Screen, atlas_size, screens_of
-from followspot_sim.sight import approach
+from followspot_sim.outline import stadiums
+from followspot_sim.recent import Recent
+from followspot_sim.screen import atlas_size, screens_of
+from followspot_sim.sensor import displayed
+from followspot_sim.sight import approach, depth_in, unit
 from followspot_sim.world import Scene, Setting, world_of
 
 LAG = 0.25
@@ -23,21 +27,39 @@ SOLID = np.isin(PARTS, ("leg", "torso", "head"))
 """Which parts of a body stop light (the others are too thin to matter)."""
 SLOT, FLASH = 1.5, 0.08
 """A flash comes once in each slot and lasts that long, s."""
-SUBPIXEL = 4
-"""Binary digits after the point in coordinates that are handed to OpenCV."""
+STRIPE, BENDS = 0.065, 6
+"""Half the width of the stripe, m, and in how many pieces it is drawn, for lenses bend it."""
+NO_STROKES = (np.empty((0, 2, 2)), np.empty((0, 2)), np.empty(0, int), np.empty((0, 3)))
+"""Ends (N, 2, 2) m along the axes of the screen, radius at each end (N, 2) m, screen (N,), colour (N, 3)."""
+SHADE = [7.0, 7.0, 7.0]
+"""What colour cameras show of a screen in a shadow."""
+Strokes = tuple[Array, Array, Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """Light and shadow on the screens, in painting order: outline (N, 14, 3) m, color: N."""
+
+    outline: Array
+    color: list[list[float]]
 
 
 @dataclass(frozen=True, eq=False)
 class Splashes:
-    """Spots that fall on bodies: xyz (S, 3) m, radius (S,) m, color (S, 3), limb (S,) number in the scene."""
+    """Spots that fall on bodies.
+
+    xyz: (S, 3) m; outward: (S, 3) m, from the axis of the limb; radius: (S,) m; color: (S, 3); limb:
+    (S,) number in the scene.
+    """
 
     xyz: Array
+    outward: Array
     radius: Array
     color: Array
     limb: Array
 
 
-NO_SPLASHES = Splashes(np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0, int))
+NO_SPLASHES = Splashes(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), np.empty((0, 3)), np.empty(0, int))
 
 
 @dataclass(frozen=True)
@@ -69,9 +91,9 @@ class LightShow:
         self.screens = screens_of(lighting.planes)
         colors = np.array(lighting.colors).reshape(-1, 3)
         self.active = bool(lighting.spots and self.screens and len(colors))
-        self.atlas = lru_cache(maxsize=16)(self._draw)
-        self.splashes = lru_cache(maxsize=16)(self._splash)
-        self._spots = lru_cache(maxsize=4)(self._place_spots)
+        self.shapes = Recent(self._draw)
+        self.splashes = Recent(self._splash)
+        self._spots = Recent(self._place_spots)
         rng = np.random.default_rng([lighting.setting.seed, 77])
         self._colors = colors * lighting.brightness
         self._target = np.tile(np.arange(len(colors)), lighting.spots)
@@ -84,71 +106,90 @@ class LightShow:
         self._rate = rng.uniform(0.15, 0.55, (2, spots, 2)) * rng.choice([-1, 1], (2, spots, 2))
         self._phase = rng.uniform(0, 2 * np.pi, (2, spots, 2))
         self._seed = lighting.setting.seed
+        self._lag = round(LAG * lighting.setting.fps)
         self._flash = lru_cache(maxsize=8)(self._plan_flash)
+        self._size = np.array([s.size for s in self.screens]).reshape(-1, 2)
+        self._corner = np.array([s.corner for s in self.screens]).reshape(-1, 3)
+        self._axes = np.array([s.axes for s in self.screens]).reshape(-1, 2, 3)
         self._scenery = _scenery(atlas_size(self.screens), self._colors, rng) if self.active else None
 
-    def _place_spots(self, time: float) -> Array:
+    def drift(self, frame: int) -> int:
+        """By how many texels the clouds have drifted."""
+        return round(40 * (1 + math.sin(0.35 * self.world.scene(frame).time)))
+
+    def clouds(self, drift: int) -> Array:
+        """The clouds on all screens, an atlas (H, W, 3) uint8."""
+        assert self._scenery is not None  # nobody asks when there is no light
+        return np.asarray(self._scenery[drift : drift + atlas_size(self.screens)[0]])
+
+    def _place_spots(self, frame: int) -> Array:
         """Where every spot is on its screen, (N, 2) m along its axes."""
-        size = np.array([s.size for s in self.screens])[self._screen]
+        time = self.world.scene(frame).time
         sway = np.sin(self._rate * time * np.pi + self._phase)
-        where = size / 2 * (1 + 0.62 * sway[0] + 0.3 * sway[1])
+        where = self._size[self._screen] / 2 * (1 + 0.62 * sway[0] + 0.3 * sway[1])
         floor = self.screens[0]
-        below = (self.world.balls(time - LAG) - floor.corner) @ floor.axes.T
+        below = (self.world.scene(max(frame - self._lag, 0)).balls - floor.corner) @ floor.axes.T
         where[self._trailing] = below + 0.22 * np.sin(2.1 * time + np.arange(2) * 1.6)
         return np.asarray(where)
 
-    def _draw(self, frame: int) -> Array:
-        """The atlas of a frame, (H, W, 3) uint8."""
+    def _draw(self, frame: int) -> Shapes:
+        """All strokes of a frame, cut off where their screen ends."""
         scene = self.world.scene(frame)
-        assert self._scenery is not None  # nobody asks when there is no light
-        rows, _ = atlas_size(self.screens)
-        shift = round(40 * (1 + np.sin(0.35 * scene.time)))
-        atlas = self._scenery[shift : shift + rows].copy()
-        self._draw_stripe(atlas, scene.time)
-        where = self._spots(scene.time)
-        for k, screen in enumerate(self.screens):
-            first, last, columns = screen.window()
-            part = atlas[first:last, :columns]
-            for spot in np.flatnonzero(self._screen == k):
-                color = self._colors[self._target[spot]]
-                _disc(part, where[spot] / TEXEL, self._radius[spot] / TEXEL, color)
-            self._draw_flash(part, k, scene.time)
-            self._draw_shadows(part, screen, scene)
-        return atlas
-
-    def _draw_stripe(self, atlas: Array, time: float) -> None:
-        """A bar of light that turns about the middle of the first screen."""
-        first, last, columns = self.screens[0].window()
-        angle = 0.4 * time
-        middle, arm = (
-            np.array([columns, last - first]) / 2,
-            np.array([np.cos(angle), np.sin(angle)]) * columns,
+        spots = np.repeat(self._spots(frame)[:, None], 2, axis=1)
+        spot_radius = np.repeat(self._radius[:, None], 2, axis=1)
+        strokes = (
+            self._stripe(scene.time),
+            (spots, spot_radius, self._screen, displayed(self._colors)[self._target]),
+            self._flashes(scene.time),
+            self._shadows(scene),
         )
-        color = self._colors[int(time / 4) % len(self._colors)] * 0.12
-        a, b = (tuple(int(v) for v in middle + s * arm) for s in (-1, 1))
-        cv2.line(atlas[first:last, :columns], a, b, color.tolist(), 9, cv2.LINE_AA)
+        ends, radius, screen, color = (np.concatenate(column) for column in zip(*strokes, strict=True))
+        outline, size = stadiums(ends, radius), self._size[screen][:, None]
+        lit = ((outline.max(axis=1) > 0) & (outline.min(axis=1) < size[:, 0])).all(axis=1)
+        where, on = np.minimum(np.maximum(outline, 0), size)[lit], screen[lit]
+        return Shapes(self._corner[on][:, None] + where @ self._axes[on], color[lit].tolist())
 
-    def _draw_flash(self, part: Array, screen: int, time: float) -> None:
-        slot = int(time / SLOT)
-        begin, where, radius, color = self._flash(screen, slot)
-        if 0 <= time - slot * SLOT - begin < FLASH:
-            _disc(part, where * part.shape[1::-1], radius, color)
+    def _stripe(self, time: float) -> Strokes:
+        """A bar of light that turns about the middle of the first screen."""
+        middle, arm = self._size[0] / 2, np.array([np.cos(0.4 * time), np.sin(0.4 * time)])
+        arm *= (middle / np.maximum(np.abs(arm), 1e-9)).min()
+        points = middle + np.linspace(-1, 1, BENDS + 1)[:, None] * arm
+        color = displayed(self._colors[int(time / 4) % len(self._colors)] * 0.12)
+        return (
+            np.stack([points[:-1], points[1:]], axis=1),
+            np.full((BENDS, 2), STRIPE),
+            np.zeros(BENDS, int),
+            np.tile(color, (BENDS, 1)),
+        )
+
+    def _flashes(self, time: float) -> Strokes:
+        """Large discs that appear for a moment."""
+        slot, found = int(time / SLOT), []
+        for screen, size in enumerate(self._size):
+            begin, where, radius, color = self._flash(screen, slot)
+            if 0 <= time - slot * SLOT - begin < FLASH:
+                found.append((np.tile(where * size, (1, 2, 1)), np.full((1, 2), radius), [screen], [color]))
+        return tuple(np.concatenate(c) for c in zip(*found, strict=True)) if found else NO_STROKES  # type: ignore[return-value]
 
     def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
-        """When the flash of a slot begins (s), where (of the screen), radius (texels), colour."""
+        """When the flash of a slot begins (s), where (of the screen), radius (m), colour."""
         rng = np.random.default_rng([self._seed, 78, screen, slot])
-        color = self._colors[rng.integers(len(self._colors))] * 0.8
-        return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(8, 40), color
+        color = displayed(self._colors[rng.integers(len(self._colors))] * 0.8)
+        return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(0.12, 0.6), color
 
-    def _draw_shadows(self, part: Array, screen: Screen, scene: Scene) -> None:
+    def _shadows(self, scene: Scene) -> Strokes:
+        """What bodies keep from the screens."""
         solid = SOLID[scene.part]
-        shade, scale = screen.shadow(scene.limbs[solid].reshape(-1, 3))
-        texel = (screen.texel(shade) - [0, screen.row]).reshape(-1, 4)
-        thick = 2 * scene.radius[solid] * scale.reshape(-1, 2).mean(axis=1) / TEXEL
-        near = np.abs(texel).max(axis=1) < 2000  # also leaves out what is not a number
-        lines = np.round(np.column_stack([texel, thick])[near]).astype(int).tolist()
-        for x1, y1, x2, y2, width in lines:
-            cv2.line(part, (x1, y1), (x2, y2), (0, 0, 0), max(1, width))
+        ends, radius, found = scene.limbs[solid].reshape(-1, 3), scene.radius[solid][:, None], [NO_STROKES]
+        for number, screen in enumerate(self.screens):
+            shade, scale = screen.shadow(ends)
+            where = screen.place(shade).reshape(-1, 2, 2)
+            near = np.abs(where).max(axis=(1, 2)) < 30.0  # also leaves out what is not a number
+            thick = radius * scale.reshape(-1, 2)
+            count = int(near.sum())
+            found.append((where[near], thick[near], np.full(count, number), np.tile(SHADE, (count, 1))))
+        ends, thick, on, color = (np.concatenate(column) for column in zip(*found, strict=True))
+        return ends, thick, on, color
 
     def _splash(self, frame: int) -> Splashes:
         """Spots that meet a body before they meet their screen."""
@@ -156,29 +197,19 @@ class LightShow:
         solid = np.flatnonzero(SOLID[scene.part])
         if len(solid) == 0:
             return NO_SPLASHES
-        where, hits = self._spots(scene.time), []
-        for k, screen in enumerate(self.screens):
-            spots = np.flatnonzero(self._screen == k)
-            aim = (screen.point(where[spots]) - screen.projector).T
-            aim /= np.sqrt(np.square(aim).sum(axis=0))
-            distance, along = approach(screen.projector, aim, scene.limbs[solid])
-            thick = scene.radius[solid][:, None]
-            entry = along - np.sqrt(np.maximum(thick * thick - distance * distance, 0.0))
-            entry[distance >= thick] = np.inf
-            first, go = entry.argmin(axis=0), entry.min(axis=0)
-            met = np.isfinite(go)
-            xyz = screen.projector + (aim[:, met] * go[met]).T
-            target = self._target[spots[met]]
-            hits.append((xyz, self._radius[spots[met]], self._colors[target] * 0.7, solid[first[met]]))
-        xyz, radius, color, limb = (np.concatenate(column) for column in zip(*hits, strict=True))
-        return Splashes(xyz, radius, color, limb)
-
-
-def _disc(image: Array, centre: Array, radius: float, color: Array) -> None:
-    """A disc at a place between pixels; places far outside are left out."""
-    x, y = (round(v * (1 << SUBPIXEL)) for v in centre.tolist())
-    if abs(x) + abs(y) < 1 << 16:
-        cv2.circle(image, (x, y), round(radius * (1 << SUBPIXEL)), color.tolist(), -1, cv2.LINE_AA, SUBPIXEL)
+        where = self._spots(frame)[:, None] @ self._axes[self._screen]
+        projector = np.array([s.projector for s in self.screens])[self._screen]
+        aim, _ = unit(self._corner[self._screen] + where[:, 0] - projector)
+        ends, thick = scene.limbs[solid], scene.radius[solid]
+        distance, along = approach(projector[:, None], aim[:, None], ends)
+        entry = np.where(distance < thick, along - depth_in(thick, distance), np.inf)
+        spot, first = np.flatnonzero(np.isfinite(entry.min(axis=1))), entry.argmin(axis=1)
+        limb = first[spot]
+        xyz = projector[spot] + aim[spot] * entry[spot, limb][:, None]
+        axis, start = ends[limb, 1] - ends[limb, 0], ends[limb, 0]
+        share = ((xyz - start) * axis).sum(axis=1) / np.maximum(np.square(axis).sum(axis=1), 1e-9)
+        outward = xyz - start - np.clip(share, 0, 1)[:, None] * axis
+        return Splashes(xyz, outward, self._radius[spot], self._colors[self._target[spot]] * 0.7, solid[limb])
 
 
 def _scenery(size: tuple[int, int], colors: Array, rng: np.random.Generator) -> Array:

@@ -1,52 +1,56 @@
-"""Limbs as convex outlines in the distorted picture, drawn from far to near."""
+"""Limbs as convex outlines in the distorted picture."""
 
 from __future__ import annotations
 
-import cv2
+from dataclasses import dataclass
+
 import numpy as np
 
-from followspot import Array, Camera
-from followspot.geometry import project
+from followspot import Array
+from followspot_sim.eyes import Eyes
+from followspot_sim.outline import fixed_point, stadiums
+from followspot_sim.sight import dot
 
-FAN = np.linspace(-np.pi / 2, np.pi / 2, 7)
-"""Directions of the round end of a limb, rad from its axis."""
-SUBPIXEL = 4
-"""Binary digits after the point in coordinates that are handed to OpenCV."""
+NEAREST = 0.3
+"""Limbs nearer than this to the camera's plane are left out, m."""
+LONGEST = 1000.0
+"""So are longer ones, which the lens cannot mean, px."""
 
 
-def outlines(camera: Camera, limbs: Array, radius: Array) -> tuple[Array, Array, Array]:
-    """Outlines of limbs in the picture.
+@dataclass(frozen=True, eq=False)
+class Outlines:
+    """Limbs in one picture.
 
-    limbs: (K, 2, 3) m; radius: (K,) m. Returns polygons (K, 14, 2) px in OpenCV's fixed point,
-    their scale (K,) px/m, and the order from far to near (those in the picture only).
+    polygon: (K, 14, 2) as OpenCV draws it; scale: (K,) px/m; shown: (K,) bool; order: those shown,
+    from far to near.
     """
-    ends = limbs.reshape(-1, 3)
-    depth = (ends @ camera.rotation[2] + camera.translation[2]).reshape(-1, 2)
-    safe = np.maximum(depth, 0.3)
-    pixel = project(camera, ends).reshape(-1, 2, 2)
-    focal = float(camera.matrix[0, 0])
-    across = focal * radius[:, None] / safe
-    axis = pixel[:, 1] - pixel[:, 0]
-    angle = np.arctan2(axis[:, 1], axis[:, 0])[:, None] + FAN
-    round_end = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    tip = pixel[:, 1, None] + across[:, 1, None, None] * round_end
-    root = pixel[:, 0, None] - across[:, 0, None, None] * round_end
-    polygon = np.concatenate([tip, root], axis=1)
-    size = np.array(camera.size)
+
+    polygon: Array
+    scale: Array
+    shown: Array
+    order: list[int]
+
+
+def outlines(eyes: Eyes, pixel: Array, limbs: Array, radius: Array) -> list[Outlines]:
+    """Outlines of limbs in the picture of each camera.
+
+    pixel: (V, K, 2, 2) px, their ends in the pictures; limbs: (K, 2, 3) m; radius: (K,) m.
+    """
+    away = limbs - eyes.center[:, None, None]
+    depth = dot(away, eyes.axis[:, None, None])
+    scale = eyes.focal[:, None, None] / np.maximum(depth, NEAREST)
+    width = scale * radius[:, None]
+    outline = stadiums(pixel.reshape(-1, 2, 2), width.reshape(-1, 2))
+    outline = outline.reshape(*depth.shape[:2], *outline.shape[1:])
+    width = width.max(axis=2)[..., None]
     with np.errstate(invalid="ignore"):
-        in_front = (depth > 0.3).all(axis=1) & (np.abs(pixel).max(axis=(1, 2)) < 2000)
-        in_front &= (polygon.max(axis=1) > 0).all(axis=1) & (polygon.min(axis=1) < size).all(axis=1)
-    order = np.argsort(-np.linalg.norm(limbs.mean(axis=1) - camera.center, axis=1))
-    fixed = np.round(np.where(in_front[:, None, None], polygon, 0) * (1 << SUBPIXEL)).astype(np.int32)
-    return fixed, focal / safe.mean(axis=1), order[in_front[order]]
-
-
-def fill(image: Array, polygon: Array, tone: list[float]) -> None:
-    """Fill one outline of :func:`outlines`."""
-    cv2.fillConvexPoly(image, polygon, tone, cv2.LINE_AA, SUBPIXEL)
-
-
-def dot(image: Array, centre: Array, radius: float, tone: list[float]) -> None:
-    """A small disc between pixels; centre (2,) and radius in px."""
-    x, y, r = (round(float(v) * (1 << SUBPIXEL)) for v in (*centre, radius))
-    cv2.circle(image, (x, y), r, tone, -1, cv2.LINE_AA, SUBPIXEL)
+        low, high = np.minimum(pixel[:, :, 0], pixel[:, :, 1]), np.maximum(pixel[:, :, 0], pixel[:, :, 1])
+        inside = (high > -width) & (low - width < eyes.size[:, None]) & (high - low < LONGEST)
+    shown = inside.all(axis=2) & (depth > NEAREST).all(axis=2)
+    polygon = fixed_point(np.where(shown[:, :, None, None], outline, 0.0))
+    middle = away[:, :, 0] + away[:, :, 1]
+    order = np.argsort(-dot(middle, middle), axis=1, kind="stable")
+    return [
+        Outlines(polygon[v], scale[v].mean(axis=1), shown[v], order[v][shown[v][order[v]]].tolist())
+        for v in range(len(pixel))
+    ]

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
 from followspot import Array, Camera, Room
 from followspot.geometry import project
-from followspot_sim.ball_image import View, color_light, infrared_light, stamps
+from followspot_sim.ball_image import Stamps, color_light, compose, infrared_light
 from followspot_sim.body import PARTS
+from followspot_sim.glance import onlookers_of
 from followspot_sim.light import NO_SPLASHES, Lighting, Splashes, show_of
+from followspot_sim.outline import CORNERS, fill, fixed_point, in_picture, spot
 from followspot_sim.parameters import SimParams
-from followspot_sim.people_image import dot, fill, outlines
-from followspot_sim.screen import fixed_point, lookup, rays_of
-from followspot_sim.sensor import GAMMA, Sensor, linear, own_rng
+from followspot_sim.people_image import Outlines
+from followspot_sim.screen import lookup, rays_of, remapping
+from followspot_sim.sensor import DISPLAYED, Sensor, displayed, linear, own_rng
+from followspot_sim.sight import dot
 from followspot_sim.world import Scene, World, setting, world_of
 
 SHIRTS = np.array([[4, 4, 16], [10, 12, 14], [3, 9, 4], [14, 6, 3], [5, 12, 13], [8, 4, 9]], float)
@@ -23,6 +28,14 @@ GRAY = {"leg": 7.0, "torso": 16.0, "bag": 5.0, "head": 21.0, "arm": 14.0, "forea
 """Infrared light that each part of a body reflects."""
 INFRARED_BALL, INFRARED_RANGE = 175.0, 5.5
 """Infrared light of a ball's patches at that distance (m); reflectors fall off slowly with distance."""
+
+GRAIN = 2.0
+"""How much stronger noise is in colour: gamma lifts it in the dark."""
+FAINT = 50.0
+"""What is darker than this has a hard edge, which nobody can see, in half the time."""
+
+Spot = tuple[list[float], float, list[float]]
+"""Centre and radius in px, colour."""
 
 
 class Picture:
@@ -54,68 +67,74 @@ class Picture:
             )
         )
         rays = rays_of(camera)
-        self._view = View(
-            camera.center,
-            np.ascontiguousarray(rays.reshape(-1, 3).T, np.float32),
-            camera.size,
-            float(camera.matrix[0, 0]),
-            margin=2 if infrared else 4,
-        )
+        self._onlookers = onlookers_of(self.world.setting, room)
+        self._number = self._onlookers.join(camera, rays)
+        self._widest = float((rays @ camera.rotation[2]).min()) - 0.02
         place, number = lookup(camera, rays, self._show.screens)
-        self._map = fixed_point(place)
-        self._dark = _dark_room(number, infrared, rng).reshape(self.shape)
+        self._map = remapping(place)
+        self._unlit = _dark_room(number, infrared, rng).reshape(self.shape[: 2 if infrared else 3])
+        self._dark = self._unlit if infrared else cv2.LUT(self._unlit, DISPLAYED)
         self._tones = _tones(self._people, infrared)
-        self._sensor = Sensor(self.shape, params.noise, 1.0 if infrared else GAMMA, rng)
+        self._bright = [max(tone) > FAINT for tone in self._tones]
+        self._sensor = Sensor(self.shape, params.noise * (1 if infrared else GRAIN), rng)
+        self._clouds = lru_cache(maxsize=2)(self._look_at_clouds)
 
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, C) uint8: BGR or one grey channel."""
         scene = self.world.scene(frame)
-        light = self._dark.copy()
+        glance = self._onlookers.glance(frame)
+        people = glance.people[self._number]
         splashes = NO_SPLASHES
         if self.shape[2] == 3 and self._show.active:
-            self._project(light, frame)
+            light = self._project(frame)
             splashes = self._show.splashes(frame)
-        if len(scene.limbs):
-            self._draw_people(light, scene, splashes)
-        self._draw_balls(light, scene)
+        else:
+            light = self._dark.copy()
+        self._draw_people(light, scene, people, splashes)
+        self._draw_balls(light, glance.balls[self._number])
         self._sensor.expose(light, frame, out)
 
-    def _project(self, light: Array, frame: int) -> None:
-        shown = cv2.remap(self._show.atlas(frame), *self._map, cv2.INTER_LINEAR)
-        cv2.add(light, shown, dst=light)
+    def _look_at_clouds(self, drift: int) -> Array:
+        """The room in the light of the clouds, which drift so slowly that many pictures share them."""
+        light = cv2.remap(self._show.clouds(drift), *self._map, cv2.INTER_LINEAR)
+        return np.asarray(cv2.LUT(cv2.add(light, self._unlit, dst=light), DISPLAYED))
 
-    def _draw_people(self, light: Array, scene: Scene, splashes: Splashes) -> None:
-        polygons, scale, order = outlines(self.camera, scene.limbs, scene.radius)
-        struck = set(splashes.limb.tolist())
-        pixel = project(self.camera, splashes.xyz)
-        for limb in order.tolist():
-            fill(light, polygons[limb], self._tones[limb])
-            if limb in struck:
-                for k in np.flatnonzero(splashes.limb == limb):
-                    if self._faces(splashes.xyz[k], scene.limbs[limb]):
-                        radius = min(splashes.radius[k], 0.8 * scene.radius[limb]) * scale[limb]
-                        dot(light, pixel[k], radius, (splashes.color[k] * self._balance).tolist())
+    def _project(self, frame: int) -> Array:
+        """The room in the light of all projections."""
+        light = self._clouds(self._show.drift(frame)).copy()
+        shapes = self._show.shapes(frame)
+        pixel = project(self.camera, shapes.outline.reshape(-1, 3)).reshape(*shapes.outline.shape[:2], 2)
+        away = shapes.outline[:, :: CORNERS // 2] - self.camera.center
+        ahead = (away @ self.camera.rotation[2] > self._widest * np.sqrt(dot(away, away))).all(axis=1)
+        shown = np.flatnonzero(ahead & in_picture(pixel, self.camera.size))
+        for number, polygon in zip(shown.tolist(), fixed_point(pixel[shown]), strict=True):
+            fill(light, polygon, shapes.color[number], soft=max(shapes.color[number]) > FAINT)
+        return light
 
-    def _faces(self, point: Array, limb: Array) -> bool:
-        """Whether a point on a limb is on the side of the camera."""
-        axis = limb[1] - limb[0]
-        t = np.clip((point - limb[0]) @ axis / max(float(axis @ axis), 1e-9), 0.0, 1.0)
-        return bool((point - limb[0] - t * axis) @ (self.camera.center - point) > 0)
+    def _draw_people(self, light: Array, scene: Scene, people: Outlines, splashes: Splashes) -> None:
+        struck = self._struck(scene, people, splashes) if len(splashes.limb) else {}
+        for limb in people.order:
+            fill(light, people.polygon[limb], self._tones[limb], soft=self._bright[limb])
+            for centre, radius, tone in struck.get(limb, ()):
+                spot(light, centre, radius, tone)
 
-    def _draw_balls(self, light: Array, scene: Scene) -> None:
-        pixel = project(self.camera, scene.balls)
-        seen = stamps(self._view, pixel, scene.balls, self._radii, scene.limbs, scene.radius)
-        cover = seen.cover[..., None]
+    def _struck(self, scene: Scene, people: Outlines, splashes: Splashes) -> dict[int, list[Spot]]:
+        """For each limb that light falls on, the spots on the side of the camera."""
+        facing = dot(splashes.outward, self.camera.center - splashes.xyz) > 0
+        limb = splashes.limb[facing]
+        centre = project(self.camera, splashes.xyz[facing]).tolist()
+        radius = np.minimum(splashes.radius[facing], 0.8 * scene.radius[limb]) * people.scale[limb]
+        tone = displayed(splashes.color[facing] * self._balance).tolist()
+        struck: dict[int, list[Spot]] = {}
+        for number, *each in zip(limb.tolist(), centre, radius.tolist(), tone, strict=True):
+            struck.setdefault(number, []).append((each[0], each[1], each[2]))
+        return struck
+
+    def _draw_balls(self, light: Array, seen: Stamps) -> None:
         if self.shape[2] == 3:
-            glow = color_light(self._glow[seen.ball], seen.facing)
-            added = glow * cover + seen.halo[..., None] * self._glow[seen.ball][:, None, None]
+            compose(light, seen, color_light(seen, self._glow))
         else:
-            brightness = INFRARED_BALL * INFRARED_RANGE / seen.distance
-            added = infrared_light(brightness, seen.facing) * cover
-        side = cover.shape[1]
-        for (row, column), kept, plus in zip(seen.corner.tolist(), 1.0 - cover, added + 0.5, strict=True):
-            area = light[row : row + side, column : column + side]
-            area[...] = np.minimum(area * kept + plus, 255.0)
+            compose(light, seen, infrared_light(seen, INFRARED_BALL * INFRARED_RANGE / seen.distance))
 
 
 def _dark_room(number: Array, infrared: bool, rng: np.random.Generator) -> Array:
@@ -131,8 +150,9 @@ def _dark_room(number: Array, infrared: bool, rng: np.random.Generator) -> Array
 
 
 def _tones(people: int, infrared: bool) -> list[list[float]]:
-    """Light of every limb of every person, as long as the picture has channels."""
+    """What the camera shows of every limb of every person, as long as the picture has channels."""
     if infrared:
         return [[GRAY[part] * (1 + 0.15 * (p % 3 - 1))] for p in range(people) for part in PARTS]
     cloth = {"leg": TROUSERS, "bag": BAG_CLOTH, "head": SKIN, "forearm": SKIN}
-    return [cloth.get(part, SHIRTS[p % len(SHIRTS)].tolist()) for p in range(people) for part in PARTS]
+    light = [cloth.get(part, SHIRTS[p % len(SHIRTS)]) for p in range(people) for part in PARTS]
+    return [displayed(tone).tolist() for tone in light]

@@ -95,7 +95,7 @@ def write_truth(room: Room, params: SimParams, path: Path) -> None:
         rows.writerow([*COLUMNS, *(f"c{i}_{q}" for i in range(len(cameras)) for q in ("u", "v", "vis"))])
         for frame in range(params.frames):
             scene = world.scene(frame)
-            seen = np.array([visible_fraction(c, scene, radii) for c in cameras])
+            seen = visible_fraction(cameras, scene, radii)
             rows.writerows(_rows(frame, scene, list(room.targets), cameras, seen, color))
 
 

@@ -34,13 +34,13 @@ class Screen:
     projector: Array
     row: int
 
+    def place(self, points: Array) -> Array:
+        """Where points of the plane are along the two axes: (..., 3) m -> (..., 2) m."""
+        return np.asarray((points - self.corner) @ self.axes.T)
+
     def texel(self, points: Array) -> Array:
         """Column and row in the atlas of points on the plane: (..., 3) m -> (..., 2)."""
-        return np.asarray((points - self.corner) @ self.axes.T / TEXEL + [0, self.row])
-
-    def point(self, where: Array) -> Array:
-        """Room coordinates of points given in metres along the two axes: (N, 2) -> (N, 3)."""
-        return np.asarray(self.corner + where @ self.axes)
+        return np.asarray(self.place(points) / TEXEL + [0, self.row])
 
     def window(self) -> tuple[int, int, int]:
         """First and last row of the screen in the atlas, and its number of columns."""
@@ -115,7 +115,7 @@ def lookup(camera: Camera, rays: Array, screens: tuple[Screen, ...]) -> tuple[Ar
     return place, number
 
 
-def fixed_point(place: Array) -> tuple[Array, Array]:
+def remapping(place: Array) -> tuple[Array, Array]:
     """The lookup in the form that `cv2.remap` is fastest with."""
     whole, fraction = cv2.convertMaps(place[..., 0], place[..., 1], cv2.CV_16SC2)
     return np.asarray(whole), np.asarray(fraction)

@@ -1,6 +1,8 @@
 """Lines of sight among capsules: what stands between a camera and a ball.
 
 A capsule is all points within `radius` of a segment; a ball is a capsule whose segment is a point.
+Functions broadcast over leading axes, so that one call serves many cameras, balls and limbs. They
+multiply and add one coordinate after the other: a line of sight has the same bits in any company.
 """
 
 from __future__ import annotations
@@ -10,35 +12,34 @@ import numpy as np
 from followspot import Array
 
 
-def approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
-    """How near rays come to segments, (K, N) m, and how far along the ray that is, (K, N) m.
+def dot(a: Array, b: Array) -> Array:
+    """Scalar products of vectors (..., 3)."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
 
-    origin: (3,) m; rays: (3, N), unit vectors; ends: (K, 2, 3) m.
+
+def unit(v: Array) -> tuple[Array, Array]:
+    """Directions (..., 3) and lengths (...) of vectors."""
+    length = np.sqrt(dot(v, v))
+    return v / length[..., None], length
+
+
+def approach(origin: Array, rays: Array, ends: Array) -> tuple[Array, Array]:
+    """How near rays come to segments, (...) m, and how far along the ray that is, (...) m.
+
+    origin: (..., 3) m; rays: (..., 3), unit vectors; ends: (..., 2, 3) m.
     """
-    start, axis = ends[:, 0] - origin, ends[:, 1] - ends[:, 0]
-    fixed = np.stack([axis, start], axis=1) @ start[..., None]
-    length = np.einsum("kj,kj->k", axis, axis)[:, None]
-    along_axis, along_start = axis @ rays, start @ rays
-    across = np.maximum(length - along_axis * along_axis, 1e-12)
-    both = fixed[:, 0] - along_start * along_axis
+    start, axis = ends[..., 0, :] - origin, ends[..., 1, :] - ends[..., 0, :]
+    along_axis, along_start = dot(axis, rays), dot(start, rays)
+    across = np.maximum(dot(axis, axis) - along_axis * along_axis, 1e-12)
+    both = dot(axis, start) - along_start * along_axis
     t = np.minimum(np.maximum(-both / across, 0.0), 1.0)
-    square = fixed[:, 1] - along_start * along_start + t * (2 * both + t * across)
+    square = dot(start, start) - along_start * along_start + t * (2 * both + t * across)
     return np.sqrt(np.maximum(square, 0.0)), along_start + t * along_axis
 
 
-def blocked(
-    origin: Array, rays: Array, surface: Array, ends: Array, radius: Array, soft: Array | float
-) -> Array:
-    """Share of each ray, 0 to 1, that meets a capsule before it has gone `surface` metres.
-
-    rays: (3, N) unit vectors; surface: (N,) m; soft: width of the edge of a capsule, m (a pixel at
-    the ball's distance) for all rays or each. Returns (N,).
-    """
-    distance, along = approach(origin, rays, ends)
-    thick = radius[:, None]
-    entry = along - np.sqrt(np.maximum(thick * thick - distance * distance, 0.0))
-    share = np.minimum(np.maximum(0.5 + (thick - distance) / soft, 0.0), 1.0) * (entry < surface)
-    return np.asarray(share.max(axis=0, initial=0.0))
+def depth_in(radius: Array, miss: Array) -> Array:
+    """Half the way of a ray through a ball or across a capsule that it passes at `miss`, m; 0 outside."""
+    return np.asarray(np.sqrt(np.maximum(radius * radius - miss * miss, 0.0)))
 
 
 def disc(samples: int) -> Array:

@@ -24,7 +24,12 @@ class SimTruth(Stage):
         """Prepare the performance. Raises InputError for an unknown target."""
         self._world = world_of(setting(self.params, self.room))
         self._radii = np.array([t.radius for t in self.room.targets.values()])
-        self._color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
+        self._cameras = tuple(self.room.cameras.values())
+        self._color = np.array([c.kind == "color" for c in self._cameras], bool)
+
+    def length(self) -> int | None:
+        """One truth for each frame; None where they never end."""
+        return self.params.frames or None
 
     def process(self) -> Source[Truth]:
         """Centres of all targets shown, with what the cameras of the room could see of them."""
@@ -34,9 +39,7 @@ class SimTruth(Stage):
     def truth(self, frame: int) -> Truth:
         """The truth of one frame."""
         scene = self._world.scene(frame)
-        cameras = self.room.cameras.values()
-        visible = np.array([visible_fraction(c, scene, self._radii) for c in cameras])
-        visible = visible.reshape(len(self._color), len(self._radii))
+        visible = visible_fraction(self._cameras, scene, self._radii)
         shown = ~np.isnan(scene.balls[:, 0])
         hidden, trackable, pair = (column[shown] for column in judge(visible, self._color))
         return Truth(

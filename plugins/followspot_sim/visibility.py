@@ -2,66 +2,92 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from followspot import Array, Camera
 from followspot.geometry import project
-from followspot_sim.sight import approach, blocked, disc
+from followspot_sim.sight import approach, depth_in, disc, unit
 from followspot_sim.world import Scene
 
 SAMPLES = disc(64)
 """Where the face of a ball is probed, in radii."""
-HARD = 1e-6
-"""Width of a capsule's edge for yes or no, m."""
+HEIGHTS = np.sqrt(1.0 - np.square(SAMPLES).sum(axis=1))
+"""How far those points stand out towards the camera, in radii."""
+ROUNDING = 1e-6
+"""The face lies on its own ball; lines of sight stop that much before it, m."""
 
 
-def visible_fraction(camera: Camera, scene: Scene, radii: Array) -> Array:
-    """Share of each ball's face that a camera sees: inside the picture and behind nothing.
+def visible_fraction(cameras: Sequence[Camera], scene: Scene, radii: Array) -> Array:
+    """Share of each ball's face that each camera sees: inside the picture and behind nothing.
 
-    radii: (T,) m. Returns (T,), 0 to 1; 0 for balls that are not shown.
+    radii: (T,) m. Returns (V, T), 0 to 1; 0 for balls that are not shown.
     """
     shown = np.flatnonzero(~np.isnan(scene.balls[:, 0]))
     centres, radius = scene.balls[shown], radii[shown]
-    points = faces(camera.center, centres, radius).reshape(-1, 3)
-    away = (points - camera.center).T
-    distance = np.sqrt(np.square(away).sum(axis=0))
-    rays = away / distance
+    eyes = np.array([camera.center for camera in cameras]).reshape(-1, 1, 3)
+    forward, distance = unit(centres - eyes)
+    points = faces(centres, radius, forward)
+    seen = np.empty(points.shape[:3], bool)
+    for k, camera in enumerate(cameras):
+        seen[k] = _inside(camera, centres, points[k], 2.0 * camera.matrix[0, 0] * radius / distance[k])
     ends = np.concatenate([scene.limbs, np.repeat(centres[:, None], 2, axis=1)])
     thick = np.concatenate([scene.radius, radius])
-    seen: Array = inside(camera, points)
-    middle = (centres - camera.center).T
-    middle /= np.sqrt(np.square(middle).sum(axis=0))
-    near = approach(camera.center, middle, ends)[0] < thick[:, None] + 1.2 * radius
-    near[len(scene.limbs) :] &= ~np.eye(len(shown), dtype=bool)
-    close = near.any(axis=1)
-    if close.any():  # the face lies on its own ball, so it stops just before, lest the ball hide itself
-        seen[:] &= blocked(camera.center, rays, distance - HARD, ends[close], thick[close], HARD) < 0.5
-    fraction = np.zeros(len(radii))
-    fraction[shown] = seen.reshape(len(shown), -1).mean(axis=1)
+    gap, along = approach(eyes[:, :, None], forward[:, :, None], ends)
+    near = (gap < thick + 1.2 * radius[:, None]) & (along - thick < distance[..., None])
+    near[:, np.arange(len(shown)), len(scene.limbs) + np.arange(len(shown))] = False
+    _take_hidden(seen, np.nonzero(near), points, eyes, ends, thick)
+    fraction = np.zeros((len(cameras), len(radii)))
+    fraction[:, shown] = seen.mean(axis=2)
     return fraction
 
 
-def faces(eye: Array, centres: Array, radii: Array) -> Array:
-    """Points on the half of each ball that faces `eye`, evenly over its silhouette.
+def _take_hidden(
+    seen: Array, near: tuple[Array, ...], points: Array, eyes: Array, ends: Array, thick: Array
+) -> None:
+    """Take from `seen` (V, T, 64) what capsules hide; near: camera, ball and capsule to look at, in order."""
+    camera, ball, other = near
+    if len(camera) == 0:
+        return
+    rays, reach = unit(points[camera, ball] - eyes[camera])
+    gap, along = approach(eyes[camera], rays, ends[other][:, None])
+    within = thick[other][:, None]
+    hit = (gap < within) & (along - depth_in(within, gap) < reach - ROUNDING)
+    first = np.flatnonzero(np.diff(camera * len(points[0]) + ball, prepend=-1))
+    seen[camera[first], ball[first]] &= ~np.logical_or.reduceat(hit, first, axis=0)
 
-    eye: (3,) m; centres: (T, 3) m; radii: (T,) m. Returns (T, 64, 3) m.
+
+def faces(centres: Array, radii: Array, forward: Array) -> Array:
+    """Points on the half of each ball that faces the eye, evenly over its silhouette.
+
+    centres: (T, 3) m; radii: (T,) m; forward: (V, T, 3) unit vectors from the eyes to the centres.
+    Returns (V, T, 64, 3) m.
     """
-    away = centres - eye
-    forward = away / np.sqrt(np.square(away).sum(axis=1, keepdims=True))
-    x, y, z = forward.T
+    x, y, z = forward[..., 0], forward[..., 1], forward[..., 2]
     level = np.maximum(np.hypot(x, y), 1e-9)
-    side = np.stack([y, -x, np.zeros_like(x)], axis=1) / level[:, None]
-    up = np.stack([-x * z, -y * z, level * level], axis=1) / level[:, None]
-    height = np.sqrt(1.0 - np.square(SAMPLES).sum(axis=1))
-    across = SAMPLES[:, :1] * side[:, None] + SAMPLES[:, 1:] * up[:, None]
-    return np.asarray(centres[:, None] + radii[:, None, None] * (across - height[:, None] * forward[:, None]))
+    frame = np.empty((*forward.shape[:2], 3, 3))  # rows: to the side, up, towards the eye
+    frame[..., 0, 0], frame[..., 0, 1], frame[..., 0, 2] = y / level, -x / level, 0.0
+    frame[..., 1, 0], frame[..., 1, 1], frame[..., 1, 2] = -x * z / level, -y * z / level, level
+    frame[..., 2, :] = -forward
+    local = np.column_stack([SAMPLES, HEIGHTS])
+    return np.asarray(centres[:, None] + radii[:, None, None] * (local @ frame))
 
 
-def inside(camera: Camera, points: Array) -> Array:
-    """Whether points of the room fall into the picture, (N,) bool."""
-    pixel = project(camera, points)
+def _inside(camera: Camera, centres: Array, points: Array, margin: Array) -> Array:
+    """Whether points on balls fall into the picture: centres (T, 3), points (T, S, 3) m -> (T, S) bool.
+
+    A ball whose centre is more than its margin, (T,) px, away from the border is settled by its centre.
+    """
+    pixel = project(camera, centres)
+    size = np.array(camera.size) - 0.5
     with np.errstate(invalid="ignore"):
-        return np.asarray(((pixel >= -0.5) & (pixel < np.array(camera.size) - 0.5)).all(axis=1))
+        whole = np.all((pixel > margin[:, None]) & (pixel < size - margin[:, None]), axis=1)
+        found = np.repeat(whole[:, None], points.shape[1], axis=1)
+        for ball in np.flatnonzero(~whole):
+            pixel = project(camera, points[ball])
+            found[ball] = ((pixel >= -0.5) & (pixel < size)).all(axis=1)
+    return found
 
 
 def judge(visible: Array, color: Array) -> tuple[Array, Array, Array]:

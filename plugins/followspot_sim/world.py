@@ -13,6 +13,7 @@ from followspot.errors import Mistake, did_you_mean
 from followspot_sim.body import PARTS, RADII, Pose, limbs, pose
 from followspot_sim.choreography import ROUND, Move, Place, Planner, Round, opening, smoothstep
 from followspot_sim.parameters import SimParams
+from followspot_sim.recent import Recent
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """m/s^2."""
@@ -84,11 +85,7 @@ class World:
         self._rest = np.array(choice.radii) - d / c
         self._rounds = [opening(choice.people, len(choice.radii), self._rest)]
         self._lock = threading.Lock()  # sources of one process run in threads of their own
-        self._scene = lru_cache(maxsize=32)(self._build_scene)
-
-    def scene(self, frame: int) -> Scene:
-        """Everything at the middle of the exposure of a frame."""
-        return self._scene(frame)
+        self.scene = Recent(self._build_scene)
 
     def balls(self, time: float) -> Array:
         """Centres of all balls at a time (s; before 0 as at 0), (T, 3) m; NaN for balls not shown."""
@@ -99,6 +96,7 @@ class World:
         return self._balls(act, u, max(time, 0.0), now)
 
     def _build_scene(self, frame: int) -> Scene:
+        """Everything at the middle of the exposure of a frame."""
         time = frame / self.setting.fps
         if self.setting.alone >= 0:
             return Scene(time, self._alone(frame), np.empty((0, 2, 3)), np.empty(0), np.empty(0, int))

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from followspot import Context, InputError, room_file
+from followspot import Context, InputError, Room, room_file
 from followspot.geometry import project
 from followspot.messages import Header, seal
 from followspot_sim.camera import SimCamera
@@ -145,7 +145,7 @@ def test_what_the_truth_calls_visible_is_what_the_picture_shows():
     checked = 0
     for frame in range(0, 900, 15):
         scene = truth._world.scene(frame)
-        share = visible_fraction(ROOM.cameras["cam2"], scene, truth._radii)[1]
+        share = visible_fraction([ROOM.cameras["cam2"]], scene, truth._radii)[0, 1]
         shots = []
         for camera in picture.values():
             pixels = np.empty(camera.shape, np.uint8)
@@ -180,6 +180,24 @@ def test_zero_frames_never_end():
     stage.setup()
     source = stage.process()
     assert [next(source).header.seq for _ in range(5)] == list(range(5))
+
+
+def test_the_number_of_messages_is_known_unless_they_never_end():
+    context = Context("camera/cam1", ROOM, ROOM.cameras["cam1"])
+    assert SimCamera(context, frames=30).length() == SimTruth(context, frames=30).length() == 30
+    assert SimCamera(context, frames=0).length() is SimTruth(context, frames=0).length() is None
+
+
+@EVERY
+def test_a_picture_does_not_depend_on_who_else_looks(name):
+    alone = Room(ROOM.name, {name: ROOM.cameras[name]}, ROOM.planes, ROOM.targets)
+    company = {k: Picture(SimParams(), ROOM, camera) for k, camera in ROOM.cameras.items()}
+    single = Picture(SimParams(), alone, ROOM.cameras[name])
+    pixels, expected = np.empty(single.shape, np.uint8), np.empty(single.shape, np.uint8)
+    for frame in (350, 20):
+        company[name].render(frame, pixels)
+        single.render(frame, expected)
+        assert np.array_equal(pixels, expected)
 
 
 def test_truth_tells_of_all_targets_in_the_order_of_the_room():
