@@ -156,6 +156,23 @@ save: {uses: ticks.write, in: {number: b}}
     assert balanced(finished.summary)
 
 
+def test_a_live_join_waits_for_its_deadline_and_no_longer(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.live, with: {count: 100, period: 0.005}}
+b:    {uses: ticks.live, with: {count: 2, period: 0.4}}
+sum:  {uses: ticks.sum, in: {numbers: [a, b]}, deadline: 0.05, tolerance: 0.002}
+save: {uses: ticks.write, in: {number: sum}}
+""",
+    )
+    finished = run(graph)
+    assert finished.code == 0, finished.errors
+    assert len(finished.lines()) >= 90, "the silent source holds nobody up"
+    assert finished.edge("a.", "sum.")["delivered"] >= 90
+    assert balanced(finished.summary)
+
+
 def test_frames_option_ends_every_source_after_so_many(tmp_path: Path) -> None:
     finished = run(write_graph(tmp_path, CHAIN), "--frames", "5", "--placement", "stage")
     assert finished.values() == [1, 2, 3, 4, 5]

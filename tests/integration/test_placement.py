@@ -60,6 +60,18 @@ def test_forced_edges_are_what_they_say(tmp_path: Path) -> None:
         assert {edge["kind"] for edge in finished.summary["edges"]} == {kind}, finished.errors
 
 
+def test_latest_in_a_loop_is_the_newest_there_is(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.count, with: {count: 5}}
+loop: {uses: ticks.accumulate, in: {number: a, before: loop}}
+save: {uses: ticks.write, in: {number: loop}}
+""",
+    )
+    assert run(graph).values() == [0, 1, 3, 6, 10]
+
+
 def test_feedback_of_two_firings_ago(tmp_path: Path) -> None:
     graph = write_graph(
         tmp_path,

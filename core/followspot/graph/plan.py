@@ -30,7 +30,7 @@ class PlannedStage:
     tolerance: float = 0.004
     """Largest difference in capture time within one join, s."""
     deadline: float = 0.1
-    """Longest time that a join of a live graph waits for its missing members, s."""
+    """Longest time, s, from a message's entering the graph until a live join fires without those missing."""
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,11 @@ class Cell:
         on_error: ErrorPolicy = "fail",
         deadline: float | None = None,
     ) -> None:
-        """rank: place in the topological order; deadline: of a live join, s, None where it waits for ever."""
+        """rank: place in the topological order.
+
+        deadline: longest time, s, from a message's entering the graph until a live join fires without those
+        that are missing; None where it waits for ever.
+        """
         self.name = name
         self.rank = rank
         self.build = build
@@ -97,14 +101,16 @@ class Cell:
             self._discard_rest()
             return
         while not self.done:
-            fire_at = self.join.ready(overdue=self._overdue())
+            overdue = self.deadline is not None and self._overdue(self.deadline)
+            fire_at = self.join.ready(overdue=overdue)
             if fire_at is None:
                 self._idle()
+                if overdue:  # it waits for feedback, which no deadline cuts short
+                    self.overdue_at = None
                 return
             self.blocked = not self.has_room()
             if self.blocked:
                 return
-            self.overdue_at = None
             self._fire(fire_at)
 
     def has_room(self) -> bool:
@@ -173,17 +179,12 @@ class Cell:
             self._passed = bound
             for _, outlet in self.outlets:
                 outlet.settle(bound)
-        if self.deadline is not None:
-            if not self.join.waiting:
-                self.overdue_at = None
-            elif self.overdue_at is None:
-                self.overdue_at = time.monotonic() + self.deadline
 
-    def _overdue(self) -> bool:
-        if self.overdue_at is None or time.monotonic() < self.overdue_at:
-            return False
-        self.join.expire()
-        return True
+    def _overdue(self, deadline: float) -> bool:
+        """Whether a message of a live join waits longer than it may; notes when one will."""
+        since = self.join.waiting_since()
+        self.overdue_at = None if since is None else since / 1e9 + deadline
+        return self.overdue_at is not None and time.monotonic() >= self.overdue_at
 
     def _recover(self, header: Header, error: Exception) -> None:
         """Apply the error policy. Raises StageError where the run is to fail."""

@@ -64,8 +64,12 @@ class Join:
             return arrived if not self.held else self._held_ready(arrived)
         while True:
             time = self._earliest()
-            if time is None or not (overdue or self._certain(time + self.window)):
+            if time is None:
                 return None
+            if not self._certain(time + self.window):
+                if not overdue:
+                    return None
+                self.in_time = LATE
             if all(
                 inlet.queue and inlet.queue[0].header.time <= time + self.window for inlet in self.required
             ):
@@ -93,10 +97,6 @@ class Join:
             arguments.append(tuple(found) if port.joined else found[0])
         return arguments, fired
 
-    def expire(self) -> None:
-        """A deadline passed: from here on, what comes after its window is late."""
-        self.in_time = LATE
-
     def bound(self) -> int:
         """Nothing fires earlier than this capture time, ns; `END` when the stage will not fire again."""
         earliest = END
@@ -104,10 +104,9 @@ class Join:
             earliest = min(earliest, inlet.queue[0].header.time if inlet.queue else inlet.bound)
         return max(earliest, self.closed + 1) if earliest != END else END
 
-    @property
-    def waiting(self) -> bool:
-        """Whether a message is here that waits for others."""
-        return any(inlet.queue for inlet in self.members)
+    def waiting_since(self) -> int | None:
+        """When the oldest message that waits for others entered the graph, ns; None where none waits."""
+        return min((inlet.queue[0].header.entered for inlet in self.members if inlet.queue), default=None)
 
     def _earliest(self) -> int | None:
         """Time of the first message that no closed window claims, ns."""

@@ -88,8 +88,10 @@ class Worker:
         os.eventfd_write(self._bell, 1)
 
     def setup(self) -> None:
-        """Set all stages up, in order. Raises what a stage raises, with the stage named."""
+        """Set all stages up, in order. Raises StageError."""
         sys.setswitchinterval(_SWITCH_INTERVAL)
+        if "cv2" in sys.modules:
+            sys.modules["cv2"].setNumThreads(1)  # workers are the parallelism
         for cell in self.cells:
             cell.setup()
 

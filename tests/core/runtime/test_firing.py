@@ -119,7 +119,6 @@ def test_overdue_join_fires_with_what_is_there_and_counts_the_rest_as_late() -> 
     join = bench.joined()
     bench.inlets[0].put(tick(0))
     assert join.ready() is None
-    join.expire()
     assert join.ready(overdue=True) == 0
     join.take(0)
     bench.inlets[1].put(tick(1 * MS))
