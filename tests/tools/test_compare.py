@@ -158,13 +158,16 @@ def test_failing_variant_is_named_and_the_exit_code_is_1(
 def test_several_targets_share_a_mean_a_sum_or_the_worst() -> None:
     a = figures(4.0, identity_switches=1, hidden_frames=10, false_positions=1, recovery_frames=(2, 7))
     b = figures(8.0, identity_switches=2, hidden_frames=30, false_positions=1, recovery_frames=(3,))
-    nothing = figures(math.nan)
+    nothing = figures(math.nan, frames=0)
     assert column("rmse_mm", a, b, nothing) == 6.0
     assert column("switches", a, b) == 3
     assert column("false_percent", a, b, nothing) == 5.0
     assert column("recovery_frames", a, b) == 7
     assert math.isnan(column("recovery_frames", nothing))
     assert math.isnan(column("rmse_mm"))
+    ghost = figures(math.nan, frames=0, coverage=math.nan, jerk_cost=9.0, identity_switches=1)
+    assert column("jerk_cost", a, ghost) == 0.001
+    assert column("switches", a, ghost) == 2
 
 
 def test_ratio_compares_means_over_all_rooms_with_those_of_the_first_variant() -> None:

@@ -46,13 +46,13 @@ def _recovery(figures: Figures) -> float:
 
 
 def _mean_of(name: str, *, scale: float = 1.0) -> Callable[[Figures], float]:
-    """Mean over the targets of a figure of their tracks."""
-    return lambda figures: scale * mean([getattr(f.tracks, name) for f in figures])
+    """Mean of a figure of the tracks over the targets that were there; what was only reported has no place."""
+    return lambda figures: scale * mean([getattr(f.tracks, name) for f in figures if f.tracks.frames])
 
 
 def _mean_of_figure(name: str) -> Callable[[Figures], float]:
-    """Mean over the targets of a figure that is no score of their tracks."""
-    return lambda figures: mean([getattr(f, name) for f in figures])
+    """Likewise of a figure that is no score of the tracks."""
+    return lambda figures: mean([getattr(f, name) for f in figures if f.tracks.frames])
 
 
 def _switches(figures: Figures) -> float:
@@ -68,10 +68,10 @@ COLUMNS = (
     Column("false_percent", "false when hidden", "{:.1f} %", _false_percent, ratio=False),
     Column("recovery_frames", "recovery", "{:.0f} frames", _recovery, ratio=False),
     Column("jerk_cost", "jerk cost", "{:.5f}", _mean_of("jerk_cost")),
-    Column("true_jerk_cost", "of the truth", "{:.5f}", _mean_of_figure("true_jerk_cost"), ratio=False),
+    Column("true_jerk_cost", "jerk of truth", "{:.5f}", _mean_of_figure("true_jerk_cost"), ratio=False),
     Column("reprojection_px", "reprojection", "{:.2f} px", _mean_of("reprojection_px")),
-    Column("fused_mm", "unfiltered", "{:.1f} mm", _mean_of_figure("fused_mm")),
-    Column("fused_px", "unfiltered", "{:.2f} px", _mean_of_figure("fused_px")),
+    Column("fused_mm", "unfiltered RMSE", "{:.1f} mm", _mean_of_figure("fused_mm")),
+    Column("fused_px", "unfiltered reprojection", "{:.2f} px", _mean_of_figure("fused_px")),
     Column("detection_px", "to detections", "{:.2f} px", _mean_of_figure("detection_px")),
 )
 """All of them, in the order of the table. Several targets: the mean of theirs, but the sum of switches, the
