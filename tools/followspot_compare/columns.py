@@ -46,7 +46,7 @@ def _recovery(figures: Figures) -> float:
 
 
 def _mean_of(name: str, *, scale: float = 1.0) -> Callable[[Figures], float]:
-    """Mean of a figure of the tracks over the targets that were there; what was only reported has no place."""
+    """Mean of a figure of the tracks over the targets that were there at all."""
     return lambda figures: scale * mean([getattr(f.tracks, name) for f in figures if f.tracks.frames])
 
 
