@@ -33,7 +33,7 @@ def draw(comparison: Comparison, folder: Path) -> str:
         drawings[ITERATIONS] = _iterations
     with mpl.rc_context({"svg.hashsalt": "followspot", "svg.fonttype": "none", "font.size": 9}):
         for name, drawing in drawings.items():
-            figure = Figure(figsize=(max(7.5, 0.55 * len(comparison.targets)), 3.2), layout="constrained")
+            figure = Figure(figsize=(max(7.5, 0.55 * len(comparison.trackable)), 3.2), layout="constrained")
             FigureCanvasSVG(figure)
             axes = figure.add_subplot()
             axes.spines[["top", "right"]].set_visible(False)
@@ -50,7 +50,7 @@ def _stepping(comparison: Comparison) -> list[str]:
 
 def _errors(axes: Axes, comparison: Comparison) -> None:
     """RMSE as a bar, the 95th percentile as a tick above it; one cluster per target."""
-    targets = comparison.targets
+    targets = comparison.trackable
     width = 0.8 / len(comparison.variants)
     shown = []
     for number, variant in enumerate(comparison.variants):

@@ -34,6 +34,15 @@ class Comparison:
         """Room and name of everything that was there or was reported."""
         return tuple(dict.fromkeys((t.room, name) for t in self.trials for name in t.targets))
 
+    @property
+    def trackable(self) -> tuple[tuple[str, str], ...]:
+        """Room and name of everything that was there and could be seen."""
+        return tuple(
+            dict.fromkeys(
+                (t.room, name) for t in self.trials for name, f in t.targets.items() if f.tracks.frames
+            )
+        )
+
     def of_target(self, room: str, name: str) -> dict[str, Figures]:
         """One target's figures for each variant; none where it was neither there nor reported."""
         return {
