@@ -71,6 +71,8 @@ class Candidates(Message):
     view: Array = column("N", 2, dtype="i4")
     blob: Array = column("N", 2, dtype="i4")
     xy: Array = column("N", 2, 2, unit="px")
+    area: Array = column("N", 2, unit="px")
+    """Number of pixels of the blob in each view."""
     epipolar: Array = column("N", unit="px")
     labelled: Array = column("N", dtype="?")
     confirmed: Array = column("N", dtype="?")

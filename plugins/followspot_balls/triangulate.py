@@ -63,6 +63,7 @@ class Triangulate(Stage):
             view=pairs.view[keep],
             blob=pairs.blob[keep],
             xy=pairs.xy[keep],
+            area=pairs.area[keep],
             epipolar=pairs.epipolar[keep],
             labelled=pairs.labelled[keep],
             confirmed=pairs.confirmed[keep],

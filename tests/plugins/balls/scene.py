@@ -118,6 +118,7 @@ def candidates_at(
             view=np.tile(np.array([[0, 1]], np.int32), (count, 1)),
             blob=np.zeros((count, 2), np.int32),
             xy=np.zeros((count, 2, 2)),
+            area=np.full((count, 2), 28.0),
             epipolar=np.array(epipolar or [0.0] * count, float),
             labelled=np.array([True] * count if labelled is None else labelled, bool),
             confirmed=np.array([True] * count if confirmed is None else confirmed, bool),
