@@ -20,7 +20,7 @@ from followspot.transport.bell import Bell
 from followspot.transport.codec import pack
 from followspot.transport.token import END, Invalid, Settled, Token
 from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
-from followspot.transport.zenoh_terms import CREDIT, NUMBER
+from followspot.transport.zenoh_terms import CREDIT, NUMBER, WINDOW
 
 KEY = "test/camera/cam0/out"
 NAME = "color/cam0.frame"
@@ -140,6 +140,18 @@ def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None
 def test_settled_times_that_never_came_are_no_loss(pair: Pair) -> None:
     pair.intruder(KEY).put(pack(Settled(7)), attachment=NUMBER.pack(5, 0))
     assert arrived(pair.reader, 1) == [Settled(7)]
+
+
+def test_a_full_window_holds_back_and_merges_settled_times_in_order(pair: Pair) -> None:
+    for bound in range(WINDOW + 50):
+        pair.writer.send(Settled(bound))
+    assert pair.writer.credit() == 0
+    tokens = arrived(pair.reader, WINDOW)
+    until(lambda: pair.writer.credit() == DEPTH)
+    pair.writer.send(frame(0))
+    tokens += arrived(pair.reader, 2)
+    assert tokens[: WINDOW + 1] == [*map(Settled, range(WINDOW)), Settled(WINDOW + 49)]
+    assert isinstance(tokens[-1], Message)
 
 
 def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
