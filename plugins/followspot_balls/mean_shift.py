@@ -12,6 +12,9 @@ from followspot_balls.kernels import epipolar_weight
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.search import lost_targets
 
+FAINT = 1e-200
+"""Least credit of a candidate, so that one far from the forecast may be chosen where there is no other."""
+
 
 class MeanShift(Stage):
     """Seek the mode of each target's candidates, from the forecast or from where they are densest."""
@@ -96,7 +99,7 @@ class MeanShift(Stage):
     def nearness(self, xyz: Array, center: Array) -> Array:
         """Credit of candidates by their distance from the forecast: (N, 3), (M, 3) m -> (M, N)."""
         distance2 = np.square(xyz - center[:, None]).sum(axis=2)
-        return np.asarray(np.exp(-distance2 / (2 * self.params.prior**2)))
+        return np.maximum(np.exp(-distance2 / (2 * self.params.prior**2)), FAINT)
 
     def modes(self, sample: Sample, center: Array, credit: Array, lost: Array) -> Modes:
         """Modes from the initial centres; those that hold too little give way to the densest candidate."""
