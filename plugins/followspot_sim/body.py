@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
-from followspot_sim.choreography import BAG, BALL_FROM_HAND, ROUND, SWITCH, WALK, Round, smoothstep
+from followspot_sim.rounds import BAG, BALL_FROM_HAND, ROUND, SWITCH, WALK, Round, smoothstep
 
 PARTS = (
     "leg", "leg", "torso", "bag", "head", "arm", "arm", "forearm", "forearm", "badge",
@@ -15,7 +15,15 @@ PARTS = (
 """Limbs of one person; the badge is a scrap of reflecting cloth that shines in infrared."""
 RADII = np.array([0.08, 0.08, 0.17, 0.13, 0.11, 0.055, 0.055, 0.045, 0.045, 0.02])
 """Radius of each limb, m."""
+LEGS, ARMS, FOREARMS = slice(0, 2), slice(5, 7), slice(7, 9)
+"""Where they stand in PARTS, left before right."""
 SIDES = np.array([1.0, -1.0])
+ASIDE = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
+FEET = np.array([[0.1, 0.08], [-0.1, 0.08]])
+ELBOW_SAG = np.array([0.0, 0.0, 0.08])
+BAG_ENDS = np.array([[0, 0, -0.06], [0, 0, 0.04]])
+"""Left and right; feet beside and above the middle of the ground; elbows below the line to the hand; the bag
+about its centre: m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,11 +41,13 @@ class Pose:
 
     def in_room(self, local: Array) -> Array:
         """Points in the frames of the people, (P, ..., 3) forward, left, up in m, in the room."""
-        extra = (slice(None), *[None] * (local.ndim - 2))
-        c, s = np.cos(self.heading)[extra], np.sin(self.heading)[extra]
-        x = self.base[:, 0][extra] + c * local[..., 0] - s * local[..., 1]
-        y = self.base[:, 1][extra] + s * local[..., 0] + c * local[..., 1]
-        return np.stack([x, y, local[..., 2]], axis=-1)
+        shape = (-1, *[1] * (local.ndim - 2))
+        c, s = np.cos(self.heading).reshape(shape), np.sin(self.heading).reshape(shape)
+        room = np.empty(local.shape)
+        room[..., 0] = self.base[:, 0].reshape(shape) + c * local[..., 0] - s * local[..., 1]
+        room[..., 1] = self.base[:, 1].reshape(shape) + s * local[..., 0] + c * local[..., 1]
+        room[..., 2] = local[..., 2]
+        return room
 
     def held(self, person: int, hand: int) -> Array:
         """Centre of a ball in that hand, (3,) m."""
@@ -66,7 +76,7 @@ def pose(act: Round, u: float, time: float) -> Pose:
         base=act.start[:, :2] + s * walk,
         heading=act.start[:, 2] + s * turn,
         bow=act.bow * weight,
-        stride=0.22 * np.clip(pace, 0, 1) * np.sin(2 * np.pi * 1.4 * time + np.arange(people)),
+        stride=0.22 * np.minimum(pace, 1) * np.sin(2 * np.pi * 1.4 * time + np.arange(people)),
         hands=np.zeros((people, 2, 3)),
     )
     carried = at_rest.in_room(_carry(people, time))
@@ -78,36 +88,31 @@ def pose(act: Round, u: float, time: float) -> Pose:
 def _carry(people: int, time: float) -> Array:
     """Where hands are when they do nothing: before the body, swaying. (P, 2, 3), local, m."""
     phase = 1.7 * np.arange(people)[:, None] + 2.9 * np.arange(2)
-    return np.stack(
-        [
-            0.38 + 0.05 * np.sin(3.8 * time + phase),
-            SIDES * (0.27 + 0.03 * np.sin(2.3 * time + phase)),
-            1.08 + 0.1 * np.sin(2.8 * time + 2 * phase),
-        ],
-        axis=-1,
-    )
+    local = np.empty((people, 2, 3))
+    local[..., 0] = 0.38 + 0.05 * np.sin(3.8 * time + phase)
+    local[..., 1] = SIDES * (0.27 + 0.03 * np.sin(2.3 * time + phase))
+    local[..., 2] = 1.08 + 0.1 * np.sin(2.8 * time + 2 * phase)
+    return local
 
 
 def limbs(p: Pose) -> Array:
     """End points of all capsules, person by person in the order of PARTS: (P * 10, 2, 3) m."""
-    people = len(p.base)
-    zero, lean = np.zeros(people), 1.1 * p.bow
-    hip = np.stack([-0.1 * p.bow, zero, 0.92 - 0.3 * p.bow], axis=-1)
-    up = np.stack([np.sin(lean), zero, np.cos(lean)], axis=-1)
+    lean = 1.1 * p.bow
+    hip, up = np.zeros((2, len(p.base), 3))
+    hip[:, 0], hip[:, 2] = -0.1 * p.bow, 0.92 - 0.3 * p.bow
+    up[:, 0], up[:, 2] = np.sin(lean), np.cos(lean)
     neck = hip + 0.5 * up
-    left = np.array([0.0, 1.0, 0.0])
-    ends = np.empty((people, len(PARTS), 2, 3))
-    for side, k in zip(SIDES, (0, 1), strict=True):
-        ends[:, k, 0] = hip + 0.09 * side * left
-        ends[:, k, 1] = np.stack([side * p.stride, np.full(people, 0.1 * side), np.full(people, 0.08)], -1)
-        ends[:, 5 + k, 0] = neck + 0.2 * side * left
+    ends = np.empty((len(p.base), len(PARTS), 2, 3))
+    ends[:, LEGS, 0] = hip[:, None] + 0.09 * ASIDE
+    ends[:, LEGS, 1, 0] = SIDES * p.stride[:, None]
+    ends[:, LEGS, 1, 1:] = FEET
+    ends[:, ARMS] = (neck[:, None] + 0.2 * ASIDE)[:, :, None]
     ends[:, 2, 0], ends[:, 2, 1] = hip, neck - 0.05 * up
     ends[:, 4] = (neck + 0.24 * up)[:, None]
-    ends[:, 9] = (neck + 0.1 * up + 0.14 * left)[:, None]
-    ends[:, (5, 6), 1] = ends[:, (5, 6), 0]
+    ends[:, 9] = (neck + 0.1 * up + 0.14 * ASIDE[0])[:, None]
     placed = p.in_room(ends)
-    elbows = (placed[:, (5, 6), 0] + p.hands) / 2 - np.array([0.0, 0.0, 0.08])
-    placed[:, (5, 6), 1] = placed[:, (7, 8), 0] = elbows
-    placed[:, (7, 8), 1] = p.hands
-    placed[:, 3] = p.bags()[:, None] + np.array([[0, 0, -0.06], [0, 0, 0.04]])
+    elbows = (placed[:, ARMS, 0] + p.hands) / 2 - ELBOW_SAG
+    placed[:, ARMS, 1] = placed[:, FOREARMS, 0] = elbows
+    placed[:, FOREARMS, 1] = p.hands
+    placed[:, 3] = p.bags()[:, None] + BAG_ENDS
     return placed.reshape(-1, 2, 3)

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Array, Camera
 
-REACH = {"color": 1.85, "infrared": 1.1}
+REACH = {"color": 2.0, "infrared": 1.1}
 """How many radii of a ball are drawn; colour cameras see it glow."""
 
 

@@ -27,11 +27,14 @@ SOLID = np.isin(PARTS, ("leg", "torso", "head"))
 """Which parts of a body stop light (the others are too thin to matter)."""
 SLOT, FLASH = 1.5, 0.08
 """A flash comes once in each slot and lasts that long, s."""
-STRIPE, BENDS = 0.065, 6
-"""Half the width of the stripe, m, and in how many pieces it is drawn, for lenses bend it."""
+BENDS = 4
+"""In how many pieces the stripe is drawn, for lenses bend it."""
+PIECES = np.stack([np.linspace(-1, 1, BENDS + 1)[:-1], np.linspace(-1, 1, BENDS + 1)[1:]], axis=1)[..., None]
+STRIPE_RADIUS, ON_FLOOR = np.full((BENDS, 2), 0.0675), np.zeros(BENDS, int)
+"""Where pieces begin and end, as a share of half its length; half its width, m; and its screen."""
 NO_STROKES = (np.empty((0, 2, 2)), np.empty((0, 2)), np.empty(0, int), np.empty((0, 3)))
 """Ends (N, 2, 2) m along the axes of the screen, radius at each end (N, 2) m, screen (N,), colour (N, 3)."""
-SHADE = [7.0, 7.0, 7.0]
+SHADE = 7.0
 """What colour cameras show of a screen in a shadow."""
 Strokes = tuple[Array, Array, Array, Array]
 
@@ -151,16 +154,10 @@ class LightShow:
 
     def _stripe(self, time: float) -> Strokes:
         """A bar of light that turns about the middle of the first screen."""
-        middle, arm = self._size[0] / 2, np.array([np.cos(0.4 * time), np.sin(0.4 * time)])
+        middle, arm = self._size[0] / 2, np.array([math.cos(0.4 * time), math.sin(0.4 * time)])
         arm *= (middle / np.maximum(np.abs(arm), 1e-9)).min()
-        points = middle + np.linspace(-1, 1, BENDS + 1)[:, None] * arm
         color = displayed(self._colors[int(time / 4) % len(self._colors)] * 0.12)
-        return (
-            np.stack([points[:-1], points[1:]], axis=1),
-            np.full((BENDS, 2), STRIPE),
-            np.zeros(BENDS, int),
-            np.tile(color, (BENDS, 1)),
-        )
+        return middle + PIECES * arm, STRIPE_RADIUS, ON_FLOOR, np.repeat(color[None], BENDS, axis=0)
 
     def _flashes(self, time: float) -> Strokes:
         """Large discs that appear for a moment."""
@@ -187,7 +184,7 @@ class LightShow:
             near = np.abs(where).max(axis=(1, 2)) < 30.0  # also leaves out what is not a number
             thick = radius * scale.reshape(-1, 2)
             count = int(near.sum())
-            found.append((where[near], thick[near], np.full(count, number), np.tile(SHADE, (count, 1))))
+            found.append((where[near], thick[near], np.full(count, number), np.full((count, 3), SHADE)))
         ends, thick, on, color = (np.concatenate(column) for column in zip(*found, strict=True))
         return ends, thick, on, color
 

@@ -36,13 +36,6 @@ def stadiums(ends: Array, radius: Array) -> Array:
     return polygon
 
 
-def in_picture(polygon: Array, size: tuple[int, int]) -> Array:
-    """Which polygons (N, P, 2) reach into a picture of this width and height, px, (N,); none with NaN."""
-    low, high = polygon.min(axis=1), polygon.max(axis=1)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(((high > 0) & (low < size) & (high - low < 1000)).all(axis=1))
-
-
 def fixed_point(polygon: Array) -> Array:
     """Coordinates in px as OpenCV's drawing takes them."""
     return np.asarray(np.rint(polygon * (1 << SUBPIXEL)).astype(np.int32))

@@ -50,7 +50,8 @@ def outlines(eyes: Eyes, pixel: Array, limbs: Array, radius: Array) -> list[Outl
     polygon = fixed_point(np.where(shown[:, :, None, None], outline, 0.0))
     middle = away[:, :, 0] + away[:, :, 1]
     order = np.argsort(-dot(middle, middle), axis=1, kind="stable")
+    scale = (scale[..., 0] + scale[..., 1]) / 2
     return [
-        Outlines(polygon[v], scale[v].mean(axis=1), shown[v], order[v][shown[v][order[v]]].tolist())
+        Outlines(polygon[v], scale[v], shown[v], order[v][shown[v][order[v]]].tolist())
         for v in range(len(pixel))
     ]

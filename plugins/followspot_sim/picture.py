@@ -13,7 +13,7 @@ from followspot_sim.ball_image import Stamps, color_light, compose, infrared_lig
 from followspot_sim.body import PARTS
 from followspot_sim.glance import onlookers_of
 from followspot_sim.light import NO_SPLASHES, Lighting, Splashes, show_of
-from followspot_sim.outline import CORNERS, fill, fixed_point, in_picture, spot
+from followspot_sim.outline import CORNERS, fill, fixed_point, spot
 from followspot_sim.parameters import SimParams
 from followspot_sim.people_image import Outlines
 from followspot_sim.screen import lookup, rays_of, remapping
@@ -69,7 +69,7 @@ class Picture:
         rays = rays_of(camera)
         self._onlookers = onlookers_of(self.world.setting, room)
         self._number = self._onlookers.join(camera, rays)
-        self._widest = float((rays @ camera.rotation[2]).min()) - 0.02
+        self._widest = float((rays @ camera.rotation[2]).min()) - 0.1  # beyond, a lens model means nothing
         place, number = lookup(camera, rays, self._show.screens)
         self._map = remapping(place)
         self._unlit = _dark_room(number, infrared, rng).reshape(self.shape[: 2 if infrared else 3])
@@ -103,11 +103,11 @@ class Picture:
         """The room in the light of all projections."""
         light = self._clouds(self._show.drift(frame)).copy()
         shapes = self._show.shapes(frame)
-        pixel = project(self.camera, shapes.outline.reshape(-1, 3)).reshape(*shapes.outline.shape[:2], 2)
-        away = shapes.outline[:, :: CORNERS // 2] - self.camera.center
-        ahead = (away @ self.camera.rotation[2] > self._widest * np.sqrt(dot(away, away))).all(axis=1)
-        shown = np.flatnonzero(ahead & in_picture(pixel, self.camera.size))
-        for number, polygon in zip(shown.tolist(), fixed_point(pixel[shown]), strict=True):
+        away = shapes.outline - self.camera.center
+        ahead = away @ self.camera.rotation[2] > self._widest * np.sqrt(dot(away, away))
+        shown = np.flatnonzero(ahead.all(axis=1))
+        pixel = fixed_point(project(self.camera, shapes.outline[shown].reshape(-1, 3)))
+        for number, polygon in zip(shown.tolist(), pixel.reshape(len(shown), CORNERS, 2), strict=True):
             fill(light, polygon, shapes.color[number], soft=max(shapes.color[number]) > FAINT)
         return light
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import sys
 from collections.abc import Sequence
@@ -47,10 +48,8 @@ def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = N
 
 def record(room: Room, params: SimParams, folder: Path) -> None:
     """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError where it cannot."""
-    folder.mkdir(parents=True, exist_ok=True)
-    for number, camera in enumerate(room.cameras.values()):
-        _progress(f"{camera.name}.mkv ({number + 1} of {len(room.cameras)}, {params.frames} frames)")
-        write_video(Picture(params, room, camera), params, folder / f"{camera.name}.mkv")
+    _progress(f"{len(room.cameras)} videos of {params.frames} frames")
+    write_videos(room, params, folder)
     _progress("truth.csv")
     write_truth(room, params, folder / "truth.csv")
 
@@ -59,25 +58,31 @@ def record_templates(room: Room, params: SimParams, folder: Path, frames: int | 
     """Write `folder`/TARGET/CAMERA.mkv for each target alone. Raises FollowspotError as :func:`record`."""
     for name in room.targets:
         clip = params.model_copy(update={"alone": name, "frames": frames or CLIP_FRAMES})
-        (folder / name).mkdir(parents=True, exist_ok=True)
         _progress(f"{name}: {len(room.cameras)} clips of {clip.frames} frames")
+        write_videos(room, clip, folder / name)
+
+
+def write_videos(room: Room, params: SimParams, folder: Path) -> None:
+    """All frames of all cameras as FFV1, which loses nothing. Raises FollowspotError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pictures = [Picture(params, room, camera) for camera in room.cameras.values()]
+    buffers = [np.empty(picture.shape, np.uint8) for picture in pictures]
+    with contextlib.ExitStack() as open_videos:
+        videos = []
         for camera in room.cameras.values():
-            write_video(Picture(clip, room, camera), clip, folder / name / f"{camera.name}.mkv")
+            videos.append(_open_video(folder / f"{camera.name}.mkv", params.fps, camera.size))
+            open_videos.callback(videos[-1].release)
+        for frame in range(params.frames):
+            for picture, pixels, video in zip(pictures, buffers, videos, strict=True):
+                picture.render(frame, pixels)
+                video.write(pixels if pixels.shape[2] == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
 
 
-def write_video(picture: Picture, params: SimParams, path: Path) -> None:
-    """All frames of one camera as FFV1, which loses nothing. Raises FollowspotError."""
-    width, height = picture.camera.size
-    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), params.fps, (width, height), True)
+def _open_video(path: Path, fps: float, size: tuple[int, int]) -> cv2.VideoWriter:
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), fps, size, True)
     if not video.isOpened():
         raise FollowspotError(f"{path}: cannot write a video; is the folder writable and the disk not full?")
-    try:
-        pixels = np.empty(picture.shape, np.uint8)
-        for frame in range(params.frames):
-            picture.render(frame, pixels)
-            video.write(pixels if pixels.shape[2] == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
-    finally:
-        video.release()
+    return video
 
 
 def write_truth(room: Room, params: SimParams, path: Path) -> None:

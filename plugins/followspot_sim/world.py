@@ -11,9 +11,10 @@ import numpy as np
 from followspot import Array, InputError, Room
 from followspot.errors import Mistake, did_you_mean
 from followspot_sim.body import PARTS, RADII, Pose, limbs, pose
-from followspot_sim.choreography import ROUND, Move, Place, Planner, Round, opening, smoothstep
+from followspot_sim.choreography import Planner
 from followspot_sim.parameters import SimParams
 from followspot_sim.recent import Recent
+from followspot_sim.rounds import ROUND, Move, Place, Round, opening, smoothstep
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 """m/s^2."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from followspot_sim.choreography import ROUND
+from followspot_sim.rounds import ROUND
 from followspot_sim.world import Setting, World
 
 RADIUS = 0.0762
