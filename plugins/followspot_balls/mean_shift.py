@@ -99,7 +99,7 @@ class MeanShift(Stage):
     def nearness(self, xyz: Array, center: Array) -> Array:
         """Credit of candidates by their distance from the forecast: (N, 3), (M, 3) m -> (M, N)."""
         distance2 = np.square(xyz - center[:, None]).sum(axis=2)
-        return np.maximum(np.exp(-distance2 / (2 * self.params.prior**2)), FAINT)
+        return np.asarray(np.maximum(np.exp(-distance2 / (2 * self.params.prior**2)), FAINT))
 
     def modes(self, sample: Sample, center: Array, credit: Array, lost: Array) -> Modes:
         """Modes from the initial centres; those that hold too little give way to the densest candidate."""
