@@ -93,6 +93,12 @@ def test_mean_shift_leaves_a_forecast_that_its_candidates_contradict() -> None:
     assert position.xyz[0] == pytest.approx([0.152, 0.0, 1.0], abs=1e-6)
 
 
+def test_mean_shift_follows_candidates_metres_away_where_there_are_no_others() -> None:
+    found = candidates_at([(5.0, 0.0, 1.0), (5.01, 0.0, 1.0)])
+    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)]))
+    assert position.xyz[0] == pytest.approx([5.005, 0.0, 1.0], abs=1e-6)
+
+
 def test_each_target_takes_its_own_candidates_and_shares_unlabelled_ones() -> None:
     found = candidates_at(
         [(0.0, 0.0, 1.0), (0.17, 0.0, 1.0), (0.0, 0.01, 1.0)],
