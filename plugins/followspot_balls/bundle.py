@@ -11,12 +11,11 @@ from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.bundle_assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle_glow import glow_sigma, nearest_planes
 from followspot_balls.bundle_points import (
-    PARAMETERS,
     Belief,
-    Equations,
     Model,
     Views,
-    covariance,
+    empty_belief,
+    estimated,
     glowing_model,
     images,
     linearised,
@@ -32,10 +31,11 @@ USED = 0.25
 """Weight above which a view counts as support: that of an error at the cutoff."""
 VAGUE = 1e-3
 """Least information on a place, 1/m^2: keeps equations of views that do not determine it solvable."""
+PLACE = [0, 1, 2]
 DARK = 1e-6
 """Least sigma of the glow, m: far from every plane there is none."""
-ROUNDS, STEPS = 2, 3
-"""Times that blobs are assigned to targets, and steps after each."""
+STEPS = 3
+"""Of reweighted least squares; the start is one of the candidates, so the images may be linearised once."""
 
 
 class Fit(NamedTuple):
@@ -45,7 +45,8 @@ class Fit(NamedTuple):
     """(M, 3) m."""
     covariance: Array
     """(M, 3, 3) m^2."""
-    equations: Equations
+    trust: Array
+    """(M, C) robust weight of each view, 0 where there is none."""
     slot: Array
     """(M, C) blob of each target in each view."""
 
@@ -65,11 +66,11 @@ class Bundle(Stage):
             "small blobs less",
         )
         merged: float = Field(
-            2.0,
+            10.0,
             ge=0,
             unit="1",
-            description="sigmas by which that of a blob twice the ball's size is larger; raising it trusts "
-            "large blobs less",
+            description="growth of that of a blob larger than the ball, with the squared excess; raising it "
+            "trusts merged blobs less",
         )
         agreement: float = Field(
             1.0,
@@ -84,8 +85,15 @@ class Bundle(Stage):
             unit="1",
             description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
         )
+        labelled: float = Field(
+            0.25,
+            ge=0,
+            unit="1",
+            description="by how much more a colour camera's vote for a start counts than an infrared one's, "
+            "which may have seen another ball; raising it survives crowds",
+        )
         prior: float = Field(
-            0.1,
+            0.15,
             gt=0,
             unit="m",
             description="one sigma of the start's distance from the forecast; raising it lets targets jump",
@@ -127,6 +135,7 @@ class Bundle(Stage):
         cameras = list(self.room.cameras.values())
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in cameras], bool)
+        self.voice = 1 + self.params.labelled * self.color
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
         self.radii = np.array([t.radius for t in self.room.targets.values()])
         self.outlines = Outlines(self.room)
@@ -143,17 +152,17 @@ class Bundle(Stage):
         credit = seeds[target] * self.credit(candidates.xyz, target, claims.lost, forecast)
         start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
         fit = self.refined(start, claims, self.expectation(target, claims.lost, forecast))
-        chosen = fit.slot[:, candidates.view] == table.slot
-        trusted = fit.equations.trust[:, candidates.view] > USED
-        used = (chosen & trusted).all(axis=2) & candidates.targets.T[target]
-        return Positions(
+        agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
+        used = agreeing.all(axis=2) & candidates.targets.T[target]
+        positions = Positions(
             target=target.astype(np.int32),
             xyz=fit.xyz,
             covariance=fit.covariance,
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
-            iterations=np.full(len(target), ROUNDS * STEPS, np.int32),
+            iterations=np.full(len(target), STEPS, np.int32),
         )
+        return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
 
     def credit(self, xyz: Array, target: Array, lost: Array, forecast: Forecast | None) -> Array:
         """Factor of the candidates' votes by their distance from the forecasts: (N, 3) m -> (M, N)."""
@@ -173,7 +182,7 @@ class Bundle(Stage):
         exactness = 1 / np.sqrt(self.variance(shares(claims, seen.depth, row)))
         agreement = exactness / (1 + squares / self.params.agreement**2)
         votes = np.zeros(credit.shape)
-        votes[row, candidate] = agreement.max(axis=2).sum(axis=1) * credit[row, candidate]
+        votes[row, candidate] = agreement.max(axis=2) @ self.voice * credit[row, candidate]
         return votes
 
     def variance(self, share: Array) -> Array:
@@ -183,26 +192,24 @@ class Bundle(Stage):
 
     def expectation(self, target: Array, lost: Array, forecast: Forecast | None) -> Belief:
         """The forecast of each target's place, with part of its information; none of lost targets."""
-        mean, information = (
-            np.zeros((len(target), PARAMETERS)),
-            np.zeros((len(target), PARAMETERS, PARAMETERS)),
-        )
+        vector, information = empty_belief(len(target))
         if forecast is not None and not lost.all():
             known = target[~lost]
-            mean[~lost, :3] = forecast.xyz[known]
             spread = forecast.covariance[known] + np.eye(3) * self.params.sharpest**2
-            information[~lost, :3, :3] = self.params.forecast * np.linalg.inv(spread)
-        return Belief(mean, information)
+            weight = self.params.forecast * np.linalg.inv(spread)
+            information[~lost, :3, :3] = weight
+            vector[~lost, :3] = (weight @ forecast.xyz[known, :, None])[..., 0]
+        return Belief(vector, information)
 
     def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
         """The model of glowing balls near these places (M, 3) m, and what is known of the glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
         sigma = np.maximum(glow_sigma(clearance, self.params.glow, self.params.reach), DARK)
-        information = np.zeros((len(xyz), PARAMETERS, PARAMETERS))
-        information[:, [0, 1, 2], [0, 1, 2]] = VAGUE
+        vector, information = empty_belief(len(xyz))
+        information[:, PLACE, PLACE] = VAGUE
         information[:, 3, 3] = 1 / np.square(sigma)
-        mean = np.column_stack([xyz, np.zeros(len(xyz))])
-        return glowing_model(self.P, normal, self.color), Belief(mean, information)
+        vector[:, :3] = VAGUE * xyz
+        return glowing_model(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief) -> Fit:
         """The most likely places, from nearby ones: (M, 3) m.
@@ -212,18 +219,18 @@ class Bundle(Stage):
         """
         p = self.params
         model, glow = self.glow(start, claims.radius)
-        base, step = glow.mean, np.zeros((len(start), PARAMETERS))
         row, camera = np.arange(len(start)), np.arange(len(self.P))
-        for scale in (p.agreement, p.cutoff * p.sigma):
-            base = base + step
-            seen = images(model, base)
-            slot, found = assigned(claims, seen)
-            spread = self.variance(shares(claims, seen.depth, row, slot))
-            views = Views(claims.xy[camera, slot], found / spread, scale**2 * np.sqrt(spread) / p.sigma)
-            J, errors = linearised(model, seen, views)
-            step = np.zeros_like(base)
-            for _ in range(STEPS):
-                step = solved(weighted(J, errors, step, views), base, glow, expected)
-        equations = weighted(J, errors, step, views)
-        place = base + solved(equations, base, glow)
-        return Fit(place[:, :3], covariance(equations, glow, p.certainty), equations, slot)
+        origin = np.column_stack([start, np.zeros(len(start))])
+        seen = images(model, origin)
+        slot, found = assigned(claims, seen)
+        spread = self.variance(shares(claims, seen.depth, row, slot))
+        views = Views(claims.xy[camera, slot], found / spread, p.cutoff**2 * p.sigma * np.sqrt(spread))
+        design = linearised(model, seen, views)
+        glow = glow.relative(origin)
+        belief = glow.and_also(expected.relative(origin))
+        step = np.zeros_like(origin)
+        for _ in range(STEPS):
+            step = solved(weighted(design, step, views), belief)
+        equations = weighted(design, step, views)
+        step, covariance = estimated(equations, glow, p.certainty)
+        return Fit(start + step[:, :3], covariance, equations.trust, slot)

@@ -36,12 +36,25 @@ class Model(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """What is known of parameters beside the views: a Gaussian."""
+    """What is known of parameters beside the views: a Gaussian in canonical form, so beliefs add up."""
 
-    mean: Array
-    """(M, 4)."""
+    vector: Array
+    """(M, 4), information times mean."""
     information: Array
     """(M, 4, 4), the inverse of the covariance; 0 where nothing is known."""
+
+    def and_also(self, other: Belief) -> Belief:
+        """Both of two independent beliefs."""
+        return Belief(self.vector + other.vector, self.information + other.information)
+
+    def relative(self, origin: Array) -> Belief:
+        """The belief about the step from an origin (M, 4)."""
+        return self._replace(vector=self.vector - (self.information @ origin[..., None])[..., 0])
+
+
+def empty_belief(count: int) -> Belief:
+    """Nothing known of `count` points; to be filled."""
+    return Belief(np.zeros((count, PARAMETERS)), np.zeros((count, PARAMETERS, PARAMETERS)))
 
 
 class Views(NamedTuple):
@@ -95,43 +108,46 @@ def _flattened(x: Array) -> Images:
     return Images(x[..., :2] / depth[..., None], depth)
 
 
-def linearised(model: Model, seen: Images, views: Views) -> tuple[Array, Array]:
-    """Jacobian of the images (M, 2C, 4) px per unit, and errors of the views (M, 2C) px."""
+def linearised(model: Model, seen: Images, views: Views) -> Array:
+    """Jacobian of the images and, in a last column, the errors of the views: (M, 2C, 5), px."""
     A = model.matrix
-    J = (A[:, :, :2] - seen.xy[..., None] * A[:, :, 2:]) / seen.depth[..., None, None]
-    count = len(A)
-    return J.reshape(count, -1, PARAMETERS), (views.xy - seen.xy).reshape(count, -1)
+    design = np.empty((*A.shape[:2], 2, PARAMETERS + 1))
+    design[..., :PARAMETERS] = A[:, :, :2] - seen.xy[..., None] * A[:, :, 2:]
+    design[..., :PARAMETERS] /= seen.depth[..., None, None]
+    design[..., PARAMETERS] = views.xy - seen.xy
+    return design.reshape(len(A), -1, PARAMETERS + 1)
 
 
-def weighted(J: Array, errors: Array, step: Array, views: Views) -> Equations:
+def weighted(design: Array, step: Array, views: Views) -> Equations:
     """Normal equations with the weights of Geman and McClure, (1 + e^2 / c^2)^-2, after a step.
 
-    J, errors: see :func:`linearised`; step: (M, 4).
+    design: see :func:`linearised`; step: (M, 4).
     """
-    count, cameras = views.precision.shape
-    left = (errors - (J @ step[..., None])[..., 0]).reshape(count, cameras, 2)
-    squares = np.einsum("mci,mci->mc", left, left)
+    J, errors = design[..., :PARAMETERS], design[..., PARAMETERS]
+    left = errors - (J @ step[..., None])[..., 0]
+    squares = np.square(left).reshape(*views.precision.shape, 2).sum(axis=2)
     trust = np.square(views.cutoff2 / (views.cutoff2 + squares)) * (views.precision > 0)
     weight = trust * views.precision
-    JW = (J * np.repeat(weight, 2, axis=1)[..., None]).swapaxes(1, 2)
-    return Equations(JW @ J, (JW @ errors[..., None])[..., 0], trust, (weight * squares).sum(axis=1))
+    both = np.repeat(weight, 2, axis=1)
+    system = (J * both[..., None]).swapaxes(1, 2) @ design
+    cost = np.einsum("mc,mc->m", weight, squares)
+    return Equations(system[..., :PARAMETERS], system[..., PARAMETERS], trust, cost)
 
 
-def solved(equations: Equations, parameters: Array, *beliefs: Belief) -> Array:
-    """The step (M, 4) from the parameters to the maximum of views and beliefs together."""
-    normal, right = equations.normal, equations.right
-    for mean, information in beliefs:
-        normal = normal + information
-        right = right + (information @ (mean - parameters)[..., None])[..., 0]
-    return np.asarray(np.linalg.solve(normal, right[..., None])[..., 0])
+def solved(equations: Equations, belief: Belief) -> Array:
+    """The step (M, 4) to the maximum of views and belief together; the belief is about the step."""
+    right = equations.right + belief.vector
+    return np.asarray(np.linalg.solve(equations.normal + belief.information, right[..., None])[..., 0])
 
 
-def covariance(equations: Equations, belief: Belief, certainty: float) -> Array:
-    """Covariance of the places, (M, 3, 3) m^2: s^2 (J^T W J)^-1 with s^2 from the errors themselves.
+def estimated(equations: Equations, belief: Belief, certainty: float) -> tuple[Array, Array]:
+    """The step (M, 4) to the maximum, and the covariance of the places, (M, 3, 3) m^2.
 
-    A few errors tell little of s^2, so 1 is taken for it as if `certainty` more of them had said so.
+    It is s^2 (J^T W J)^-1 with s^2 from the errors themselves (H&Z, eq. 5.8). A few errors tell little
+    of s^2, so 1 is taken for it as if `certainty` more of them had said so.
     """
-    inverse = np.linalg.inv(equations.normal + belief.information)[:, :3, :3]
+    inverse = np.linalg.inv(equations.normal + belief.information)
+    step = (inverse @ (equations.right + belief.vector)[..., None])[..., 0]
     redundant = np.maximum(2 * equations.trust.sum(axis=1) - 3, 0.0)
     scale = (certainty + equations.cost) / (certainty + redundant)
-    return np.asarray(inverse * scale[:, None, None])
+    return step, inverse[:, :3, :3] * scale[:, None, None]

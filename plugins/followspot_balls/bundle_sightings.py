@@ -24,25 +24,24 @@ class Sightings(NamedTuple):
 
 
 def sightings(candidates: Candidates, cameras: int) -> Sightings:
-    """Collect the blobs that N candidates were made of; a blob takes part in several of them.
+    """Collect the blobs that N > 0 candidates were made of; a blob takes part in several of them.
 
     cameras: of the room, C.
     """
-    ends = candidates.view.size
     key = (candidates.view.astype(np.int64) << 32 | candidates.blob).ravel()
     order = key.argsort(kind="stable")
     ascending = key[order]
-    first = np.flatnonzero(np.diff(ascending, prepend=-1))
+    new = np.ones(len(key), bool)
+    np.not_equal(ascending[1:], ascending[:-1], out=new[1:])
+    first = new.nonzero()[0]
     camera = ascending[first] >> 32
-    place = np.arange(len(first)) - np.searchsorted(camera, camera)
-    shape = (cameras, int(place.max(initial=-1)) + 1)
-    xy = np.zeros((*shape, 2))
-    area = np.zeros(shape)
+    place = np.arange(len(first)) - camera.searchsorted(camera)
+    shape = (cameras, int(place.max()) + 1)
+    xy, area = np.zeros((*shape, 2)), np.zeros(shape)
     targets = np.zeros((candidates.targets.shape[1], *shape), bool)
-    slot = np.zeros(ends, int)
-    if ends:
-        xy[camera, place] = candidates.xy.reshape(-1, 2)[order[first]]
-        area[camera, place] = candidates.area.reshape(-1)[order[first]]
-        targets[:, camera, place] = np.logical_or.reduceat(candidates.targets[order >> 1], first).T
-        slot[order] = np.repeat(place, np.diff(first, append=ends))
+    xy[camera, place] = candidates.xy.reshape(-1, 2)[order[first]]
+    area[camera, place] = candidates.area.reshape(-1)[order[first]]
+    targets[:, camera, place] = np.logical_or.reduceat(candidates.targets[order >> 1], first).T
+    slot = np.empty(len(key), int)
+    slot[order] = place[new.cumsum() - 1]
     return Sightings(xy, area, targets, slot.reshape(-1, 2))

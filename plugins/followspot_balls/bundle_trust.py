@@ -51,8 +51,8 @@ def bright_part(room: Room, focal: Array) -> Array:
 def variance(share: Array, sigma: float, hidden: float, merged: float) -> Array:
     """Variance of a centre along each axis, px^2, by the share of the outline that the blob shows.
 
-    sigma: of a whole ball, px; hidden, merged: sigmas that it grows by for an outline that is missing,
-    and for one shown twice.
+    sigma: of a whole ball, px; hidden: sigmas that it grows by for an outline that is missing; merged:
+    likewise for the squared excess of a blob that is larger.
     """
-    growth = hidden * np.maximum(1.0 - share, 0.0) + merged * np.maximum(share - WHOLE, 0.0)
+    growth = hidden * np.maximum(1.0 - share, 0.0) + merged * np.square(np.maximum(share - WHOLE, 0.0))
     return np.asarray(sigma * sigma * (1.0 + growth * growth))
