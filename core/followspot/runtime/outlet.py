@@ -21,7 +21,7 @@ class Outlet:
     rows: ledger rows of the edges behind each writer; slack: see `Inlet`.
     """
 
-    __slots__ = ("_counted", "bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
+    __slots__ = ("_living", "bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
 
     def __init__(self, kind: type[Message], words: memoryview, *, slack: int) -> None:
         self.type = kind
@@ -30,7 +30,8 @@ class Outlet:
         self.inlets: list[Inlet] = []
         self.writers: list[PortWriter] = []
         self.rows: list[list[int]] = []
-        self._counted: list[int] = []
+        self._living: list[tuple[PortWriter, list[int]]] = []
+        """Writers with the rows of their living readers."""
         self.bound = -END
         self.refused: Callable[[str], None] = _nothing
 
@@ -42,11 +43,9 @@ class Outlet:
 
     def forget_lost(self) -> None:
         """A reader that died is sent nothing more, so nothing more is counted as sent to it."""
-        self._counted = [
-            row
+        self._living = [
+            (writer, [row for index, row in enumerate(rows) if index not in writer.lost])
             for writer, rows in zip(self.writers, self.rows, strict=True)
-            for index, row in enumerate(rows)
-            if index not in writer.lost
         ]
 
     def has_room(self) -> bool:
@@ -73,12 +72,14 @@ class Outlet:
         self.bound = header.time + 1 + self.slack
         for inlet in self.inlets:
             inlet.put(message)
-        if self.writers:
-            words = self.words
-            for row in self._counted:
-                words[row + SENT] += 1
-            for writer in self.writers:
+        for writer, rows in self._living:
+            for row in rows:
+                self.words[row + SENT] += 1
+            try:
                 writer.send(message)
+            except InvalidMessage as error:  # its head is too large to travel
+                self._count(rows, INVALID)
+                self.refused(str(error))
 
     def settle(self, bound: int) -> None:
         """Tell every reader that nothing earlier than `bound`, ns, will come."""
@@ -96,9 +97,8 @@ class Outlet:
 
     def shed(self, count: int) -> None:
         """Count messages that a live source dropped before they left."""
-        for row in [*self._counted, *(inlet.row for inlet in self.inlets)]:
-            self.words[row + SENT] += count
-            self.words[row + SHED] += count
+        self._count(self._all_rows(), SENT, count)
+        self._count(self._all_rows(), SHED, count)
 
     def loan(self, shape: tuple[int, ...], dtype: str) -> Array | None:
         """An array in the memory of the first writer that has one to lend."""
@@ -109,11 +109,18 @@ class Outlet:
         return None
 
     def _refuse(self, reason: str, header: Header) -> None:
-        for row in [*self._counted, *(inlet.row for inlet in self.inlets)]:
-            self.words[row + SENT] += 1
-            self.words[row + INVALID] += 1
+        self._count(self._all_rows(), SENT)
+        self._count(self._all_rows(), INVALID)
         self.refused(reason)
         self.settle(header.time + 1)
+
+    def _count(self, rows: list[int], column: int, count: int = 1) -> None:
+        for row in rows:
+            self.words[row + column] += count
+
+    def _all_rows(self) -> list[int]:
+        """Of every edge that has a reader."""
+        return [inlet.row for inlet in self.inlets] + [row for _, rows in self._living for row in rows]
 
 
 def _nothing(_: Any) -> None:
