@@ -7,7 +7,7 @@ has no image (behind the camera) is NaN.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -27,8 +27,47 @@ def project(camera: Camera, points: Array) -> Array:
 
     points: (N, 3) m. Returns (N, 2) px with distortion; NaN for points behind a pinhole camera.
     """
-    local = points @ camera.rotation.T + camera.translation
+    return project_local(camera, points @ camera.rotation.T + camera.translation)
+
+
+def project_local(camera: Camera, local: Array) -> Array:
+    """The same of points in camera coordinates, x_cam = R X + t: (N, 3) m -> (N, 2) px."""
     return _PROJECT[camera.model](camera, local)
+
+
+class Views:
+    """Several cameras as one, for points that all of them look at."""
+
+    def __init__(self, cameras: Iterable[Camera]) -> None:
+        self.cameras = tuple(cameras)
+        self.rotation = np.array([c.rotation for c in self.cameras]).reshape(-1, 3, 3)
+        self.translation = np.array([c.translation for c in self.cameras]).reshape(-1, 1, 3)
+        self.others = [i for i, c in enumerate(self.cameras) if c.model != "pinhole"]
+        K = np.array([c.matrix for c in self.cameras]).reshape(-1, 3, 3)
+        self.focal = np.diagonal(K, axis1=1, axis2=2)[:, None, :2]
+        self.middle = K[:, None, :2, 2]
+        lens = [c.distortion if c.model == "pinhole" else np.zeros(5) for c in self.cameras]
+        self.lens = np.array(lens).reshape(-1, 1, 5).transpose(2, 0, 1)
+
+    def local(self, points: Array) -> Array:
+        """Camera coordinates: (N, 3) m in the room -> (C, N, 3) m."""
+        return np.asarray(points @ self.rotation.swapaxes(1, 2) + self.translation)
+
+    def project_local(self, local: Array) -> Array:
+        """Images of points in camera coordinates, as :func:`project_local`: (C, N, 3) m -> (C, N, 2) px."""
+        k1, k2, p1, p2, k3 = self.lens
+        depth = local[..., 2:]
+        xy = local[..., :2] / np.where(depth > 0, depth, np.nan)
+        x, y = xy[..., 0], xy[..., 1]
+        r2 = x * x + y * y
+        slope = 2 * (p2 * x + p1 * y)
+        pixel = xy * (1 + r2 * (k1 + r2 * (k2 + r2 * k3)) + slope)[..., None]
+        pixel[..., 0] += p2 * r2
+        pixel[..., 1] += p1 * r2
+        pixel = pixel * self.focal + self.middle
+        for i in self.others:
+            pixel[i] = project_local(self.cameras[i], local[i])
+        return np.asarray(pixel)
 
 
 def undistort(camera: Camera, pixel: Array) -> Array:

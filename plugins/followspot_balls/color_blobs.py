@@ -9,10 +9,11 @@ import numpy as np
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.color_mask import hsv_tiles, target_level
-from followspot_balls.components import Components, above_local_peak, components, cut
+from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows, packed
+from followspot_balls.components import Components, above_local_peak, clipped, components
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import in_picture, search_circles, windows, within
+from followspot_balls.search import Circles, reaching, search_circles, windows
+from followspot_balls.strip import GAP
 from followspot_balls.votes import disc_centers
 
 SMALL = 12.0
@@ -128,60 +129,65 @@ class ColorBlobs(Stage):
         self.histograms = self.histograms.reshape(-1, BINS)
         self.member = membership(self.histograms, self.params.hue_share)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
+        self.tables = packed(self.member)
+        self.numbers = np.arange(len(self.sizes))
+        self.limits = Limits(self.params.saturation, self.params.value, self.params.white)
         self.area = area * [self.params.smallest, self.params.largest]
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
-        circles = search_circles(self.camera, forecast, self.sizes, p.radius, p.scale)
-        near, lost = in_picture(circles, self.camera.size), np.flatnonzero(circles.lost)
+        circles = search_circles(self.room, self.camera.name, forecast, p.radius, p.scale)
+        near, lost = reaching(circles, self.camera.size), np.flatnonzero(circles.lost)
         found = [NOTHING]
         if len(near):
             corners, side = windows(circles, near, self.camera.size)
-            found.append(
-                self.search(cut(frame.pixels, corners, side, side), near, corners, circles.ball[near])
-            )
+            sought = in_windows(frame.pixels, corners, side, near, self.tables, self.limits)
+            found.append(self.measured(sought, circles, side))
         if len(lost):
-            corners = np.zeros((len(lost), 2), int)
-            tiles = cut(frame.pixels, np.zeros((1, 2), int), *frame.pixels.shape[:2])
-            found.append(self.search(tiles, lost, corners, None))
-        blobs = Found(*map(np.concatenate, zip(*found, strict=True)))
-        targets = within(circles, blobs.pixel) & (blobs.target[:, None] == np.arange(len(self.sizes)))
-        keep = targets.any(axis=1)
-        pixel = blobs.pixel[keep]
+            smallest = self.area[lost, 0]
+            found.append(self.measured(in_picture(frame.pixels, lost, self.member, self.limits, smallest)))
+        blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
         return Blobs(
             camera=self.camera.name,
-            xy=undistort(self.camera, pixel),
-            pixel=pixel,
-            area=blobs.area[keep],
-            similarity=blobs.similarity[keep],
-            targets=targets[keep],
+            xy=undistort(self.camera, blobs.pixel),
+            pixel=blobs.pixel,
+            area=blobs.area,
+            similarity=blobs.similarity,
+            targets=blobs.target[:, None] == self.numbers,
         )
 
-    def search(self, tiles: Array, target: Array, corners: Array, ball: Array | None) -> Found:
-        """Blobs of each target in its tile, or in the one tile for all.
+    def measured(self, sought: Sought, circles: Circles | None = None, side: int = 0) -> Found:
+        """Blobs of the targets that a strip is searched for.
 
-        tiles: (M or 1, h, w, 3) BGR; target: (M,); corners: (M, 2) of the tiles in the picture, px;
-        ball: (M,) radius, px, where the tiles are search regions.
+        circles: search regions, where the parts are windows around these, of this side, px.
         """
         p = self.params
-        hsv = hsv_tiles(tiles)
-        colored, level = target_level(hsv, self.member[target], p.saturation, p.value, p.white)
-        blobs = components(above_local_peak(level, p.edge), level, self.area[target])
-        hue = np.broadcast_to(hsv.hue, level.shape).reshape(-1)[blobs.pixels]
-        histograms = component_histograms(blobs, hue_bin(hue), colored.reshape(-1)[blobs.pixels])
-        owner = target[blobs.tile]
-        similarity = bhattacharyya(histograms, self.histograms[owner])
+        level, target = sought.level, sought.target
+        blobs = components(
+            above_local_peak(level, p.edge), level, sought.strip, self.area.take(target, axis=0)
+        )
+        owner = target.take(blobs.part)
+        histograms = component_histograms(blobs, sought.hue, sought.colored)
+        similarity = bhattacharyya(histograms, self.histograms.take(owner, axis=0))
         keep = similarity > p.similarity
-        center = blobs.center
-        if ball is not None:
-            outline = np.pi * np.square(ball[blobs.tile])
-            keep &= ~blobs.clipped & (blobs.area <= np.maximum(p.submerged * outline, SMALL))
-            center = disc_centers(level, blobs, ball[blobs.tile] + p.rim, p.edge)
-        pixel = center + corners[blobs.tile]
+        pixel = blobs.center + sought.strip.shift.take(blobs.part, axis=0)
+        if circles is not None:
+            ball = circles.ball.take(owner)
+            keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
+            keep &= ~clipped(blobs, side, side + GAP)
+            pixel += disc_centers(level, blobs, np.where(keep, ball + p.rim, np.nan), p.edge) - blobs.center
+            offset = pixel - circles.center.take(owner, axis=0)
+            keep &= np.hypot(offset[:, 0], offset[:, 1]) <= circles.radius.take(owner)
+        if keep.all():
+            return Found(pixel, blobs.area, similarity, owner)
         return Found(pixel[keep], blobs.area[keep], similarity[keep], owner[keep])
 
 
-def component_histograms(blobs: Components, bins: Array, colored: Array) -> Array:
-    """Normalised hue histogram (eq. 1) of each component over its coloured pixels: (N, 16)."""
-    counts = np.bincount(blobs.label * BINS + bins, colored, len(blobs.area) * BINS)
+def component_histograms(blobs: Components, hue: Array, colored: Array) -> Array:
+    """Normalised hue histogram (eq. 1) of each component over its coloured pixels: (N, 16).
+
+    hue: (H, W) u8 of the strip, full range; colored: (H, W) bool.
+    """
+    bins, counted = hue_bin(hue.reshape(-1).take(blobs.pixels)), colored.reshape(-1).take(blobs.pixels)
+    counts = np.bincount(blobs.label * BINS + bins, counted, len(blobs.area) * BINS)
     return normalised(counts.reshape(-1, BINS))

@@ -8,43 +8,91 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
+from followspot_balls.strip import Strip, clusters, cut, scattered, window_strip
 
 
-class Hsv(NamedTuple):
-    """Hue (full range), saturation and value of a stack of pictures: (N, h, w) u8 each."""
+class Limits(NamedTuple):
+    """When a pixel shows a hue: saturation and value at least that; white: value of an overexposed core."""
 
+    saturation: int
+    value: int
+    white: int
+
+
+class Sought(NamedTuple):
+    """A strip of what may show the targets."""
+
+    strip: Strip
+    target: Array
+    """(N,) target that each part is searched for."""
+    level: Array
+    """(H, W) u8, brightness of the pixels that may show it, 0 elsewhere."""
     hue: Array
-    saturation: Array
-    value: Array
+    """(H, W) u8, full range."""
+    colored: Array
+    """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
 
 
-def hsv_tiles(tiles: Array) -> Hsv:
-    """Of BGR pictures, (N, h, w, 3) u8."""
-    tall = tiles.reshape(-1, *tiles.shape[2:])
-    planes = cv2.split(cv2.cvtColor(tall, cv2.COLOR_BGR2HSV_FULL))
-    return Hsv(*(np.asarray(plane).reshape(tiles.shape[:3]) for plane in planes))
+def in_windows(
+    pixels: Array, corners: Array, side: int, target: Array, tables: Array, limits: Limits
+) -> Sought:
+    """What may show each target in its window.
 
-
-def hue_pixels(hue: Array, member: Array) -> Array:
-    """Pixels whose hue belongs to each target.
-
-    hue: (T or 1, h, w) u8, one picture for each target or one for all; member: (T, 256) bool.
-    Returns (T, h, w) bool.
+    pixels: (H, W, 3) BGR; corners: (N, 2); side: px; target: (N,); tables: packed hues of the targets.
     """
-    shown = np.empty((len(member), *hue.shape[1:]), np.uint8)
-    for number, table in enumerate(member.view(np.uint8)):
-        cv2.LUT(hue[number % len(hue)], table, dst=shown[number])
-    return shown.view(bool)
+    tiles, strip = cut(pixels, corners, side), window_strip(corners, side)
+    hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
+    colored, core = saturated(saturation, value, limits)
+    colored &= hue_pixels(hue, tables, target.take(strip.part))
+    return Sought(strip, target, (colored | core).view(np.uint8) * value, hue, colored)
 
 
-def target_level(hsv: Hsv, member: Array, saturation: int, value: int, white: int) -> tuple[Array, Array]:
-    """Pixels that show the hue, and the brightness of these and of overexposed cores; 0 elsewhere.
+def in_picture(pixels: Array, target: Array, member: Array, limits: Limits, smallest: Array) -> Sought:
+    """What may show some targets anywhere.
+
+    member: (T, 256) bool, hues of the targets; smallest: (N,) area, px; others as above.
+    """
+    height, width = pixels.shape[:2]
+    hue, saturation, value = (plane.reshape(-1) for plane in hsv(pixels))
+    colored, core = saturated(saturation, value, limits)
+    index = np.flatnonzero(colored | core)
+    core, hue, value = core.take(index), hue.take(index), value.take(index)
+    shown = member.take(target, axis=0).take(hue, axis=1) & ~core
+    layer, entry = np.divmod(np.flatnonzero(shown | core), max(len(index), 1))
+    y, x = np.divmod(index.take(entry), width)
+    found = clusters(layer, y, x, (len(target), height, width), smallest)
+    entry = entry.take(found.entry)
+    planes = (value.take(entry), hue.take(entry), ~core.take(entry))
+    return Sought(found.strip, target.take(found.layer), *(scattered(found, plane) for plane in planes))
+
+
+def hsv(pixels: Array) -> tuple[Array, ...]:
+    """Full-range hue, saturation and value of BGR pixels, one row each: a narrow picture would be slow."""
+    planes = cv2.split(cv2.cvtColor(pixels.reshape(1, -1, 3), cv2.COLOR_BGR2HSV_FULL))
+    return tuple(np.asarray(plane) for plane in planes)
+
+
+def saturated(saturation: Array, value: Array, limits: Limits) -> tuple[Array, Array]:
+    """Pixels that show a hue, and overexposed cores, bool.
 
     A core is bright and pale: the sensor saturates where the ball glows most, and its hue is lost.
-    hsv: of one picture for each target or of one for all; member: (T, 256) bool. Returns (T, h, w) bool
-    and (T, h, w) u8.
     """
-    pale = hsv.saturation < saturation
-    colored = hue_pixels(hsv.hue, member) & (~pale & (hsv.value >= value))
-    sought = colored | (pale & (hsv.value >= white))
-    return colored, sought.view(np.uint8) * hsv.value
+    pale = saturation < limits.saturation
+    return (value >= limits.value) > pale, (value >= limits.white) & pale
+
+
+def packed(member: Array) -> Array:
+    """Hues of targets as bits, for `hue_pixels`: (T, 256) bool -> (ceil(T / 8), 256) u8."""
+    return np.packbits(member, axis=0)
+
+
+def hue_pixels(hue: Array, tables: Array, target: Array) -> Array:
+    """Pixels whose hue belongs to the target that their column is searched for: (H, W) u8 -> bool.
+
+    tables: packed; target: (W,).
+    """
+    shown = np.zeros(hue.shape, np.uint8)
+    group, bit = target >> 3, (128 >> (target & 7)).astype(np.uint8)
+    for number, table in enumerate(tables):
+        shown |= np.asarray(cv2.LUT(hue, table)) & (bit * (group == number))
+    return shown > 0

@@ -1,89 +1,84 @@
-"""Connected bright components of several small pictures at once, with sub-pixel centroids."""
+"""Connected bright components of a strip of small pictures, with sub-pixel centroids."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from followspot.messages import Array
+from followspot_balls.strip import REACH, Strip
 
-REACH = 9
-"""Side of the square in which the local peak is sought, px: a ball is 5 to 9 px wide."""
 MOST = 256
 """Components kept, the largest first: more of them are noise, and pairs grow with the square."""
+NEIGHBOURHOOD = np.ones((REACH, REACH), np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
 class Components:
-    """One row for each of N components; the tiles stand on top of each other, h rows each."""
+    """One row for each of N components; P pixels in them."""
 
-    tile: Array
-    """(N,) tile that it lies in."""
+    part: Array
+    """(N,) part of the strip that it lies in."""
     center: Array
-    """(N, 2) px, x and y of the weighted centroid within the tile."""
+    """(N, 2) px, x and y of the weighted centroid in the strip."""
     area: Array
     """(N,) px."""
     peak: Array
     """(N,) largest weight in it."""
-    clipped: Array
-    """(N,) bool: touches the border of its tile."""
     pixels: Array
-    """(P,) flat index of the pixels of all components in the tiles."""
+    """(P,) flat index of the pixels in the strip."""
+    x: Array
+    """(P,) column of each of these pixels, px."""
+    y: Array
+    """(P,) row, px."""
     label: Array
-    """(P,) row of the component of each of these pixels."""
-    labels: Array
-    """(tiles * h, w) u16: 1 + row of the component at each pixel, 0 outside."""
+    """(P,) number of the component of each."""
 
 
-def cut(pixels: Array, corners: Array, height: int, width: int) -> Array:
-    """Copy windows of a picture into a stack; black where they reach beyond it.
-
-    pixels: (H, W, C); corners: (N, 2) int, x and y of the upper left pixel. Returns (N, height + 1,
-    width, C), with an empty last row, so that the stack may be treated as one tall picture.
-    """
-    tiles = np.zeros((len(corners), height + 1, width, pixels.shape[2]), pixels.dtype)
-    bottom, right = pixels.shape[:2]
-    for tile, (x, y) in zip(tiles, corners.tolist(), strict=True):
-        left, top = max(x, 0), max(y, 0)
-        part = pixels[top : max(y + height, 0), left : max(x + width, 0)]
-        if part.size and left < right and top < bottom:
-            tile[top - y : top - y + part.shape[0], left - x : left - x + part.shape[1]] = part
-    return tiles
+NOTHING = Components(*np.empty((8, 0), int))
+NOTHING = replace(NOTHING, center=np.empty((0, 2)), area=np.empty(0), peak=np.empty(0))
 
 
 def above_local_peak(level: Array, fraction: float) -> Array:
     """Pixels above a fraction of the brightest one near them.
 
     A ball is cut from a dimmer projection or halo that it touches, whatever the exposure.
-    level: (N, h, w) u8, 0 where nothing is sought, last row of each tile empty. Returns bool, same shape.
+    level: (H, W) u8, 0 where nothing is sought. Returns bool, same shape.
     """
-    tall = level.reshape(-1, level.shape[2])
-    floor = cv2.convertScaleAbs(cv2.dilate(tall, np.ones((REACH, REACH), np.uint8)), alpha=fraction)
-    return np.asarray(((tall > 0) & (tall >= floor)).reshape(level.shape))
+    if not level.size:
+        return np.zeros(level.shape, bool)
+    floor = cv2.convertScaleAbs(cv2.dilate(level, NEIGHBOURHOOD), alpha=fraction)
+    above = level >= np.asarray(floor)
+    above &= level > 0
+    return np.asarray(above)
 
 
-def components(mask: Array, level: Array, area: Array) -> Components:
+def components(mask: Array, level: Array, strip: Strip, area: Array) -> Components:
     """Connected components (8 neighbours) of allowed size, with centroids weighted by `level`.
 
-    mask: (N, h, w) bool, last row of each tile empty; level: (N, h, w), positive inside the mask;
-    area: (N, 2) smallest and largest for each tile, px.
+    mask: (H, W) bool, empty between the parts; level: (H, W), positive inside the mask;
+    area: (parts, 2) smallest and largest, px.
     """
-    tiles, height, width = mask.shape
-    tall = mask.reshape(tiles * height, width).view(np.uint8)
-    count, labels = cv2.connectedComponents(tall, connectivity=8, ltype=cv2.CV_32S)
     pixels = np.flatnonzero(mask)
-    label = labels.reshape(-1)[pixels]
-    tile = np.zeros(count, int)
-    tile[label] = pixels // (height * width)
-    keep = allowed(np.bincount(label, minlength=count), area[np.minimum(tile, len(area) - 1)])
-    row = np.full(count, -1)
-    row[keep] = np.arange(len(keep))
-    pixels, label = pixels[row[label] >= 0], row[label][row[label] >= 0]
-    kept = np.zeros(tall.shape, np.uint16)
-    kept.reshape(-1)[pixels] = label + 1
-    return measured(pixels, label, level, tile[keep], kept)
+    if not len(pixels):
+        return NOTHING
+    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    label: Array = np.asarray(labels).reshape(-1).take(pixels)
+    y, x = np.divmod(pixels, mask.shape[1])
+    part = np.zeros(count, int)
+    part[label] = strip.part.take(x)
+    keep = allowed(np.bincount(label, minlength=count), area.take(part, axis=0))
+    if len(keep) < count - 1:
+        row = np.full(count, -1)
+        row[keep] = np.arange(len(keep))
+        label = row.take(label)
+        chosen = np.flatnonzero(label >= 0)
+        label, pixels, y, x = (values.take(chosen) for values in (label, pixels, y, x))
+    else:
+        label = label.astype(np.intp) - 1
+    return measured(part.take(keep), pixels, x, y, label, level)
 
 
 def allowed(size: Array, area: Array) -> Array:
@@ -94,25 +89,25 @@ def allowed(size: Array, area: Array) -> Array:
     return keep if len(keep) <= MOST else np.sort(keep[np.argsort(-size[keep], kind="stable")[:MOST]])
 
 
-def measured(pixels: Array, label: Array, level: Array, tile: Array, labels: Array) -> Components:
-    """Area, weighted centroid, peak and contact with the tile's border of labelled pixels."""
-    _, height, width = level.shape
-    count = len(tile)
-    weight = level.reshape(-1)[pixels].astype(float)
-    y, x = np.divmod(pixels, width)
-    y -= tile[label] * height
+def measured(part: Array, pixels: Array, x: Array, y: Array, label: Array, level: Array) -> Components:
+    """Area, weighted centroid and peak of labelled pixels."""
+    count = len(part)
+    weight = level.reshape(-1).take(pixels).astype(float)
+    center = np.empty((count, 2))
     total = np.bincount(label, weight, count)
-    center = [np.bincount(label, weight * axis, count) / total for axis in (x, y)]
-    border = (x == 0) | (y == 0) | (x == width - 1) | (y == height - 2)
+    np.divide(np.bincount(label, weight * x, count), total, out=center[:, 0])
+    np.divide(np.bincount(label, weight * y, count), total, out=center[:, 1])
     peak = np.zeros(count)
     np.maximum.at(peak, label, weight)
-    return Components(
-        tile=tile,
-        center=np.column_stack(center),
-        area=np.bincount(label, minlength=count).astype(float),
-        peak=peak,
-        clipped=np.bincount(label, border, count) > 0,
-        pixels=pixels,
-        label=label,
-        labels=labels,
-    )
+    area = np.bincount(label, minlength=count).astype(float)
+    return Components(part, center, area, peak, pixels, x, y, label)
+
+
+def clipped(blobs: Components, side: int, pitch: int) -> Array:
+    """Which components touch the border of their window, (N,) bool.
+
+    side: of the windows, px; pitch: from one to the next, px.
+    """
+    x, last = blobs.x % pitch, side - 1
+    border = (x == 0) | (x == last) | (blobs.y == 0) | (blobs.y == last)
+    return np.asarray(np.bincount(blobs.label, border, len(blobs.area)) > 0)

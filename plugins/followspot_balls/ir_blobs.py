@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.components import above_local_peak, components, cut
-from followspot_balls.search import Circles, in_picture, search_circles, windows, within
+from followspot_balls.components import above_local_peak, clipped, components
+from followspot_balls.search import Circles, distances, reaching, search_circles, windows, within
+from followspot_balls.strip import GAP, Strip, clusters, cut, scattered, window_strip
 from followspot_balls.votes import disc_centers
 
 SAME = 0.5
@@ -66,13 +68,14 @@ class IrBlobs(Stage):
         targets = self.room.targets.values()
         self.sizes = np.array([t.radius for t in targets])
         gray = np.array([t.gray.get(name, (256.0, 0.0)) for t in targets]).reshape(-1, 2)
-        self.darkest, self.brightest = gray[:, 0].min(initial=256), gray[:, 1].max(initial=0)
+        self.darkest = float(np.ceil(gray[:, 0].min(initial=256)))
+        self.brightest = float(np.floor(gray[:, 1].max(initial=0)))
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
         self.area = area * [self.params.smallest, self.params.largest]
         self.sought = np.array([[self.area[:, 0].min(initial=1e9), self.area[:, 1].max(initial=0)]])
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
-        circles = search_circles(self.camera, forecast, self.sizes, self.params.radius, self.params.scale)
+        circles = search_circles(self.room, self.camera.name, forecast, self.params.radius, self.params.scale)
         pixel, area = self.search(frame.pixels, circles)
         fits = (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
         targets = within(circles, pixel) & fits
@@ -88,39 +91,52 @@ class IrBlobs(Stage):
 
     def search(self, pixels: Array, circles: Circles) -> tuple[Array, Array]:
         """Centres (N, 2) px and areas (N,) px of bright blobs, each once, in the windows or the picture."""
-        height, width = pixels.shape[:2]
         if circles.lost.any():
-            corners = np.zeros((1, 2), int)
-        else:
-            near = in_picture(circles, self.camera.size)
-            corners, height = windows(circles, near, self.camera.size)
-            width = height
-        if not len(corners):
+            return self.measured(*self.in_picture(pixels), circles)
+        near = reaching(circles, self.camera.size)
+        if not len(near):
             return np.empty((0, 2)), np.empty(0)
-        gray = cut(pixels, corners, height, width)[..., 0]
-        level = np.where((gray >= self.darkest) & (gray <= self.brightest), gray, np.uint8(0))
-        blobs = components(above_local_peak(level, self.params.edge), level, self.sought)
-        corner = corners[blobs.tile]
-        radius = nearest_radius(circles, blobs.center + corner)
-        center = disc_centers(level, blobs, radius + self.params.rim, self.params.edge) + corner
-        whole = ~blobs.clipped | circles.lost.any()
-        return distinct(center[whole], blobs.area[whole])
+        corners, side = windows(circles, near, self.camera.size)
+        level = self.level(cut(pixels, corners, side)[..., 0])
+        return distinct(*self.measured(level, window_strip(corners, side), circles, side))
+
+    def in_picture(self, pixels: Array) -> tuple[Array, Strip]:
+        """Bright pixels of the whole picture, gathered into a strip."""
+        level = self.level(pixels[..., 0])
+        index = np.flatnonzero(level)
+        y, x = np.divmod(index, level.shape[1])
+        found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), self.sought[:, 0])
+        return scattered(found, level.reshape(-1).take(index.take(found.entry))), found.strip
+
+    def level(self, gray: Array) -> Array:
+        """Grey levels in the range, 0 elsewhere."""
+        return np.asarray(cv2.inRange(gray, self.darkest, self.brightest) & gray)
+
+    def measured(self, level: Array, strip: Strip, circles: Circles, side: int = 0) -> tuple[Array, Array]:
+        """Centres and areas of the bright blobs of a strip; side: of its windows, if such are its parts."""
+        sought = self.sought.repeat(len(strip.shift), axis=0)
+        blobs = components(above_local_peak(level, self.params.edge), level, strip, sought)
+        shift = strip.shift.take(blobs.part, axis=0)
+        radius = nearest_radius(circles, blobs.center + shift)
+        whole = ~clipped(blobs, side, side + GAP) if side else np.ones(len(radius), bool)
+        rim = np.where(whole, radius + self.params.rim, np.nan)
+        center = disc_centers(level, blobs, rim, self.params.edge) + shift
+        return center[whole], blobs.area[whole]
 
 
 def nearest_radius(circles: Circles, pixel: Array) -> Array:
     """Radius of the ball whose forecast is nearest to each blob: (N, 2) px -> (N,) px, NaN without one."""
     if not circles.ball.size:
         return np.full(len(pixel), np.nan)
-    distance2 = np.square(pixel[:, None] - circles.center).sum(axis=2)
-    inside = distance2 <= np.square(circles.radius + circles.ball)
-    nearest = np.where(inside, distance2, np.inf).argmin(axis=1)
-    return np.where(inside.any(axis=1), circles.ball[nearest], np.nan)
+    distance = distances(pixel, circles.center)
+    distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
+    nearest = distance.argmin(axis=1)
+    return np.where(distance.min(axis=1) < np.inf, circles.ball.take(nearest), np.nan)
 
 
 def distinct(center: Array, area: Array) -> tuple[Array, Array]:
     """Blobs without those that another window shows too."""
     if len(center) < 2:
         return center, area
-    apart = np.abs(center[:, None] - center).max(axis=2) >= SAME
-    first = (apart | np.tri(len(center), dtype=bool).T).all(axis=1)
-    return center[first], area[first]
+    first = (distances(center, center) < SAME).argmax(axis=1) == np.arange(len(center))
+    return (center, area) if first.all() else (center[first], area[first])

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from followspot.geometry import project
+from followspot.geometry import Views
 from followspot.messages import Array
-from followspot.room import Camera
+from followspot.room import Room
 from followspot.tracking import LOST, TRACKED, Forecast
 
 WINDOW = 1.5
 """Balls' radii by which a window exceeds its search circle."""
+FARTHEST_OFF = 0.1
+"""Cosine of the angle from the optical axis up to which outlines become longer."""
 TINY = np.finfo(float).tiny
 
 
@@ -27,6 +30,17 @@ class Circles(NamedTuple):
     """(T,) px, radius of the target's outline; NaN where the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
+
+
+class Images(NamedTuple):
+    """Forecasts as the C views of a room show them; NaN behind a camera and for lost targets."""
+
+    center: Array
+    """(C, T, 2) px."""
+    travel: Array
+    """(C, T) px, expected from frame to frame."""
+    ball: Array
+    """(C, T) px, radius of the outline."""
 
 
 def lost_targets(forecast: Forecast | None, count: int) -> Array:
@@ -52,54 +66,75 @@ def search_radius(travel: Array, minimum: float, scale: float) -> Array:
 
 
 def search_circles(
-    camera: Camera, forecast: Forecast | None, sizes: Array, minimum: float, scale: float
+    room: Room, camera: str, forecast: Forecast | None, minimum: float, scale: float
 ) -> Circles:
     """Circles around the forecasts reprojected into one view (section 3.3), and the balls in them.
 
-    sizes: (T,) radii of the targets, m; minimum: px.
+    minimum: px; scale: of the expected travel.
     """
-    count = len(sizes)
+    count = len(room.targets)
     lost = lost_targets(forecast, count)
     if forecast is None or lost.all():
         nowhere = np.full((count, 2), np.nan)
         return Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
-    xyz = forecast.xyz
-    sides = (xyz + camera.rotation[:2, None] * sizes[:, None]).reshape(-1, 3)
-    pixel = project(camera, np.concatenate([xyz, forecast.last, forecast.before, sides]))
-    center = pixel[:count]
-    center[lost] = np.nan
-    last, before, right, down = pixel[count:].reshape(4, count, 2)
-    travel = search_radius(length(last - before), minimum, scale)
-    across = (length(right - center) + length(down - center)) / 2
-    return Circles(center, travel, across * elongation(camera, xyz), lost)
+    images, number = forecast_images(room, forecast), list(room.cameras).index(camera)
+    radius = search_radius(images.travel[number], minimum, scale)
+    return Circles(images.center[number], radius, images.ball[number], lost)
 
 
-def elongation(camera: Camera, xyz: Array) -> Array:
-    """Mean semi-axis of a sphere's outline over that across the axis, (T,).
+@lru_cache(maxsize=8)
+def forecast_images(room: Room, forecast: Forecast) -> Images:
+    """Forecasts reprojected into all views at once, for whichever stage of a worker asks first."""
+    views, count = room_views(room), len(room.targets)
+    sizes = np.array([t.radius for t in room.targets.values()])
+    base = views.local(np.concatenate([forecast.xyz, forecast.last, forecast.before]))
+    local = np.concatenate([base, base[:, :count], base[:, :count]], axis=1)
+    local[:, 3 * count : 4 * count, 0] += sizes
+    local[:, 4 * count :, 1] += sizes
+    pixel = views.project_local(local).reshape(len(base), 5, count, 2)
+    offset = pixel[:, [2, 3, 4]] - pixel[:, [1, 0, 0]]
+    travel, right, down = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
+    center, ball = pixel[:, 0], (right + down) / 2 * elongation(base[:, :count])
+    lost = forecast.state == LOST
+    if lost.any():
+        center[:, lost], ball[:, lost] = np.nan, np.nan
+    return Images(center, travel, ball)
+
+
+@lru_cache(maxsize=8)
+def room_views(room: Room) -> Views:
+    """The cameras of a room."""
+    return Views(room.cameras.values())
+
+
+def elongation(local: Array) -> Array:
+    """Mean semi-axis of a sphere's outline over that across the axis, (...,).
 
     A sphere seen at an angle a from the optical axis looks 1 / cos a longer towards it than across.
+    local: (..., 3) m, in camera coordinates.
     """
-    direction = xyz - camera.center
-    cosine = direction @ camera.rotation[2] / np.sqrt(np.einsum("ij,ij->i", direction, direction) + TINY)
-    return np.asarray((1 + 1 / np.maximum(cosine, 0.1)) / 2)
+    distance = np.sqrt(np.einsum("...i,...i->...", local, local))
+    return np.asarray(0.5 + 0.5 * distance / np.maximum(local[..., 2], FARTHEST_OFF * distance + TINY))
 
 
-def length(vectors: Array) -> Array:
-    """(N, 2) -> (N,)."""
-    return np.asarray(np.hypot(vectors[:, 0], vectors[:, 1]))
+def distances(points: Array, centers: Array) -> Array:
+    """Between all of both: (N, 2) and (T, 2) px -> (N, T)."""
+    x, y = points[:, :1] - centers[:, 0], points[:, 1:] - centers[:, 1]
+    return np.asarray(np.sqrt(x * x + y * y))
 
 
 def within(circles: Circles, pixel: Array) -> Array:
     """Which points lie in which target's search region: (N, 2) px -> (N, T) bool; in a lost one's all do."""
-    offset = pixel[:, None] - circles.center
-    inside = np.einsum("nti,nti->nt", offset, offset) <= np.square(circles.radius)
-    return np.asarray(inside | circles.lost)
+    inside = distances(pixel, circles.center) <= circles.radius
+    inside |= circles.lost
+    return inside
 
 
-def in_picture(circles: Circles, size: tuple[int, int]) -> Array:
+def reaching(circles: Circles, size: tuple[int, int]) -> Array:
     """Targets whose search region reaches into a picture of this width and height, px: their numbers."""
-    inside = (circles.center >= -circles.radius[:, None]) & (circles.center <= size + circles.radius[:, None])
-    return np.flatnonzero(inside.all(axis=1))
+    radius = circles.radius[:, None]
+    off = np.abs(circles.center - np.multiply(size, 0.5)) <= np.multiply(size, 0.5) + radius
+    return np.flatnonzero(off[:, 0] & off[:, 1])
 
 
 def windows(circles: Circles, chosen: Array, size: tuple[int, int]) -> tuple[Array, int]:
@@ -108,9 +143,9 @@ def windows(circles: Circles, chosen: Array, size: tuple[int, int]) -> tuple[Arr
     Returns the upper left corners, (M, 2) int px, and the side, px, the same for all: that of the
     largest, but no window exceeds twice the picture, of width and height `size`.
     """
-    reach = circles.radius[chosen] + WINDOW * circles.ball[chosen]
+    reach = (circles.radius + WINDOW * circles.ball).take(chosen)
     half = int(min(reach.max(initial=0), max(size))) + 3
-    return np.rint(circles.center[chosen]).astype(int) - half, 2 * half + 1
+    return np.rint(circles.center.take(chosen, axis=0)).astype(int) - half, 2 * half + 1
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from followspot import Field, Latest, Stage, StageParams
 from followspot.tracking import Blobs, Forecast
 from followspot_balls.search import search_circles, within
@@ -23,12 +21,8 @@ class SearchGate(Stage):
 
     params: Params
 
-    def setup(self) -> None:
-        self.sizes = np.array([t.radius for t in self.room.targets.values()])
-
     def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Blobs:
-        camera = self.room.cameras[blobs.camera]
-        circles = search_circles(camera, forecast, self.sizes, self.params.radius, self.params.scale)
+        circles = search_circles(self.room, blobs.camera, forecast, self.params.radius, self.params.scale)
         targets = blobs.targets & within(circles, blobs.pixel)
         keep = targets.any(axis=1)
         return Blobs(

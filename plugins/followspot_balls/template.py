@@ -13,6 +13,7 @@ import numpy as np
 from followspot.messages import Array
 from followspot_balls.components import above_local_peak, components
 from followspot_balls.hue import BINS, hue_bin, normalised
+from followspot_balls.strip import whole_strip
 
 CONTRAST = 40
 """How much brighter than the room without it the target must be, grey levels."""
@@ -71,10 +72,12 @@ def find_spots(levels: Sequence[Array], edge: float) -> list[tuple[int, Array]]:
     spots = []
     for number, level in enumerate(stack):
         risen = np.where(level > room + CONTRAST, level, 0).astype(np.uint8)
-        tile = np.pad(risen, ((0, 1), (0, 0)))[None]
-        found = components(above_local_peak(tile, edge), tile, np.array([[SMALLEST, tile.size]]))
+        strip, area = whole_strip(risen.shape[1]), np.array([[SMALLEST, risen.size]])
+        found = components(above_local_peak(risen, edge), risen, strip, area)
         if len(found.area):
-            spots.append((number, found.labels[:-1] == found.area.argmax() + 1))
+            inside = np.zeros(risen.shape, bool)
+            inside.reshape(-1)[found.pixels] = found.label == found.area.argmax()
+            spots.append((number, inside))
     if not spots:
         raise ValueError(
             f"none of {len(stack)} frames shows a moving spot of at least {SMALLEST} px "

@@ -23,16 +23,17 @@ UNHEARD = 1e-9
 """Weight of the centre itself, so that it stays where there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
+TOUCHING = np.ones((3, 3), np.uint8)
 
 
 def _stencil() -> Array:
-    """Smoothed level and its x and y slopes as linear filters of a 5 x 5 square: (25, 3)."""
+    """Smoothed level and its x and y slopes as linear filters of a 5 x 5 square: (3, 25)."""
     smooth = np.array([0.0, 0.24, 0.52, 0.24, 0.0])
     mean, slope = np.array([3.0, 10.0, 3.0]) / 16, np.array([-1.0, 0.0, 1.0]) / 2
     wide = np.convolve(smooth[1:4], mean)
     steep = np.convolve(smooth[1:4], slope)
     filters = (np.outer(smooth, smooth), np.outer(wide, steep), np.outer(steep, wide))
-    return np.stack([f.ravel() for f in filters], axis=1).astype(np.float32)
+    return np.stack([f.ravel() for f in filters]).astype(np.float32)
 
 
 STENCIL = _stencil()
@@ -41,45 +42,46 @@ STENCIL = _stencil()
 def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) -> Array:
     """Centres of the discs that the components are visible parts of.
 
-    level: (N, h, w) u8 brightness that the components were cut from, last row of each tile empty;
-    radius: (M,) px of each component's disc, NaN where unknown; edge: of a disc over its peak.
-    Returns (M, 2) px within the tile; the centroid where the radius is unknown.
+    level: (H, W) u8 brightness that the components were cut from;
+    radius: (N,) px of each component's disc, NaN where unknown; edge: of a disc over its peak.
+    Returns (N, 2) px in the strip; the centroid where the radius is unknown.
     """
-    index, label = rim_band(blobs.labels)
-    known = ~np.isnan(radius[label])
-    index, label = index[known], label[known]
-    width = level.shape[2]
-    y, x = np.divmod(index, width)
-    peak = np.maximum(blobs.peak[label], 1)
-    value, right, down = derivatives(level.reshape(-1, width), x, y)
-    slope = np.hypot(right, down)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        inside = (value - edge * peak) / slope
-    voter = (np.abs(inside) < NEAR) & (slope > FAINTEST * peak)
-    label, slope, x, y = label[voter], slope[voter], x[voter], y[voter]
-    reach = (radius[label] - inside[voter]) / slope
-    across = x + reach * right[voter]
-    along = y + reach * down[voter] - blobs.tile[label] * level.shape[1]
-    return agreement(across, along, slope / peak[voter], label, blobs.center)
+    known = ~np.isnan(radius)
+    if not known.any():
+        return blobs.center
+    index, label = rim_band(blobs, known, level.shape)
+    y, x = np.divmod(index, level.shape[1])
+    value, right, down = derivatives(level, x, y)
+    peak = blobs.peak.take(label)
+    slope, height = np.hypot(right, down), value - edge * peak
+    voter = np.abs(height) < NEAR * slope
+    voter &= slope > FAINTEST * peak
+    chosen = np.flatnonzero(voter)
+    label, x, y, slope = label.take(chosen), x.take(chosen), y.take(chosen), slope.take(chosen)
+    reach = (radius.take(label) - height.take(chosen) / slope) / slope
+    across, along = x + reach * right.take(chosen), y + reach * down.take(chosen)
+    return agreement(across, along, slope / peak.take(chosen), label, blobs.center)
 
 
-def rim_band(labels: Array) -> tuple[Array, Array]:
-    """Pixels of components and next to them: flat index and row of the component.
+def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Pixels of some components and next to them: flat index and number of the component.
 
-    labels: (H, W) u16, 0 for the background.
+    known: (N,) bool, which; shape: of the strip.
     """
-    grown = cv2.dilate(labels, np.ones((3, 3), np.uint8)).ravel()
+    labels = np.zeros(shape, np.uint16)
+    labels.reshape(-1)[blobs.pixels] = ((blobs.label + 1) * known.take(blobs.label)).astype(np.uint16)
+    grown = np.asarray(cv2.dilate(labels, TOUCHING)).reshape(-1)
     index = np.flatnonzero(grown > 0)
-    return index, grown[index].astype(np.intp) - 1
+    return index, grown.take(index).astype(np.intp) - 1
 
 
 def derivatives(level: Array, x: Array, y: Array) -> Array:
     """Smoothed level and its slopes per px to the right and down at some pixels: (3, P)."""
     padded = np.asarray(cv2.copyMakeBorder(level, BORDER, BORDER, BORDER, BORDER, cv2.BORDER_CONSTANT))
     size = 2 * BORDER + 1
-    offsets = (np.arange(size)[:, None] * padded.shape[1] + np.arange(size)).ravel()
-    squares = padded.ravel()[(y * padded.shape[1] + x)[:, None] + offsets]
-    return np.asarray((squares.astype(np.float32) @ STENCIL).T)
+    offsets = (np.arange(size)[:, None] * padded.shape[1] + np.arange(size)).reshape(-1, 1)
+    squares = padded.reshape(-1).take(y * padded.shape[1] + x + offsets)
+    return np.asarray(STENCIL @ squares.astype(np.float32))
 
 
 def agreement(x: Array, y: Array, weight: Array, label: Array, start: Array) -> Array:
@@ -90,8 +92,9 @@ def agreement(x: Array, y: Array, weight: Array, label: Array, start: Array) -> 
     u, v = start.T
     count = len(start)
     for spread in SPREADS:
-        distance2 = np.square(x - u[label]) + np.square(y - v[label])
-        w = weight / np.square(1 + distance2 / spread**2)
+        dx, dy = x - u.take(label), y - v.take(label)
+        kernel = spread**2 + dx * dx + dy * dy
+        w = weight / (kernel * kernel)
         total = np.bincount(label, w, count) + UNHEARD
         u = (np.bincount(label, w * x, count) + UNHEARD * u) / total
         v = (np.bincount(label, w * y, count) + UNHEARD * v) / total

@@ -14,6 +14,7 @@ from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST, above_local_peak, components
 from followspot_balls.hue import bhattacharyya, membership, normalised
 from followspot_balls.ir_blobs import IrBlobs
+from followspot_balls.strip import whole_strip
 from followspot_balls.template import learn_color, learn_infrared
 from followspot_balls.votes import disc_centers
 
@@ -62,8 +63,9 @@ def test_membership_has_sixteen_bins_of_sixteen_hues() -> None:
 @pytest.mark.parametrize("camera", ["cam0", "cam2"])
 def test_color_blobs_finds_each_ball_for_its_own_target(camera: str, forecast: Forecast | None) -> None:
     blobs = detector(ColorBlobs, camera).process(picture(ROOM.cameras[camera], BALLS), forecast)
-    assert blobs.targets.tolist() == [[True, False], [False, True]]
-    assert blobs.pixel == pytest.approx(project(ROOM.cameras[camera], np.array([HERE, THERE])), abs=0.2)
+    places = project(ROOM.cameras[camera], np.array([HERE, THERE]))
+    assert sorted(blobs.targets.tolist()) == [[False, True], [True, False]]
+    assert blobs.pixel == pytest.approx(places[blobs.targets.argmax(axis=1)], abs=0.2)
     assert (blobs.similarity > 0.99).all()
 
 
@@ -71,7 +73,9 @@ def test_color_blobs_finds_each_ball_for_its_own_target(camera: str, forecast: F
 def test_a_saturated_white_core_does_not_break_a_blob(forecast: Forecast | None) -> None:
     frame = picture(ROOM.cameras["cam0"], BALLS, white_core=True)
     blobs = detector(ColorBlobs, "cam0").process(frame, forecast)
-    assert blobs.pixel == pytest.approx(project(ROOM.cameras["cam0"], np.array([HERE, THERE])), abs=0.2)
+    places = project(ROOM.cameras["cam0"], np.array([HERE, THERE]))
+    assert len(blobs.pixel) == 2
+    assert blobs.pixel == pytest.approx(places[blobs.targets.argmax(axis=1)], abs=0.2)
 
 
 def test_similarity_must_exceed_the_threshold() -> None:
@@ -170,16 +174,16 @@ def test_grey_levels_out_of_the_range_are_not_seen() -> None:
 
 
 def test_noise_is_bounded() -> None:
-    level = np.zeros((1, 201, 200), np.uint8)
-    level[0, :200:3, ::3] = 200
-    found = components(above_local_peak(level, 0.5), level, np.array([[1.0, 9.0]]))
+    level = np.zeros((200, 200), np.uint8)
+    level[::3, ::3] = 200
+    found = components(above_local_peak(level, 0.5), level, whole_strip(200), np.array([[1.0, 9.0]]))
     assert len(found.area) == MOST
 
 
 def test_without_a_radius_the_centre_is_the_centroid() -> None:
-    level = np.zeros((1, 21, 20), np.uint8)
-    level[0, 5:9, 5:9] = 200
-    found = components(above_local_peak(level, 0.5), level, np.array([[1.0, 90.0]]))
+    level = np.zeros((20, 20), np.uint8)
+    level[5:9, 5:9] = 200
+    found = components(above_local_peak(level, 0.5), level, whole_strip(20), np.array([[1.0, 90.0]]))
     assert disc_centers(level, found, np.array([np.nan]), 0.5) == pytest.approx(np.array([[6.5, 6.5]]))
 
 

@@ -44,7 +44,7 @@ def test_search_radius_is_10_px_or_one_and_a_half_times_the_travel() -> None:
 def test_search_circle_lies_on_the_reprojected_forecast() -> None:
     camera = ROOM.cameras["cam0"]
     forecast = forecast_at([BALL, (0.0, 0.0, 0.5)])
-    circles = search_circles(camera, forecast, np.full(2, RADIUS), 10.0, 1.5)
+    circles = search_circles(ROOM, "cam0", forecast, 10.0, 1.5)
     assert circles.center == pytest.approx(project(camera, forecast.xyz))
     assert not circles.lost.any()
     # 150 px * 7.62 cm / about 3.5 m
@@ -53,7 +53,7 @@ def test_search_circle_lies_on_the_reprojected_forecast() -> None:
 
 @pytest.mark.parametrize("forecast", [None, Forecast.empty()])
 def test_without_a_forecast_every_target_is_sought_everywhere(forecast: Forecast | None) -> None:
-    assert search_circles(ROOM.cameras["cam0"], forecast, np.full(2, RADIUS), 10.0, 1.5).lost.all()
+    assert search_circles(ROOM, "cam0", forecast, 10.0, 1.5).lost.all()
 
 
 def test_search_spheres_have_22_cm_or_twice_the_last_displacement() -> None:
