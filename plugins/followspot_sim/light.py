@@ -6,6 +6,7 @@ Colours are BGR, 0 to 255: linear light as given, what colour cameras show of it
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -41,7 +42,7 @@ Strokes = tuple[Array, Array, Array, Array]
 
 @dataclass(frozen=True, eq=False)
 class Shapes:
-    """Light and shadow on the screens, in painting order: outline (N, 14, 3) m, color: N."""
+    """Light and shadow on the screens, in painting order: outline (N, 14, 3) m, color: one a shape."""
 
     outline: Array
     color: list[list[float]]
@@ -140,13 +141,13 @@ class LightShow:
         scene = self.world.scene(frame)
         spots = np.repeat(self._spots(frame)[:, None], 2, axis=1)
         spot_radius = np.repeat(self._radius[:, None], 2, axis=1)
-        strokes = (
+        strokes = [
             self._stripe(scene.time),
             (spots, spot_radius, self._screen, displayed(self._colors)[self._target]),
             self._flashes(scene.time),
             self._shadows(scene),
-        )
-        ends, radius, screen, color = (np.concatenate(column) for column in zip(*strokes, strict=True))
+        ]
+        ends, radius, screen, color = _together(strokes)
         outline, size = stadiums(ends, radius), self._size[screen][:, None]
         lit = ((outline.max(axis=1) > 0) & (outline.min(axis=1) < size[:, 0])).all(axis=1)
         where, on = np.minimum(np.maximum(outline, 0), size)[lit], screen[lit]
@@ -161,12 +162,19 @@ class LightShow:
 
     def _flashes(self, time: float) -> Strokes:
         """Large discs that appear for a moment."""
-        slot, found = int(time / SLOT), []
+        slot, found = int(time / SLOT), [NO_STROKES]
         for screen, size in enumerate(self._size):
             begin, where, radius, color = self._flash(screen, slot)
             if 0 <= time - slot * SLOT - begin < FLASH:
-                found.append((np.tile(where * size, (1, 2, 1)), np.full((1, 2), radius), [screen], [color]))
-        return tuple(np.concatenate(c) for c in zip(*found, strict=True)) if found else NO_STROKES  # type: ignore[return-value]
+                found.append(
+                    (
+                        np.tile(where * size, (1, 2, 1)),
+                        np.full((1, 2), radius),
+                        np.array([screen]),
+                        color[None],
+                    )
+                )
+        return _together(found)
 
     def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
         """When the flash of a slot begins (s), where (of the screen), radius (m), colour."""
@@ -185,8 +193,7 @@ class LightShow:
             thick = radius * scale.reshape(-1, 2)
             count = int(near.sum())
             found.append((where[near], thick[near], np.full(count, number), np.full((count, 3), SHADE)))
-        ends, thick, on, color = (np.concatenate(column) for column in zip(*found, strict=True))
-        return ends, thick, on, color
+        return _together(found)
 
     def _splash(self, frame: int) -> Splashes:
         """Spots that meet a body before they meet their screen."""
@@ -207,6 +214,11 @@ class LightShow:
         share = ((xyz - start) * axis).sum(axis=1) / np.maximum(np.square(axis).sum(axis=1), 1e-9)
         outward = xyz - start - np.clip(share, 0, 1)[:, None] * axis
         return Splashes(xyz, outward, self._radius[spot], self._colors[self._target[spot]] * 0.7, solid[limb])
+
+
+def _together(strokes: Sequence[Strokes]) -> Strokes:
+    ends, radius, screen, color = (np.concatenate(column) for column in zip(*strokes, strict=True))
+    return ends, radius, screen, color
 
 
 def _scenery(size: tuple[int, int], colors: Array, rng: np.random.Generator) -> Array:
