@@ -98,7 +98,7 @@ class IrBlobs(Stage):
             return np.empty((0, 2)), np.empty(0)
         corners, side = windows(circles, near, self.camera.size)
         level = self.level(cut(pixels, corners, side)[..., 0])
-        return distinct(*self.measured(level, window_strip(corners, side), circles, side))
+        return self.measured(level, window_strip(corners, side), circles, side)
 
     def in_picture(self, pixels: Array) -> tuple[Array, Strip]:
         """Bright pixels of the whole picture, gathered into a strip."""
@@ -121,7 +121,7 @@ class IrBlobs(Stage):
         whole = ~clipped(blobs, side, side + GAP) if side else np.ones(len(radius), bool)
         rim = np.where(whole, radius + self.params.rim, np.nan)
         center = disc_centers(level, blobs, rim, self.params.edge) + shift
-        return center[whole], blobs.area[whole]
+        return distinct(center[whole], blobs.area[whole])
 
 
 def nearest_radius(circles: Circles, pixel: Array) -> Array:
@@ -135,7 +135,7 @@ def nearest_radius(circles: Circles, pixel: Array) -> Array:
 
 
 def distinct(center: Array, area: Array) -> tuple[Array, Array]:
-    """Blobs without those that another window shows too."""
+    """Blobs without those that another window shows too, or that another part of the same ball stands for."""
     if len(center) < 2:
         return center, area
     first = (distances(center, center) < SAME).argmax(axis=1) == np.arange(len(center))

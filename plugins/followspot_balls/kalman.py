@@ -76,6 +76,7 @@ class Kalman(Stage):
 
     def setup(self) -> None:
         count = len(self.room.targets)
+        self.constant = np.eye(3) * self.params.measurement**2
         self.motion = Motion.zero(count)
         self.life = LifeCycle.lost(count)
         self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
@@ -90,8 +91,11 @@ class Kalman(Stage):
         noise = self.noise(positions.covariance[counted])
         new = life.status[target] == LOST
         motion = predict(self.motion, self.period, p.acceleration)
-        motion = started(motion, target[new], xyz[new], noise[new], p.speed)
-        self.motion = update(motion, target[~new], xyz[~new], noise[~new])
+        if new.any():
+            motion = started(motion, target[new], xyz[new], noise[new], p.speed)
+            self.motion = update(motion, target[~new], xyz[~new], noise[~new])
+        else:
+            self.motion = update(motion, target, xyz, noise)
         measured = np.zeros(len(life.status), bool)
         measured[target] = True
         self.life = aged(life, measured, p.missing)
@@ -106,8 +110,7 @@ class Kalman(Stage):
 
     def noise(self, covariance: Array) -> Array:
         """Covariances of measurements, with the constant one where the fusion knows none."""
-        constant = np.eye(3) * self.params.measurement**2
-        return np.where(np.isfinite(covariance), covariance, constant)
+        return np.where(np.isfinite(covariance), covariance, self.constant)
 
     def remember(self, target: Array, new: Array) -> None:
         """Keep the last two estimates of measured targets; let missing ones come to rest."""

@@ -32,12 +32,21 @@ def epipolar_weight(distance: Array, threshold: float) -> Array:
     return np.asarray(np.exp(-np.square(distance) / (2 * threshold * threshold)))
 
 
-def kernel(offsets: Array, bandwidth: Array, labelled: Array) -> Array:
+def scales(bandwidth: Array) -> Array:
+    """What squares of offsets are weighted with in :func:`kernel`: (T, 3) m -> (T, 3, 2), 1 / h^2 and
+    1 / max(h)^2.
+    """
+    squares = np.square(bandwidth)
+    return np.stack([1 / squares, np.broadcast_to(1 / squares.max(axis=1, keepdims=True), squares.shape)], 2)
+
+
+def kernel(offsets: Array, scale: Array, unlabelled: Array) -> Array:
     """Flat for labelled candidates, truncated Gaussian for the others.
 
-    offsets: (T, N, 3) m; bandwidth: (T, 3) m; labelled: (N,) bool. Returns (T, N).
+    offsets: (T, N, 3) m; scale: (T, 3, 2), :func:`scales` of the bandwidths; unlabelled: (N,), 1 or 0.
+    Returns (T, N).
     """
-    squares = np.square(offsets)
-    inside = np.einsum("tni,ti->tn", squares, 1 / np.square(bandwidth)) < 1.0
-    widest = np.square(bandwidth.max(axis=1))[:, None]
-    return np.asarray(np.where(labelled, 1.0, np.exp(-squares.sum(axis=2) / widest)) * inside)
+    distance2 = (offsets * offsets) @ scale
+    weight = np.exp(-unlabelled * distance2[..., 1])
+    weight *= distance2[..., 0] < 1.0
+    return np.asarray(weight)

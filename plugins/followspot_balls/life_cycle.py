@@ -54,6 +54,8 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     """
     target, xyz = positions.target, positions.xyz
     status = life.status[target]
+    if (status == TRACKED).all():
+        return replace(life, streak=np.zeros_like(life.streak)), np.ones(len(target), bool)
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST))
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     row = np.where(possible, np.where(near, life.streak[target], 0) + 1, 0)

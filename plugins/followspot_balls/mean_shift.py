@@ -84,8 +84,7 @@ class MeanShift(Stage):
         bandwidth = np.maximum(self.params.bandwidth * sigma, self.params.smallest)
         bandwidth[lost] = self.params.lost
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
-        credit = np.where(lost[:, None], candidates.confirmed, self.nearness(candidates.xyz, center))
-        modes = self.modes(sample, center, credit, lost)
+        modes = self.modes(sample, center, candidates.confirmed, lost)
         used = modes.held > self.params.used
         return Positions(
             target=target.astype(np.int32),
@@ -96,23 +95,30 @@ class MeanShift(Stage):
             iterations=modes.steps.astype(np.int32),
         )
 
-    def nearness(self, xyz: Array, center: Array) -> Array:
-        """Credit of candidates by their distance from the forecast: (N, 3), (M, 3) m -> (M, N)."""
-        distance2 = np.square(xyz - center[:, None]).sum(axis=2)
-        return np.asarray(np.maximum(np.exp(-distance2 / (2 * self.params.prior**2)), FAINT))
+    def credit(self, xyz: Array, center: Array, confirmed: Array, lost: Array) -> Array:
+        """Of candidates as the densest: by their distance from the forecast, or confirmed for lost targets.
 
-    def modes(self, sample: Sample, center: Array, credit: Array, lost: Array) -> Modes:
+        xyz: (N, 3) m; center: (M, 3) m; confirmed: (N,); lost: (M,). Returns (M, N).
+        """
+        offsets = xyz - center[:, None]
+        near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior**2))
+        return np.where(lost[:, None], confirmed, np.maximum(near, FAINT))
+
+    def modes(self, sample: Sample, center: Array, confirmed: Array, lost: Array) -> Modes:
         """Modes from the initial centres; those that hold too little give way to the densest candidate."""
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.start == "mean" else center.copy()
         dense = lost | (p.start == "densest")
-        start[dense] = densest(sample.rows(dense), credit[dense])
+        if dense.any():
+            credit = self.credit(sample.xyz, center[dense], confirmed, lost[dense])
+            start[dense] = densest(sample.rows(dense), credit)
         first = seek_modes(start, sample, p.tolerance, p.steps)
         poor = ~dense & (first.held.sum(axis=1) <= p.held * sample.weights.sum(axis=1))
         if not poor.any():
             return first
         rest = sample.rows(poor)
-        second = seek_modes(densest(rest, credit[poor]), rest, p.tolerance, p.steps)
+        credit = self.credit(sample.xyz, center[poor], confirmed, lost[poor])
+        second = seek_modes(densest(rest, credit), rest, p.tolerance, p.steps)
         for old, new in zip(first, second, strict=True):
             old[poor] = new
         return first

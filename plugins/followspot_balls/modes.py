@@ -7,7 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.kernels import kernel
+from followspot_balls.kernels import kernel, scales
+
+TINY = np.finfo(float).tiny
 
 
 class Sample(NamedTuple):
@@ -46,12 +48,17 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
     """
     center, taken = start, np.zeros(len(start), int)
     held, moving = sample.weights, np.ones(len(start), bool)
+    scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
     for step in range(1, steps + 1):
-        held = kernel(sample.xyz - center[:, None], sample.bandwidth, sample.labelled) * sample.weights
-        free = moving & held.any(axis=1)
-        mean = np.where(free[:, None], weighted_mean(sample.xyz, held), center)
+        held = kernel(sample.xyz - center[:, None], scale, unlabelled)
+        held *= sample.weights
+        total = held.sum(axis=1)
+        free = moving & (total > 0)
+        mean = center.copy()
+        mean[free] = ((held @ sample.xyz) / np.maximum(total, TINY)[:, None])[free]
         taken[moving] = step
-        moving = np.linalg.norm(mean - center, axis=1) >= tolerance
+        travel = mean - center
+        moving = np.einsum("ij,ij->i", travel, travel) >= tolerance * tolerance
         center = mean
         if not moving.any():
             break
@@ -61,7 +68,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
 def weighted_mean(xyz: Array, weights: Array) -> Array:
     """Sum w x / sum w: (N, 3) m and (M, N) -> (M, 3) m; zero where all weights are."""
     total = weights.sum(axis=1, keepdims=True)
-    return np.asarray(weights @ xyz / np.maximum(total, np.finfo(float).tiny))
+    return np.asarray(weights @ xyz / np.maximum(total, TINY))
 
 
 def densest(sample: Sample, credit: Array) -> Array:
@@ -70,10 +77,10 @@ def densest(sample: Sample, credit: Array) -> Array:
     credit: (M, N) factor of each candidate's density, 0 where it must not be chosen. Returns (M, 3) m.
     """
     center = np.empty((len(credit), 3))
-    for row, (weights, bandwidth) in enumerate(zip(sample.weights, sample.bandwidth, strict=True)):
+    scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
+    for row, weights in enumerate(sample.weights):
         mine, seeds = np.flatnonzero(weights), np.flatnonzero(credit[row] * weights)
         offsets = sample.xyz[mine] - sample.xyz[seeds, None]
-        wide = np.broadcast_to(bandwidth, (len(seeds), 3))
-        density = kernel(offsets, wide, sample.labelled[mine]) @ weights[mine]
+        density = kernel(offsets, scale[row], unlabelled[mine]) @ weights[mine]
         center[row] = sample.xyz[seeds[(density * credit[row, seeds]).argmax()]]
     return center

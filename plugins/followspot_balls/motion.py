@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Self
 
 import numpy as np
@@ -51,13 +52,21 @@ def predict(motion: Motion, seconds: float, acceleration: float) -> Motion:
 
     acceleration: one sigma, m/s^2.
     """
+    F, Q = transition(seconds, acceleration)
+    return Motion(motion.state @ F.T, F @ motion.covariance @ F.T + Q)
+
+
+@lru_cache(maxsize=8)
+def transition(seconds: float, acceleration: float) -> tuple[Array, Array]:
+    """F and Q of one step, (6, 6) each."""
     place, rate = slice(0, 3), slice(3, 6)
     F, Q = np.eye(6), np.zeros((6, 6))
     variance = np.eye(3) * acceleration**2
     F[place, rate] = np.eye(3) * seconds
     Q[place, place], Q[rate, rate] = variance * (seconds**4 / 4), variance * seconds**2
     Q[place, rate] = Q[rate, place] = variance * (seconds**3 / 2)
-    return Motion(motion.state @ F.T, F @ motion.covariance @ F.T + Q)
+    F.flags.writeable = Q.flags.writeable = False
+    return F, Q
 
 
 def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> Motion:

@@ -97,6 +97,7 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     entry = np.flatnonzero(part >= 0)
     part, y, x = part.take(entry), y.take(entry), x.take(entry)
     top, left, bottom, right = extents(part, y, x, len(keep))
+    top, left, bottom = top - 1, left - 1, bottom + 1  # an empty rim, for the edges of what touches it
     wide = right - left + 1 + GAP
     start = np.cumsum(wide) - wide
     shape = (int((bottom - top).max(initial=0)) + 1, int(wide.sum()))

@@ -51,9 +51,10 @@ class Triangulate(Stage):
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
-        rays = (self.back[pairs.view, :, :2] @ pairs.xy[..., None])[..., 0] + self.back[pairs.view, :, 2]
+        back = self.back.take(pairs.view, axis=0)
+        rays = np.einsum("nvij,nvj->nvi", back[..., :2], pairs.xy) + back[..., 2]
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
-        xyz = triangulate_pairs(self.centers[pairs.view], rays)
+        xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
         targets = pairs.targets & self.within(xyz, forecast) & self.plausible(xyz, pairs, forecast)
         targets &= self.above_planes(xyz)
         keep = targets.any(axis=1)
@@ -76,9 +77,10 @@ class Triangulate(Stage):
         real = ~np.isnan(xyz[:, :1])
         if forecast is None or lost.all():
             return np.asarray(real & lost)
-        distance = np.linalg.norm(xyz[:, None] - forecast.xyz, axis=2)
+        offset = xyz[:, None] - forecast.xyz
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
-        return np.asarray(real & (lost | (distance <= spheres)))
+        inside = np.einsum("nti,nti->nt", offset, offset) <= spheres * spheres
+        return np.asarray(real & (lost | inside))
 
     def above_planes(self, xyz: Array) -> Array:
         """Which targets could lie there without sinking into a plane: (N, T) bool."""

@@ -35,8 +35,8 @@ class VerifyPairs(Stage):
         self.cameras = tuple(self.room.cameras)
         self.number = {name: i for i, name in enumerate(self.cameras)}
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
-        self.fundamental = fundamental_stack(self.room)
-        self.homography = homography_stack(self.room)
+        self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
+        self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
 
     def process(self, blobs: Joined[Blobs]) -> Pairs:
         view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
@@ -46,7 +46,8 @@ class VerifyPairs(Stage):
         targets = np.concatenate([b.targets for b in blobs])
         pair = candidate_pairs(view, targets)
         first, second = view[pair].T
-        distance = epipolar_distance(self.fundamental[first, second], *xy[pair].swapaxes(0, 1))
+        F = self.fundamental.take(first * len(self.cameras) + second, axis=0)
+        distance = epipolar_distance(F, xy.take(pair[:, 0], axis=0), xy.take(pair[:, 1], axis=0))
         near = distance < self.params.epipolar
         pair, distance = pair[near], distance[near]
         keep = self.not_projections(pair, view, xy)
@@ -67,9 +68,8 @@ class VerifyPairs(Stage):
     def not_projections(self, pair: Array, view: Array, xy: Array) -> Array:
         """The homography test on every plane: (M, 2) pairs of blobs -> (M,) bool."""
         first, second = view[pair].T
-        start, end = xy[pair].swapaxes(0, 1)
-        moved = transfer(self.homography[:, first, second], start)
-        offset = moved - end
+        H = self.homography.take(first * len(self.cameras) + second, axis=1)
+        offset = transfer(H, xy.take(pair[:, 0], axis=0)) - xy.take(pair[:, 1], axis=0)
         on_plane = np.hypot(offset[..., 0], offset[..., 1]) < self.params.homography
         color = self.color[view[pair]]
         return homography_test(pair, color, on_plane, len(view))

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot.geometry import (
+    Views,
     back_projection,
     distort,
     epipolar_distance,
@@ -102,6 +103,15 @@ def test_points_along_a_ray_project_to_its_pixel(
     directions = ray(view, pixel)
     assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(len(pixel)))
     assert np.abs(project(view, view.center + 2.5 * directions) - pixel).max() < 1e-6
+
+
+def test_several_views_show_what_each_camera_shows() -> None:
+    cameras = [camera("pinhole", angles=(0.2, -0.1, 0.3), translation=(0.1, 0.2, 3.0)), camera("fisheye")]
+    views = Views([*cameras, camera("cylinder")])
+    points = np.array([[0.1, 0.2, 0.5], [-0.4, 0.3, 1.0], [0.0, 0.0, -9.0]])
+    pixel = views.project_local(views.local(points))
+    for shown, one in zip(pixel, views.cameras, strict=True):
+        assert shown == pytest.approx(project(one, points), nan_ok=True)
 
 
 def test_no_points_are_no_points() -> None:

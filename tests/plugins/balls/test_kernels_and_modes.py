@@ -14,6 +14,7 @@ from followspot_balls.kernels import (
     epipolar_weight,
     flat_kernel,
     kernel,
+    scales,
     truncated_gaussian_kernel,
 )
 from followspot_balls.mean import Mean
@@ -40,7 +41,7 @@ def test_gaussian_kernel_falls_with_the_widest_bandwidth_and_is_cut_at_the_ellip
 
 def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> None:
     labelled = np.array([True, True, True, False, False])
-    both = kernel(OFFSETS[None], H[None], labelled)[0]
+    both = kernel(OFFSETS[None], scales(H[None]), 1.0 - labelled)[0]
     assert both == pytest.approx([1.0, 0.0, 1.0, np.exp(-0.01 / 0.16), 0.0])
 
 

@@ -14,7 +14,7 @@ from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
 from followspot_balls.triangulate import Triangulate, facing_planes
-from followspot_balls.verify_pairs import VerifyPairs, homography_test
+from followspot_balls.verify_pairs import VerifyPairs, fundamental_stack, homography_test
 
 ROOM = make_room()
 BALL = (0.1, 0.2, 1.0)
@@ -98,8 +98,8 @@ def test_pairs_3_px_off_the_epipolar_line_are_rejected(offset: float, kept: int)
     stage = VerifyPairs(Context(room=ROOM))
     stage.setup()
     one, other = named(ROOM, "cam0", [BALL]), named(ROOM, "cam1", [BALL])
-    line = stage.fundamental[0, 1] @ np.append(one.xy[0], 1.0)
-    back = stage.fundamental[0, 1].T @ np.append(other.xy[0], 1.0)
+    line = fundamental_stack(ROOM)[0, 1] @ np.append(one.xy[0], 1.0)
+    back = fundamental_stack(ROOM)[0, 1].T @ np.append(other.xy[0], 1.0)
     slope = np.hypot(*line[:2])
     scale = min(1.0, np.hypot(*back[:2]) / slope)  # the larger of both distances counts
     moved = Blobs(**{**vars(other), "xy": other.xy + offset * scale * line[:2] / slope})

@@ -1,0 +1,67 @@
+"""Parts of a picture side by side: nothing in one may depend on what stands next to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from followspot.messages import Array
+from followspot_balls.components import above_local_peak, components
+from followspot_balls.strip import clusters, cut, scattered, whole_strip, window_strip
+
+AREA = np.array([[3.0, 60.0]])
+EDGE = 0.6
+
+
+def speckled(seed: int) -> Array:
+    """A dark picture with bright patches, some at its border, and single hot pixels."""
+    rng = np.random.default_rng(seed)
+    level = np.zeros((50, 70), np.uint8)
+    for _ in range(25):
+        y, x = rng.integers(0, 48), rng.integers(0, 68)
+        level[y : y + rng.integers(1, 9), x : x + rng.integers(1, 9)] = rng.integers(60, 256)
+    return level
+
+
+def found(center: Array, area: Array) -> Array:
+    rows = np.column_stack([center, area])
+    return rows[np.lexsort(rows.T)]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000))
+def test_clusters_hold_the_components_of_the_whole_picture(seed: int) -> None:
+    level = speckled(seed)
+    whole = components(above_local_peak(level, EDGE), level, whole_strip(70), AREA)
+    y, x = level.nonzero()
+    parts = clusters(np.zeros(len(y), int), y, x, (1, *level.shape), AREA[:, 0])
+    strip = scattered(parts, level[y, x].take(parts.entry))
+    blobs = components(
+        above_local_peak(strip, EDGE), strip, parts.strip, AREA.repeat(len(parts.layer), axis=0)
+    )
+    center = blobs.center + parts.strip.shift.take(blobs.part, axis=0)
+    assert found(center, blobs.area) == pytest.approx(found(whole.center, whole.area))
+
+
+def test_clusters_of_different_layers_are_apart() -> None:
+    layer, y, x = np.array([0, 0, 1, 1]), np.array([48, 49, 0, 1]), np.array([5, 5, 5, 5])
+    parts = clusters(layer, y, x, (2, 50, 70), np.array([2, 2]))
+    assert parts.layer.tolist() == [0, 1]
+    assert len(parts.entry) == 4
+    lone = clusters(layer, y, x, (2, 50, 70), np.array([2, 3]))
+    assert lone.layer.tolist() == [0]
+    assert lone.entry.tolist() == [0, 1]
+
+
+def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
+    pixels = np.arange(1, 13, dtype=np.uint8).reshape(3, 4, 1)
+    corners = np.array([[-1, -1], [2, 1]])
+    strip = cut(pixels, corners, 3)[..., 0]
+    parts = window_strip(corners, 3)
+    for x in np.flatnonzero(strip.any(axis=0)):
+        for y in strip[:, x].nonzero()[0]:
+            column, row = (x, y) + parts.shift[parts.part[x]]
+            assert strip[y, x] == pixels[row, column, 0]
+    assert np.count_nonzero(strip) == 4 + 4
