@@ -27,8 +27,8 @@ from followspot_balls.bundle_sightings import sightings
 from followspot_balls.bundle_trust import Outlines, variance
 from followspot_balls.search import lost_targets
 
-USED = 0.25
-"""Weight above which a view counts as support: that of an error at the cutoff."""
+USED = 0.4
+"""Weight above which a view counts as support: that of an error of three quarters of the cutoff."""
 VAGUE = 1e-3
 """Least information on a place, 1/m^2: keeps equations of views that do not determine it solvable."""
 PLACE = [0, 1, 2]
@@ -80,7 +80,7 @@ class Bundle(Stage):
             "survives a poor calibration",
         )
         cutoff: float = Field(
-            3.0,
+            4.0,
             gt=0,
             unit="1",
             description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
@@ -119,7 +119,14 @@ class Bundle(Stage):
             "cameras; raising it trusts them less along the normal",
         )
         reach: float = Field(
-            0.12, gt=0, unit="m", description="clearance from the plane in which that falls to a third"
+            0.35, gt=0, unit="m", description="clearance from the plane at which there is none of it"
+        )
+        lean: float = Field(
+            0.3,
+            ge=0,
+            unit="1",
+            description="mean of the glow in its sigmas, for light draws towards the plane, never away; 0 suits "
+            "balls that do not glow",
         )
         certainty: float = Field(
             4.0,
@@ -141,7 +148,7 @@ class Bundle(Stage):
         self.outlines = Outlines(self.room)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
-        lost = lost_targets(forecast, len(self.radii))
+        lost = lost_targets(forecast, candidates.targets.shape[1])
         seeds = candidates.targets.T & (candidates.confirmed | ~lost[:, None])
         target = np.flatnonzero(seeds.any(axis=1))
         if not len(target):
@@ -204,11 +211,12 @@ class Bundle(Stage):
     def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
         """The model of glowing balls near these places (M, 3) m, and what is known of the glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
-        sigma = np.maximum(glow_sigma(clearance, self.params.glow, self.params.reach), DARK)
+        sigma = glow_sigma(clearance, self.params.glow, self.params.reach)
         vector, information = empty_belief(len(xyz))
         information[:, PLACE, PLACE] = VAGUE
-        information[:, 3, 3] = 1 / np.square(sigma)
+        information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))
         vector[:, :3] = VAGUE * xyz
+        vector[:, 3] = -self.params.lean * sigma * information[:, 3, 3]
         return glowing_model(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief) -> Fit:
