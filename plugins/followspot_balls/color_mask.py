@@ -34,7 +34,7 @@ class Sought(NamedTuple):
 
 
 def in_windows(
-    pixels: Array, corners: Array, side: int, target: Array, tables: Array, limits: Limits
+    pixels: Array, corners: Array, side: int, target: Array, tables: tuple[Array, Array], limits: Limits
 ) -> Sought:
     """What may show each target in its window.
 
@@ -81,18 +81,20 @@ def saturated(saturation: Array, value: Array, limits: Limits) -> tuple[Array, A
     return (value >= limits.value) > pale, (value >= limits.white) & pale
 
 
-def packed(member: Array) -> Array:
-    """Hues of targets as bits, for `hue_pixels`: (T, 256) bool -> (ceil(T / 8), 256) u8."""
-    return np.packbits(member, axis=0)
+def packed(member: Array) -> tuple[Array, Array]:
+    """Hues of targets as bits, eight targets to a group, for `hue_pixels`.
+
+    member: (T, 256) bool. Returns (groups, 256) and (groups, T) u8: the bits of each hue, and of each target.
+    """
+    return np.packbits(member, axis=0), np.packbits(np.eye(len(member), dtype=bool), axis=0)
 
 
-def hue_pixels(hue: Array, tables: Array, target: Array) -> Array:
+def hue_pixels(hue: Array, tables: tuple[Array, Array], target: Array) -> Array:
     """Pixels whose hue belongs to the target that their column is searched for: (H, W) u8 -> bool.
 
     tables: packed; target: (W,).
     """
     shown = np.zeros(hue.shape, np.uint8)
-    group, bit = target >> 3, (128 >> (target & 7)).astype(np.uint8)
-    for number, table in enumerate(tables):
-        shown |= np.asarray(cv2.LUT(hue, table)) & (bit * (group == number))
+    for table, bit in zip(*tables, strict=True):
+        shown |= np.asarray(cv2.LUT(hue, table)) & bit.take(target)
     return shown > 0

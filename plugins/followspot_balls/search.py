@@ -132,9 +132,9 @@ def within(circles: Circles, pixel: Array) -> Array:
 
 def reaching(circles: Circles, size: tuple[int, int]) -> Array:
     """Targets whose search region reaches into a picture of this width and height, px: their numbers."""
-    radius = circles.radius[:, None]
-    off = np.abs(circles.center - np.multiply(size, 0.5)) <= np.multiply(size, 0.5) + radius
-    return np.flatnonzero(off[:, 0] & off[:, 1])
+    half = np.array(size) / 2
+    inside = np.abs(circles.center - half) <= half + circles.radius[:, None]
+    return np.flatnonzero(inside[:, 0] & inside[:, 1])
 
 
 def windows(circles: Circles, chosen: Array, size: tuple[int, int]) -> tuple[Array, int]:

@@ -7,6 +7,8 @@ radius inward; the rim's votes agree, those of the edge of whatever hides the ba
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 
@@ -51,16 +53,17 @@ def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) ->
         return blobs.center
     index, label = rim_band(blobs, known, level.shape)
     y, x = np.divmod(index, level.shape[1])
-    value, right, down = derivatives(level, x, y)
+    slopes = derivatives(level, x, y)
+    value, slopes = slopes[0], slopes[1:]
     peak = blobs.peak.take(label)
-    slope, height = np.hypot(right, down), value - edge * peak
+    slope, height = np.hypot(*slopes), value - edge * peak
     voter = np.abs(height) < NEAR * slope
     voter &= slope > FAINTEST * peak
     chosen = np.flatnonzero(voter)
     label, x, y, slope = label.take(chosen), x.take(chosen), y.take(chosen), slope.take(chosen)
     reach = (radius.take(label) - height.take(chosen) / slope) / slope
-    across, along = x + reach * right.take(chosen), y + reach * down.take(chosen)
-    return agreement(across, along, slope / peak.take(chosen), label, blobs.center)
+    votes = np.array([x, y]) + reach * slopes.take(chosen, axis=1)
+    return agreement(votes, slope / peak.take(chosen), label, blobs.center)
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
@@ -69,7 +72,8 @@ def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[A
     known: (N,) bool, which; shape: of the strip.
     """
     labels = np.zeros(shape, np.uint16)
-    labels.reshape(-1)[blobs.pixels] = ((blobs.label + 1) * known.take(blobs.label)).astype(np.uint16)
+    code = (np.arange(1, len(known) + 1) * known).astype(np.uint16)
+    labels.reshape(-1)[blobs.pixels] = code.take(blobs.label)
     grown = np.asarray(cv2.dilate(labels, TOUCHING)).reshape(-1)
     index = np.flatnonzero(grown > 0)
     return index, grown.take(index).astype(np.intp) - 1
@@ -78,24 +82,30 @@ def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[A
 def derivatives(level: Array, x: Array, y: Array) -> Array:
     """Smoothed level and its slopes per px to the right and down at some pixels: (3, P)."""
     padded = np.asarray(cv2.copyMakeBorder(level, BORDER, BORDER, BORDER, BORDER, cv2.BORDER_CONSTANT))
-    size = 2 * BORDER + 1
-    offsets = (np.arange(size)[:, None] * padded.shape[1] + np.arange(size)).reshape(-1, 1)
-    squares = padded.reshape(-1).take(y * padded.shape[1] + x + offsets)
+    squares = padded.reshape(-1).take(y * padded.shape[1] + x + square_offsets(padded.shape[1]))
     return np.asarray(STENCIL @ squares.astype(np.float32))
 
 
-def agreement(x: Array, y: Array, weight: Array, label: Array, start: Array) -> Array:
+@lru_cache(maxsize=64)
+def square_offsets(width: int) -> Array:
+    """From the first pixel of a 5 x 5 square to all of it, as flat indices in a picture: (25, 1)."""
+    side = np.arange(2 * BORDER + 1)
+    return (side[:, None] * width + side).reshape(-1, 1)
+
+
+def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
     """Where most votes of each component agree: a weighted mean, iterated with a narrowing kernel.
 
-    x, y: (P,) px, votes; weight, label: (P,); start: (M, 2) px, kept without votes. Returns (M, 2) px.
+    votes: (2, P) px, x and y; weight, label: (P,); start: (M, 2) px, kept without votes. Returns (M, 2) px.
     """
-    u, v = start.T
-    count = len(start)
+    center, count = start.T, len(start)
     for spread in SPREADS:
-        dx, dy = x - u.take(label), y - v.take(label)
-        kernel = spread**2 + dx * dx + dy * dy
-        w = weight / (kernel * kernel)
-        total = np.bincount(label, w, count) + UNHEARD
-        u = (np.bincount(label, w * x, count) + UNHEARD * u) / total
-        v = (np.bincount(label, w * y, count) + UNHEARD * v) / total
-    return np.column_stack([u, v])
+        offset = votes - center.take(label, axis=1)
+        offset *= offset
+        kernel = offset[0] + offset[1]
+        kernel += spread**2
+        heard = weight / (kernel * kernel)
+        x, y = heard * votes
+        sums = np.array([np.bincount(label, values, count) for values in (x, y, heard)])
+        center = (sums[:2] + UNHEARD * center) / (sums[2] + UNHEARD)
+    return center.T
