@@ -125,8 +125,8 @@ class Bundle(Stage):
             0.3,
             ge=0,
             unit="1",
-            description="mean of the glow in its sigmas, for light draws towards the plane, never away; 0 suits "
-            "balls that do not glow",
+            description="mean of the glow in its sigmas, for light draws towards the plane, never away; 0 "
+            "suits balls that do not glow",
         )
         certainty: float = Field(
             4.0,
