@@ -131,3 +131,23 @@ save: {uses: ticks.write, in: {number: a}, with: {path: no/such/folder.csv}}
         assert finished.code == 1
         assert any("stage save failed" in error for error in finished.summary["errors"])
         assert finished.edge("a.", "save.")["sent"] == 0
+
+
+def test_truth_that_cannot_be_read_does_not_cost_the_summary(tmp_path: Path) -> None:
+    (tmp_path / "truth.csv").write_text("frame,time,object\n0,0,red\n")
+    (tmp_path / "room.yaml").write_text(
+        "room: r\ntruth: {uses: cameras.truth_csv, with: {path: truth.csv}}\n"
+    )
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.count}
+save: {uses: ticks.write, in: {number: a}, with: {path: tracks.csv}}
+""",
+    )
+    process = start(graph, tmp_path / "out", "--room", str(tmp_path / "room.yaml"))
+    finished = finish(process, tmp_path / "out")
+    assert finished.code == 0
+    assert finished.summary["targets"] == {}
+    assert "the accuracy cannot be told" in finished.errors
+    assert "truth.csv" in finished.errors

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import TYPE_CHECKING
+import sys
 
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
+from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command
-
-if TYPE_CHECKING:
-    from followspot.accuracy import TargetScore
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -22,6 +20,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    from followspot.accuracy import table, to_json
     from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
     from followspot.deploy.launch import run_plan
@@ -35,21 +34,17 @@ def _run(args: argparse.Namespace) -> int:
         report = run_plan(plan, RunOptions(out, args.frames), None if args.quiet else bar.show)
     finally:
         bar.close()
-    scores = run_scores(plan, out, report.frames)
+    try:
+        scores = run_scores(plan, out, report.frames)
+    except FollowspotError as error:  # the run itself is done; its summary must not be lost
+        print(f"followspot: the accuracy cannot be told: {error}", file=sys.stderr)
+        scores = {}
     if args.json:
-        from followspot.accuracy import to_json
-
-        print(json.dumps(summary.data(report, to_json(scores) if scores else {})))
+        print(json.dumps(summary.data(report, to_json(scores))))
     else:
-        print(summary.text(report, _accuracy_table(scores)))
+        print(summary.text(report, table(scores) if scores else ""))
         print(f"\noutputs: {out}")
     return 0 if report.ok else 1
-
-
-def _accuracy_table(scores: dict[str, TargetScore]) -> str:
-    from followspot.accuracy import table
-
-    return table(scores) if scores else ""
 
 
 COMMAND = Command(

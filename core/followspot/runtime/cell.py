@@ -193,9 +193,13 @@ class Cell:
         self.count.skipped += 1
         self.stage.context.warn(str(StageError(self.name, header, error)))
         if self.on_error == "restart":
-            self._restart()
+            try:
+                self._restart()
+            except Exception as second:
+                raise StageError(self.name, header, second) from error
 
     def _restart(self) -> None:
+        """Build the stage anew after a wait; it carries on from the old one's state where it has one."""
         time.sleep(FIRST_BACK_OFF * 2**self.count.restarts)
         self.count.restarts += 1
         state = self.stage.state()
