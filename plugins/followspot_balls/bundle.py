@@ -86,7 +86,7 @@ class Bundle(Stage):
             description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
         )
         labelled: float = Field(
-            0.25,
+            0.5,
             ge=0,
             unit="1",
             description="by how much more a colour camera's vote for a start counts than an infrared one's, "
