@@ -43,8 +43,7 @@ def squared_errors(xy: Array, seen: Images, possible: Array) -> Array:
     """Squared distances of blobs from images, px^2: (C, K, 2) -> (H, C, K); inf where not `possible`."""
     across, down = xy[..., 0] - seen.xy[..., 0, None], xy[..., 1] - seen.xy[..., 1, None]
     squares = across * across + down * down
-    squares[~possible | (seen.depth <= BEHIND)[..., None]] = np.inf
-    return np.asarray(squares)
+    return np.where(possible & (seen.depth > BEHIND)[..., None], squares, np.inf)
 
 
 def assigned(claims: Claims, seen: Images) -> tuple[Array, Array]:
