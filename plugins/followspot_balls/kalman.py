@@ -58,8 +58,14 @@ class Kalman(Stage):
             8,
             ge=1,
             unit="frames",
-            description="frames in a row after which fewer candidates are believed; raising it avoids false "
-            "recoveries and delays true ones",
+            description="frames in a row after which fewer candidates of a lost target are believed; raising "
+            "it avoids false recoveries and delays true ones",
+        )
+        again: int = Field(
+            3,
+            ge=1,
+            unit="frames",
+            description="the same for a missing target, which is sought near its last place",
         )
         reach: float = Field(
             0.3, gt=0, unit="m", description="farthest that these frames may lie from one to the next"
@@ -85,7 +91,7 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        evidence = Evidence(p.support, p.frames, p.reach)
+        evidence = Evidence(p.support, p.frames, p.again, p.reach)
         life, counted = believed(self.life, positions, evidence)
         target, xyz = positions.target[counted], positions.xyz[counted]
         noise = self.noise(positions.covariance[counted])

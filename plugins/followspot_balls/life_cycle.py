@@ -15,12 +15,14 @@ from followspot.tracking import LOST, MISSING, TRACKED, Positions
 class Evidence:
     """What a target that is not tracked must show before its position is believed.
 
-    support: candidates that agree in one frame; or else frames: in a row that each show it within
-    reach (m) of the last. One colour-infrared pair may be a coincidence, but hardly again and again.
+    support: candidates that agree in one frame; or else frames in a row that each show it within
+    reach (m) of the last: `frames` of them where it is lost, `again` near the last place of a missing one.
+    One colour-infrared pair may be a coincidence, but hardly again and again.
     """
 
     support: int
     frames: int
+    again: int
     reach: float
 
 
@@ -59,7 +61,8 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST))
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     row = np.where(possible, np.where(near, life.streak[target], 0) + 1, 0)
-    strong = possible & ((positions.support >= evidence.support) | (row >= evidence.frames))
+    frames = np.where(status == LOST, evidence.frames, evidence.again)
+    strong = possible & ((positions.support >= evidence.support) | (row >= frames))
     streak, place = np.zeros_like(life.streak), life.place.copy()
     streak[target], place[target] = row, xyz
     return replace(life, streak=streak, place=place), (status == TRACKED) | strong

@@ -32,7 +32,14 @@ class Triangulate(Stage):
             unit="1",
             description="largest blob over the outline, likewise; lowering it avoids false recoveries",
         )
-
+        claim: float = Field(
+            1.5,
+            ge=0,
+            unit="1",
+            description="distance from a tracked target's image, over its outline, up to which an infrared "
+            "blob is that target and no evidence of a lost one; raising it avoids false recoveries and "
+            "delays those beside tracked targets",
+        )
         sink: float = Field(
             0.04,
             unit="m",
@@ -48,6 +55,8 @@ class Triangulate(Stage):
         self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
         self.planes = facing_planes(self.room, self.centers)
         self.sizes = np.array([t.radius for t in self.room.targets.values()])
+        self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
@@ -57,6 +66,7 @@ class Triangulate(Stage):
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
         targets = pairs.targets & self.within(xyz, forecast) & self.plausible(xyz, pairs, forecast)
         targets &= self.above_planes(xyz)
+        targets &= self.unclaimed(pairs, forecast)
         keep = targets.any(axis=1)
         return Candidates(
             cameras=pairs.cameras,
@@ -86,6 +96,23 @@ class Triangulate(Stage):
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
         height = xyz @ self.planes[:, :3].T + self.planes[:, 3]
         return np.asarray(height.min(axis=1, initial=np.inf)[:, None] >= self.sizes - self.params.sink)
+
+    def unclaimed(self, pairs: Pairs, forecast: Forecast | None) -> Array:
+        """Which pairs may be a target's although others are tracked: (N, T) bool.
+
+        An infrared blob where a tracked target is expected is that target, and no evidence of a lost one.
+        """
+        count = len(self.sizes)
+        lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
+        if forecast is None or not (lost.any() and tracked.any()):
+            return np.ones(pairs.targets.shape, bool)
+        image = self.projection[:, :, :3] @ forecast.xyz[tracked].T + self.projection[:, :, 3:]
+        depth = np.where(image[:, 2] > 0, image[:, 2], np.nan)
+        outline = self.params.claim * self.focal[:, None] * self.sizes[tracked] / depth
+        offset = pairs.xy[..., None] - (image[:, :2] / depth[:, None])[pairs.view]
+        inside = np.hypot(offset[:, :, 0], offset[:, :, 1]) <= outline[pairs.view]
+        claimed = (inside.any(axis=2) & self.infrared[pairs.view]).any(axis=1)
+        return np.asarray(~(claimed[:, None] & lost))
 
     def plausible(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which pairs are as large as the target would be there: (N, T) bool; all, for tracked targets.

@@ -73,6 +73,14 @@ def test_a_single_pair_is_believed_after_frames_in_a_row() -> None:
     assert shown == [0, 0, 0, 1, 1, 1]
 
 
+def test_a_missing_target_is_believed_sooner_than_a_lost_one() -> None:
+    stage = kalman(frames=8, again=3)
+    watch(stage, 10)
+    watch(stage, 5, first=10, seen=False)
+    shown = [len(o.tracks.target) for o in watch(stage, 4, first=15, support=1)]
+    assert shown == [0, 0, 1, 1]
+
+
 def test_a_single_pair_that_jumps_is_a_coincidence() -> None:
     stage = kalman(frames=4)
     for i in range(12):

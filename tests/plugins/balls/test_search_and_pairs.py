@@ -10,7 +10,7 @@ from followspot.geometry import project
 from followspot.messages import Array, seal
 from followspot.room import Room
 from followspot.stage import Context
-from followspot.tracking import Blobs, Forecast, Pairs
+from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
 from followspot_balls.triangulate import Triangulate, facing_planes
@@ -169,6 +169,16 @@ def test_a_lost_target_is_not_seen_in_blobs_of_the_wrong_size(area: float, kept:
     pairs = verify({"cam0": [BALL], "cam1": [BALL]})
     resized = seal(Pairs(**{**vars(pairs), "area": np.full((1, 2), area)}))
     assert len(candidates_for(resized, None).xyz) == kept
+
+
+@pytest.mark.parametrize(("distance", "kept"), [(0.0, 0), (0.08, 0), (0.4, 1)])
+def test_infrared_light_of_a_tracked_target_is_no_evidence_of_a_lost_one(distance: float, kept: int) -> None:
+    # 1.5 outlines of 7.6 cm belong to the tracked target
+    other = (BALL[0], BALL[1] + distance, BALL[2])
+    tracked = forecast_at([(9.0, 9.0, 1.0), other])
+    forecast = Forecast(**{**vars(tracked), "state": np.array([LOST, TRACKED], np.uint8)})
+    pairs = verify({"cam0": [BALL], "cam1": [BALL]})
+    assert candidates_for(pairs, forecast).targets[:, 0].sum() == kept
 
 
 @pytest.mark.parametrize(("height", "kept"), [(RADIUS, 1), (0.04, 1), (0.03, 0), (-0.2, 0)])
