@@ -131,3 +131,19 @@ class Truth(Message):
     """At least 25 % visible in two cameras, one of them colour."""
     pair: Array = column("M", dtype="?")
     """At least 50 % visible in a colour and in an infrared camera."""
+
+
+class ImageTracks(Message):
+    """Tracks of one camera that are seen in this frame, one row each: places in the picture, not in space."""
+
+    camera: str
+    target: Array = column("M", dtype="i4")
+    track: Array = column("M", dtype="i4")
+    """Number of the track; another throw of the same target has another one."""
+    xy: Array = column("M", 2, unit="px")
+    """Place with the lens distortion removed (same matrix K)."""
+    pixel: Array = column("M", 2, unit="px")
+    """The same place as it stands in the picture."""
+    velocity: Array = column("M", 2, unit="px/s")
+    residual: Array = column("M", unit="px")
+    """RMS distance of the track so far from the motion model."""
