@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from functools import cached_property
 from threading import Event
@@ -33,7 +34,7 @@ class Capture(Protocol):
         """Let the camera go."""
 
 
-class LiveCamera(Stage):
+class LiveCamera(Stage, ABC):
     """Base of live sources: subclasses say how to connect and what the camera is called."""
 
     live: ClassVar[bool] = True
@@ -41,9 +42,9 @@ class LiveCamera(Stage):
     origin: str
     """The camera's address as users know it, without secrets."""
 
+    @abstractmethod
     def connect(self) -> Capture:
         """Open the camera once; whether that worked shows in `isOpened`."""
-        raise NotImplementedError
 
     @cached_property
     def stopped(self) -> Event:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, successors
 from followspot.graph.expand import Wire
-from followspot.ports import InputPort, OutputPort, Ports, ports
+from followspot.ports import InputPort, OutputPort, Ports, accepts, ports
 from followspot.stage import Stage
 
 
@@ -67,7 +67,7 @@ def _output(wire: Wire, source: Ports, port: InputPort, mistakes: list[Mistake])
     """The output that a wire comes from: the one that is named, else the only one of the right type."""
     name, feed = wire.source.declared.name, wire.feed
     offer = ", ".join(f"{output.name} ({output.type.__name__})" for output in source.outputs)
-    fitting = [output for output in source.outputs if issubclass(output.type, port.type)]
+    fitting = [output for output in source.outputs if accepts(port.type, output.type)]
     wanted = f'input "{port.name}" of stage "{wire.target.declared.name}" takes {port.type.__name__}'
     if not source.outputs:
         mistakes.append(Mistake(feed.place, f'stage "{name}" is a sink and has no outputs', wanted))

@@ -9,14 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tests.plugins.balls.scene import candidates_at, forecast_at
 
-from followspot_balls.kernels import (
-    ellipsoid,
-    epipolar_weight,
-    flat_kernel,
-    kernel,
-    scales,
-    truncated_gaussian_kernel,
-)
+from followspot_balls.kernels import epipolar_weight, kernel, scales
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.modes import Sample, densest, seek_modes
@@ -25,18 +18,18 @@ H = np.array([0.1, 0.2, 0.4])
 OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])
 
 
-def test_ellipsoid_is_negative_inside_zero_on_it_and_positive_outside() -> None:
-    # 0 - 1, 1 - 1, 3 * 1/4 - 1, 1/4 - 1, 1.21 - 1
-    assert ellipsoid(OFFSETS, H) == pytest.approx([-1.0, 0.0, -0.25, -0.75, 0.21])
+def kernel_of(unlabelled: float) -> np.ndarray:
+    return kernel(OFFSETS[None], scales(H[None]), np.full(len(OFFSETS), unlabelled))[0]
 
 
 def test_flat_kernel_is_one_inside_the_ellipsoid_only() -> None:
-    assert flat_kernel(OFFSETS, H).tolist() == [1.0, 0.0, 1.0, 1.0, 0.0]
+    # squared offsets over squared semi-axes: 0, 1 (on it), 3/4, 1/4, 1.21
+    assert kernel_of(unlabelled=0.0).tolist() == [1.0, 0.0, 1.0, 1.0, 0.0]
 
 
 def test_gaussian_kernel_falls_with_the_widest_bandwidth_and_is_cut_at_the_ellipsoid() -> None:
     expected = [1.0, 0.0, np.exp(-(0.05**2 + 0.1**2 + 0.2**2) / 0.16), np.exp(-0.01 / 0.16), 0.0]
-    assert truncated_gaussian_kernel(OFFSETS, H) == pytest.approx(expected)
+    assert kernel_of(unlabelled=1.0) == pytest.approx(expected)
 
 
 def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> None:
