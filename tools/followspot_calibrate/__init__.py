@@ -1,1 +1,1 @@
-"""`followspot calibrate targets`: templates of the targets from clips of each of them alone."""
+"""`followspot calibrate ...`: from cameras on a truss to a room file; a folder for each command."""

@@ -11,7 +11,7 @@ from typing import Any
 from followspot import Room, Target
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update_targets
-from followspot_calibrate.learning import Lesson, clips_of, learn, taught
+from followspot_calibrate.targets.learning import Lesson, clips_of, learn, taught
 
 
 def calibrate_targets(

@@ -1,0 +1,1 @@
+"""`calibrate targets`: templates from clips of each target alone."""

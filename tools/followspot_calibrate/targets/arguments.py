@@ -1,0 +1,43 @@
+"""Arguments of `followspot calibrate targets`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from followspot.plugins.hooks import Command
+
+RADIUS = 0.0762
+"""Of the 6-inch balls of Jin & Qian 2008, m."""
+
+HELP = """Learn the targets' templates from clips and write them into the room file.
+
+Each target moves alone through the dark room: CLIPS/<target>/<camera>.mkv, any video or a folder of pictures.
+Colour cameras learn hue and size, infrared cameras grey level and size. Targets that the room has already
+and that have no clips stay as they are.
+
+  followspot calibrate targets --room room.yaml --clips templates
+  followspot calibrate targets --room room.yaml --clips templates --radius 0.05 --json
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
+    parser.add_argument("--clips", type=Path, required=True, help="folder with one folder per target")
+    parser.add_argument(
+        "--radius",
+        type=float,
+        help=f"radius of the targets, m; else as in the room file, else {RADIUS} (a 6-inch ball)",
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object with the templates")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Learn, write, report."""
+    from followspot_calibrate.targets.command import calibrate_targets
+
+    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, as_json=args.json)
+
+
+COMMAND = Command("targets", HELP, configure, run, parent="calibrate")
