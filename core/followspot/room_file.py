@@ -15,6 +15,7 @@ from typing import Any
 
 from followspot.document import Node, node_of, parse, plain, read, resolve
 from followspot.errors import InputError, Place
+from followspot.messages import Array
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_form import room_of
 
@@ -34,17 +35,30 @@ def save(room: Room, path: str | Path) -> None:
     _write(Path(path), dump(_without_folders(to_data(room))))
 
 
-def update_targets(path: str | Path, targets: Mapping[str, Target]) -> None:
-    """Replace the targets of a room file and leave every other line and comment as it is.
+def update(
+    path: str | Path,
+    *,
+    cameras: Mapping[str, Camera] | None = None,
+    planes: Mapping[str, Array] | None = None,
+    targets: Mapping[str, Target] | None = None,
+) -> None:
+    """Replace whole sections of a room file, all at once; every other line and comment stays as it is.
 
-    A file that is one flow mapping, or shares anchors with its targets, is rewritten without comments.
-    Raises InputError where the file or the targets are wrong; the file is untouched then.
+    A file that is one flow mapping, or shares anchors between sections, is rewritten without comments.
+    Raises InputError where the file or the new sections are wrong; the file is untouched then.
     """
     file = Path(path)
     root = read(file)
-    data = {name: _target_data(target) for name, target in targets.items()}
-    wanted = {**plain(root), "targets": data} if isinstance(root.value, Mapping) else plain(root)
-    text = _spliced(file.read_text(encoding="utf-8-sig"), root, dump({"targets": data}))
+    room = Room(cameras=cameras or {}, planes=planes or {}, targets=targets or {})
+    given = {"cameras": cameras, "planes": planes, "targets": targets}
+    data = _without_folders(to_data(room))
+    sections = {key: data.get(key, {}) for key, value in given.items() if value is not None}
+    entries = root.value if isinstance(root.value, Mapping) else {}
+    wanted = {**plain(root), **sections} if isinstance(root.value, Mapping) else plain(root)
+    text = file.read_text(encoding="utf-8-sig")
+    # From the last line to the first, so that the lines of what is still to come stay where they are.
+    for key in sorted(sections, key=lambda key: entries[key].key.line if key in entries else 0, reverse=True):
+        text = _spliced(text, entries, key, dump({key: sections[key]}))
     if not _says(text, wanted):
         text = dump(wanted)
     _write(file, text)
@@ -121,13 +135,12 @@ def _without_folders(data: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in data.items() if value}
 
 
-def _spliced(text: str, root: Node, section: str) -> str:
-    """The text with the lines of its `targets:` replaced; added at the end where it has none."""
+def _spliced(text: str, entries: Mapping[str, Node], key: str, section: str) -> str:
+    """The text with the lines of one section replaced; added at the end where it has none."""
     lines = text.splitlines(keepends=True)
-    entries = root.value if isinstance(root.value, Mapping) else {}
-    if "targets" not in entries:
+    if key not in entries:
         return text + ("" if not text or text.endswith("\n") else "\n") + section
-    start = entries["targets"].key.line - 1
+    start = entries[key].key.line - 1
     following = [node.key.line - 1 for node in entries.values() if node.key.line - 1 > start]
     end = min(following, default=len(lines))
     while end - 1 > start and (not lines[end - 1].strip() or lines[end - 1].startswith("#")):

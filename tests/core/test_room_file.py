@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError
 from followspot.room import Camera, Room, StageUse, Target
-from followspot.room_file import from_data, load, save, to_data, update_targets
+from followspot.room_file import from_data, load, save, to_data, update
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 names = st.text(alphabet="abcXYZ019_-", min_size=1, max_size=8)
@@ -109,7 +110,7 @@ def test_learning_targets_leaves_every_other_line_and_comment(room_file: Path) -
         "truth:", "\n# written by hand\ntruth:"
     )
     room_file.write_text(commented, encoding="utf-8")
-    update_targets(room_file, {"red": learnt("red")})
+    update(room_file, targets={"red": learnt("red")})
     text = room_file.read_text(encoding="utf-8")
     before, after = commented.split("targets:   # learnt")[0], commented[commented.index("\n# written") :]
     assert text.startswith(before)
@@ -120,14 +121,14 @@ def test_learning_targets_leaves_every_other_line_and_comment(room_file: Path) -
 
 def test_learning_targets_works_where_the_room_has_none(room_file: Path) -> None:
     room_file.write_text(ROOM[: ROOM.index("targets:")].rstrip("\n"), encoding="utf-8")
-    update_targets(room_file, {"red": learnt("red")})
+    update(room_file, targets={"red": learnt("red")})
     assert list(load(room_file).targets) == ["red"]
 
 
 def test_learning_targets_works_where_cameras_borrow_from_targets(room_file: Path) -> None:
     text = "targets: {green: {radius: &r 0.1}}\nplanes: {floor: [0, 0, 1, *r]}\n"
     room_file.write_text(text, encoding="utf-8")
-    update_targets(room_file, {"red": Target("red", 0.05)})
+    update(room_file, targets={"red": Target("red", 0.05)})
     room = load(room_file)
     assert list(room.targets) == ["red"]
     np.testing.assert_array_equal(room.planes["floor"], [0, 0, 1, 0.1])
@@ -136,9 +137,25 @@ def test_learning_targets_works_where_cameras_borrow_from_targets(room_file: Pat
 def test_wrong_targets_leave_the_file_untouched(room_file: Path) -> None:
     stranger = Target("red", 0.05, {}, {"cam9": (1.0, 2.0)}, {})
     with pytest.raises(InputError, match='no camera "cam9"'):
-        update_targets(room_file, {"red": stranger})
+        update(room_file, targets={"red": stranger})
     assert room_file.read_text(encoding="utf-8") == ROOM
     assert [path.name for path in room_file.parent.iterdir()] == ["room.yaml"]
+
+
+def test_sections_change_together_and_comments_outside_them_stay(room_file: Path) -> None:
+    text = "# the studio\n" + ROOM[: ROOM.index("targets:")] + "# balls\n" + ROOM[ROOM.index("targets:") :]
+    room_file.write_text(text, encoding="utf-8")
+    before = load(room_file)
+    moved = {
+        name: replace(camera, translation=camera.translation + 1) for name, camera in before.cameras.items()
+    }
+    update(room_file, cameras=moved, planes={"wall": np.array([1.0, 0.0, 0.0, 2.0])})
+    after = load(room_file)
+    assert list(after.planes) == ["wall"]
+    assert after.cameras["cam0"].source == before.cameras["cam0"].source
+    np.testing.assert_array_equal(after.cameras["cam0"].translation, moved["cam0"].translation)
+    assert text[text.index("# balls") :] in room_file.read_text(encoding="utf-8")
+    assert room_file.read_text(encoding="utf-8").startswith("# the studio\n")
 
 
 def test_nearly_unit_normals_and_histograms_are_normalised(room_file: Path) -> None:

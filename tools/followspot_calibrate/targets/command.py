@@ -10,7 +10,7 @@ from typing import Any
 
 from followspot import Room, Target
 from followspot.errors import FollowspotError, InputError, Mistake
-from followspot.room_file import load, update_targets
+from followspot.room_file import load, update
 from followspot_calibrate.targets.learning import Lesson, clips_of, learn, taught
 
 
@@ -34,7 +34,7 @@ def calibrate_targets(
         if name not in failed
     }
     try:
-        update_targets(room_file, {**room.targets, **learnt})
+        update(room_file, targets={**room.targets, **learnt})
     except OSError as error:
         raise FollowspotError(f"{room_file} cannot be written: {error.strerror}") from None
     print(_as_json(report) if as_json else summary(report))
