@@ -66,17 +66,26 @@ class Form:
         return node.value
 
     def number(
-        self, key: str, *, least: float = -math.inf, above: float = -math.inf, required: bool = False
+        self,
+        key: str,
+        *,
+        least: float = -math.inf,
+        most: float = math.inf,
+        above: float = -math.inf,
+        required: bool = False,
     ) -> float | None:
-        """A finite number, not below `least` and greater than `above`."""
+        """A finite number, from `least` to `most` and greater than `above`."""
         node = self.get(key, required=required)
         if node is None:
             return None
         if _is_finite(node):
             value = float(node.value)  # type: ignore[arg-type]  # it is a number
-            if value >= least and value > above:
+            if least <= value <= most and value > above:
                 return value
-        wanted = f"greater than {above:g}" if math.isfinite(above) else f"not below {least:g}"
+        if math.isfinite(most):
+            wanted = f"from {least:g} to {most:g}"
+        else:
+            wanted = f"greater than {above:g}" if math.isfinite(above) else f"not below {least:g}"
         self.wrong(node, f"{key} cannot be {kind_of(node)}", f"write a number {wanted}")
         return None
 

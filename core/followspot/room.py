@@ -30,7 +30,8 @@ class Camera:
     """A calibrated camera, OpenCV convention: x_cam = R X + t, z forward, pixel centres at integers.
 
     matrix: (3, 3) px; distortion: (5,) k1 k2 p1 p2 k3, or (4,) for a fisheye; rotation: (3, 3);
-    translation: (3,) m; size: width and height, px. Functions on cameras stand in `followspot.geometry`.
+    translation: (3,) m; size: width and height, px; clock_offset: how much later than its time stamps say
+    it takes its pictures, s. Functions on cameras stand in `followspot.geometry`.
     """
 
     name: str
@@ -43,6 +44,7 @@ class Camera:
     model: Model = "pinhole"
     source: StageUse | None = None
     host: str = ""
+    clock_offset: float = 0.0
 
     @cached_property
     def projection(self) -> Array:

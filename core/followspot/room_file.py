@@ -111,6 +111,8 @@ def _camera_data(camera: Camera) -> dict[str, Any]:
         data["source"] = _use_data(camera.source)
     if camera.host:
         data["host"] = camera.host
+    if camera.clock_offset:
+        data["clock_offset"] = float(camera.clock_offset)
     return data
 
 

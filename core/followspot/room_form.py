@@ -23,8 +23,11 @@ _TOLERANCE = 1e-3
 _ROUNDING = 1e-9
 """Deviation from a unit sum or length that is left as it is: a written room is read back bit for bit."""
 _MAX_PIXELS = 1 << 15
+_MAX_CLOCK_OFFSET = 1.0
+"""Either way, s; clocks further apart are no matter of a fraction of a frame."""
 _CAMERA_KEYS = (
     "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
+    "clock_offset",
 )  # fmt: skip
 _COEFFICIENTS: dict[str, list[Shape]] = {"pinhole": [(5,), (4,)], "fisheye": [(4,)], "cylinder": [(0,), (5,)]}
 
@@ -84,6 +87,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     source = form.get("source")
     use = None if source is None else _stage_use(source, f"the source of {name}", folder, mistakes)
     host = form.text("host") or ""
+    clock_offset = form.number("clock_offset", least=-_MAX_CLOCK_OFFSET, most=_MAX_CLOCK_OFFSET) or 0.0
     if kind is None or size is None or matrix is None or rotation is None or translation is None:
         return None
     if distortion is None:
@@ -91,7 +95,17 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     elif model == "pinhole":
         distortion = np.pad(distortion, (0, 5 - len(distortion)))
     return Camera(
-        name, cast(Kind, kind), size, matrix, distortion, rotation, translation, cast(Model, model), use, host
+        name,
+        cast(Kind, kind),
+        size,
+        matrix,
+        distortion,
+        rotation,
+        translation,
+        cast(Model, model),
+        use,
+        host,
+        clock_offset,
     )
 
 

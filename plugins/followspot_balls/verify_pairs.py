@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from followspot import Array, Field, Joined, Room, Stage, StageParams
+from followspot import Array, Field, Joined, Latest, Room, Stage, StageParams
 from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
-from followspot.tracking import Blobs, Pairs
+from followspot.tracking import Blobs, Forecast, Pairs
+from followspot_balls.alignment import aligned, delays
 
 
 class VerifyPairs(Stage):
@@ -28,22 +29,34 @@ class VerifyPairs(Stage):
             description="distance up to which a pair satisfies a plane; raising it rejects more projections,"
             " and balls close to the plane; 0 switches the test off",
         )
+        reach: float = Field(
+            10.0,
+            gt=0,
+            unit="px",
+            description="smallest distance from a target's image up to which blobs of cameras that are not"
+            " synchronised are moved with it; raising it survives jumps",
+        )
 
     params: Params
 
     def setup(self) -> None:
         self.cameras = tuple(self.room.cameras)
         self.number = {name: i for i, name in enumerate(self.cameras)}
+        self.clock_offset = np.array([c.clock_offset for c in self.room.cameras.values()])
+        self.unsynchronised = bool(self.clock_offset.any())
+        self.P = np.array([c.projection for c in self.room.cameras.values()]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
         self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
         self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
 
-    def process(self, blobs: Joined[Blobs]) -> Pairs:
+    def process(self, blobs: Joined[Blobs], forecast: Latest[Forecast] = None) -> Pairs:
         view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
         row = np.concatenate([np.arange(len(b.xy)) for b in blobs])
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
+        if forecast is not None and self.seen_apart(blobs):
+            xy = self.at_one_moment(xy, view, targets, blobs, forecast)
         pair = candidate_pairs(view, targets)
         first, second = view[pair].T
         F = self.fundamental.take(first * len(self.cameras) + second, axis=0)
@@ -64,6 +77,20 @@ class VerifyPairs(Stage):
             confirmed=color[:, 0] != color[:, 1],
             targets=targets[pair[:, 0]] & targets[pair[:, 1]],
         )
+
+    def seen_apart(self, blobs: Sequence[Blobs]) -> bool:
+        """Whether the cameras took their pictures at different times."""
+        first = blobs[0].header.time
+        return self.unsynchronised or any(b.header.time != first for b in blobs)
+
+    def at_one_moment(
+        self, xy: Array, view: Array, targets: Array, blobs: Sequence[Blobs], forecast: Forecast
+    ) -> Array:
+        """Where all cameras would have seen the blobs (N, 2) px at the joined time."""
+        numbers = [self.number[b.camera] for b in blobs]
+        delay = np.zeros(len(self.cameras))
+        delay[numbers] = delays(blobs, self.clock_offset[numbers])
+        return aligned(xy, view, targets, delay, self.P, forecast, self.params.reach)
 
     def not_projections(self, pair: Array, view: Array, xy: Array) -> Array:
         """The homography test on every plane: (M, 2) pairs of blobs -> (M,) bool."""

@@ -50,6 +50,7 @@ def cameras(draw: st.DrawFn, name: str) -> Camera:
         model,
         draw(st.none() | st.just(StageUse("cameras.video", params, "elsewhere"))),
         draw(st.just("") | words),
+        draw(st.just(0.0) | st.floats(-1.0, 1.0)),
     )
 
 

@@ -291,6 +291,13 @@ ROOM = [
     Broken("room", "[0.1, 0, 0, 0, 0]", "[0.1, ¦.nan, 0, 0, 0]", "distortion holds nan"),
     Broken("room", "[[1, 0, 0], [0, 1, 0]", "¦[[1, 0, 0], [0, 2, 0]", "rows are not orthogonal unit vectors"),
     Broken("room", "[[1, 0, 0], [0, 1, 0]", "¦[[-1, 0, 0], [0, 1, 0]", "but a reflection", "negate one row"),
+    Broken(
+        "room",
+        "    host: pc-left",
+        "    clock_offset: ¦15",
+        "clock_offset cannot be 15",
+        "write a number from -1 to 1",
+    ),
     Broken("room", "translation: [0, 0, 3]", "translation: ¦3", "translation is a list of 3 numbers, not 3"),
     Broken(
         "room",

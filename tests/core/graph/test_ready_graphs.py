@@ -26,7 +26,7 @@ def test_the_tracker_of_glowing_balls_compiles_with_every_placement(placement: s
         "track",
         "save",
     }
-    assert sum(edge.delay for edge in plan.edges) == 8
+    assert sum(edge.delay for edge in plan.edges) == 9
 
 
 def test_half_of_the_cameras_move_to_another_worker() -> None:
