@@ -1,0 +1,101 @@
+"""Robust bundle adjustment by Levenberg and Marquardt, with derivatives in closed form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Camera
+from followspot.geometry import project
+from followspot.messages import Array
+from followspot_calibrate.adjust.problem import Problem, State, view_of
+from followspot_calibrate.adjust.projection import Free
+from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
+
+MOST_STEPS = 100
+CONVERGED = 1e-9
+"""Relative decrease of the cost at which the adjustment ends."""
+DAMPING = (1e-12, 1e-4, 1e8)
+"""Smallest, first and largest."""
+
+Progress = Callable[[str, float], None]
+"""Told what is being done and which share of it is done, 0 to 1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Adjusted:
+    """What an adjustment found: points (N, 3) m; residual (N, C) px, NaN where not seen; steps taken."""
+
+    cameras: tuple[Camera, ...]
+    points: Array
+    residual: Array
+    steps: int
+
+
+def adjust(
+    cameras: Sequence[Camera],
+    points: Array,
+    pixel: Array,
+    free: Free,
+    *,
+    rods: Rods | None = None,
+    scale: float = 1.0,
+    progress: Progress | None = None,
+) -> Adjusted:
+    """Cameras and points with the smallest robust reprojection error (Cauchy loss of the distance in px).
+
+    points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, where
+    an error begins to count as an outlier; a rod that is wrong by its sigma costs as much as a point that
+    is wrong by `scale`. Rows seen by fewer than two cameras, or without a start (NaN), take no part and
+    stay. The frame of reference is left to the start, but for rods, which set the length. A camera other
+    than pinhole keeps its intrinsics. Raises ValueError for a scale that is not positive.
+    """
+    if not scale > 0:
+        raise ValueError(f"scale is {scale}, it must be above 0 px")
+    seen = np.isfinite(pixel).all(axis=2)
+    usable = np.isfinite(points).all(axis=1) & (seen.sum(axis=1) >= 2)
+    flat, views = zip(*(view_of(c, pixel[usable, i], free) for i, c in enumerate(cameras)), strict=True)
+    tied = (rods or NO_RODS).within(usable)
+    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scale, free.parameters)
+    best, steps = _descend(problem, State(flat, points[usable]), progress)
+    found = points.copy()
+    found[usable] = best.points
+    final = tuple(_adjusted(*pair) for pair in zip(cameras, best.cameras, strict=True))
+    return Adjusted(final, found, residuals(final, found, pixel), steps)
+
+
+def residuals(cameras: Sequence[Camera], points: Array, pixel: Array) -> Array:
+    """Distance of points from where they were seen: (N, C) px; NaN where not seen or behind the camera."""
+    away = [np.linalg.norm(project(c, points) - pixel[:, i], axis=1) for i, c in enumerate(cameras)]
+    return np.stack(away, axis=1)
+
+
+def _descend(problem: Problem, state: State, progress: Progress | None) -> tuple[State, int]:
+    """Steps downhill until they gain nothing; damped more after a failure, less after a success."""
+    least, damping, most = DAMPING
+    cost = problem.cost(state)
+    for steps in range(MOST_STEPS):
+        if progress is not None:
+            progress("adjust", steps / MOST_STEPS)
+        normal = problem.normal(state)
+        better, after = None, cost
+        while better is None and damping < most:
+            trial = problem.step(normal, state, damping)
+            after = np.inf if trial is None else problem.cost(trial)
+            better = trial if after < cost else None
+            damping = damping * 10 if better is None else max(damping / 10, least)
+        if better is None:
+            return state, steps
+        gained, state, cost = cost - after, better, after
+        if gained <= CONVERGED * cost:
+            return state, steps + 1
+    return state, MOST_STEPS
+
+
+def _adjusted(before: Camera, after: Camera) -> Camera:
+    """The camera in its own lens model."""
+    if before.model == "pinhole":
+        return after
+    return replace(before, rotation=after.rotation, translation=after.translation)

@@ -1,0 +1,111 @@
+"""What an adjustment minimises: robust reprojection and length errors, and their normal equations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Camera
+from followspot.geometry import undistort
+from followspot.messages import Array
+from followspot_calibrate.adjust.elimination import Normal
+from followspot_calibrate.adjust.projection import Free, image, linearise, moved
+from followspot_calibrate.adjust.rods import Group, Rods
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What one camera saw. rows: (M,) of the points; pixel: (M, 2) px; free: parameters of this camera."""
+
+    rows: Array
+    pixel: Array
+    free: Free
+
+
+def view_of(camera: Camera, pixel: Array, free: Free) -> tuple[Camera, View]:
+    """A camera and what it saw, (N, 2) px with NaN; other models as pinholes of undistorted points."""
+    if camera.model != "pinhole":
+        pixel = undistort(camera, pixel)
+        camera = replace(camera, model="pinhole", distortion=np.zeros(5))
+        free = Free(poses=free.poses)
+    rows = np.flatnonzero(np.isfinite(pixel).all(axis=1))
+    return camera, View(rows, pixel[rows], free)
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A guess: C cameras and points (N, 3) m."""
+
+    cameras: tuple[Camera, ...]
+    points: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Observations, known lengths and the error in px that begins to count as an outlier.
+
+    parameters: the most that any camera has free; groups: the points as rods tie them.
+    """
+
+    views: Sequence[View]
+    rods: Rods
+    groups: Sequence[Group]
+    scale: float
+    parameters: int
+
+    def cost(self, state: State) -> float:
+        """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
+        total = np.log1p(np.square(self.rods.errors(state.points)[0])).sum()
+        for view, camera in zip(self.views, state.cameras, strict=True):
+            error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale
+            total += np.log1p(np.square(error).sum(axis=1)).sum()
+        return float(total)
+
+    def step(self, normal: Normal, state: State, damping: float) -> State | None:
+        """The state after one damped step, or None where the damping is too small."""
+        try:
+            by_camera, by_point = normal.solve(self.groups, damping)
+        except np.linalg.LinAlgError:
+            return None
+        cameras = tuple(
+            moved(camera, step[: view.free.parameters], view.free)
+            for view, camera, step in zip(self.views, state.cameras, by_camera, strict=True)
+        )
+        return State(cameras, state.points + by_point)
+
+    def normal(self, state: State) -> Normal:
+        """The normal equations; every error has its Cauchy weight 1 / (1 + e^2)."""
+        normal = Normal.zeros(len(self.views), self.parameters, len(state.points), len(self.rods))
+        for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
+            self._add_view(normal, number, view, camera, state.points)
+        self._add_rods(normal, state.points)
+        return normal
+
+    def _add_view(self, normal: Normal, number: int, view: View, camera: Camera, points: Array) -> None:
+        at, by_camera, by_point = linearise(camera, points[view.rows], view.free)
+        error = (view.pixel - at) / self.scale
+        root = (1 / np.sqrt(1 + np.square(error).sum(axis=1)))[:, None]
+        error = error * root
+        by_camera *= root[..., None] / self.scale
+        by_point *= root[..., None] / self.scale
+        size = view.free.parameters
+        flat = by_camera.reshape(2 * len(view.rows), size)
+        normal.cameras[number, :size, :size] = flat.T @ flat
+        normal.toward_cameras[number, :size] = flat.T @ error.ravel()
+        transposed = by_point.swapaxes(1, 2)
+        first = number * self.parameters
+        normal.mixed[view.rows, :, first : first + size] = transposed @ by_camera
+        normal.points[view.rows] += transposed @ by_point
+        normal.toward_points[view.rows] += (transposed @ error[..., None])[..., 0]
+
+    def _add_rods(self, normal: Normal, points: Array) -> None:
+        error, direction = self.rods.errors(points)
+        weight = (1 / (1 + np.square(error)))[:, None]
+        block = (weight * direction)[:, :, None] * direction[:, None]
+        toward = -weight * error[:, None] * direction
+        for end, sign in ((self.rods.first, 1.0), (self.rods.second, -1.0)):
+            np.add.at(normal.points, end, block)
+            np.add.at(normal.toward_points, end, sign * toward)
+        normal.rods[:] = -block
