@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from followspot import Source, Stage, at
 from followspot.tracking import Frame
-from followspot_sim.parameters import SimParams
+from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 
 
@@ -22,21 +22,21 @@ class SimCamera(Stage):
 
     per_camera: ClassVar[bool] = True
 
-    class Params(SimParams):
-        """What happens in the room."""
+    class Params(CameraParams):
+        """What happens in the room, and when this camera looks."""
 
     params: Params
 
     def setup(self) -> None:
         """Prepare what stays the same in all pictures. Raises InputError for an unknown target."""
-        self._picture = Picture(self.params, self.room, self.camera)
+        self._picture = Picture(self.params, self.room, self.camera, self.params.clock_offset)
 
     def length(self) -> int | None:
         """Number of pictures; None where they never end."""
         return self.params.frames or None
 
     def process(self) -> Source[Frame]:
-        """Pictures at the middle of their exposure: frame k at k / fps seconds."""
+        """Pictures at the middle of their exposure: frame k at k / fps seconds, by the camera's clock."""
         for frame, time_ns in schedule(self.params):
             pixels = self.context.loan(self._picture.shape, "u1")
             self._picture.render(frame, pixels)

@@ -1,4 +1,4 @@
-"""The parameters of a simulated room, the same for its cameras and its ground truth."""
+"""The parameters of a simulated room, the same for its cameras and its ground truth, and of a camera."""
 
 from __future__ import annotations
 
@@ -40,3 +40,16 @@ class SimParams(StageParams):
         """RGB of a target; a target of unknown name takes the `number`-th usual colour."""
         known = {**COLORS, **self.colors}
         return known.get(target) or list(COLORS.values())[number % len(COLORS)]
+
+
+class CameraParams(SimParams):
+    """What happens in the simulated room, and when this camera looks."""
+
+    clock_offset: float = Field(
+        0.0,
+        ge=-1,
+        le=1,
+        unit="s",
+        description="how much later than its time stamps say this camera takes its pictures, which nobody "
+        "tells the room",
+    )

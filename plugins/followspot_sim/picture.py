@@ -41,13 +41,14 @@ Spot = tuple[list[float], float, list[float]]
 class Picture:
     """One camera's pictures of the simulated room, any frame at any time."""
 
-    def __init__(self, params: SimParams, room: Room, camera: Camera) -> None:
+    def __init__(self, params: SimParams, room: Room, camera: Camera, clock_offset: float = 0.0) -> None:
         """Prepare all that stays: rays, the lookup of the screens, the dark room, the noise.
 
+        clock_offset: how much later than the frame's time the pictures are taken, s.
         Raises InputError where `alone` names no target of the room.
         """
         self.camera = camera
-        self.world: World = world_of(setting(params, room))
+        self.world: World = world_of(setting(params, room, clock_offset))
         self._radii = np.array([t.radius for t in room.targets.values()])
         self._people = self.world.setting.people
         rng = own_rng(params.seed, camera.name)

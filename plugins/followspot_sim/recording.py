@@ -15,7 +15,7 @@ import pydantic
 from followspot import Array, Camera, FollowspotError, InputError, Room
 from followspot.errors import Mistake
 from followspot.geometry import project
-from followspot_sim.parameters import SimParams
+from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import Scene, setting, world_of
@@ -28,22 +28,31 @@ COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pai
 def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = None) -> SimParams:
     """The parameters that the room gives to its simulated cameras, with some replaced.
 
-    Raises InputError where a camera is not simulated, where two cameras differ, and for a value out of range.
+    They differ in their clock offsets alone. Raises InputError where a camera is not simulated, where two
+    cameras differ otherwise, and for a value out of range.
     """
     given = [(c.source.uses, dict(c.source.params)) for c in room.cameras.values() if c.source]
-    if len(given) < len(room.cameras) or any(use != given[0] or use[0] != "sim.camera" for use in given):
-        text = "all cameras of a simulated room have one source with the same parameters"
+    shared = [(use, {k: v for k, v in values.items() if k != "clock_offset"}) for use, values in given]
+    if len(shared) < len(room.cameras) or any(use != shared[0] or use[0] != "sim.camera" for use in shared):
+        text = "all cameras of a simulated room have one source with the same parameters but clock_offset"
         raise InputError([Mistake(None, text, "give each `source: {uses: sim.camera, with: ...}`")])
-    values = given[0][1] if given else {}
+    values = shared[0][1] if shared else {}
     values.update({k: v for k, v in (("frames", frames), ("seed", seed)) if v is not None})
     try:
         params = SimParams(**values)
+        for _, own in given:
+            CameraParams(**{**own, **values})
     except pydantic.ValidationError as error:
         wrong = [Mistake(None, f"{'.'.join(map(str, e['loc']))}: {e['msg']}", "") for e in error.errors()]
         raise InputError(wrong) from None
     if params.frames == 0:
         raise InputError([Mistake(None, "this room never ends", "say how many frames: --frames 600")])
     return params
+
+
+def clock_offset_of(camera: Camera) -> float:
+    """How much later than its frames' times a simulated camera takes its pictures, s."""
+    return float(camera.source.params.get("clock_offset", 0.0)) if camera.source else 0.0
 
 
 def record(room: Room, params: SimParams, folder: Path) -> None:
@@ -65,7 +74,7 @@ def record_templates(room: Room, params: SimParams, folder: Path, frames: int | 
 def write_videos(room: Room, params: SimParams, folder: Path) -> None:
     """All frames of all cameras as FFV1, which loses nothing. Raises FollowspotError."""
     folder.mkdir(parents=True, exist_ok=True)
-    pictures = [Picture(params, room, camera) for camera in room.cameras.values()]
+    pictures = [Picture(params, room, c, clock_offset_of(c)) for c in room.cameras.values()]
     buffers = [np.empty(picture.shape, np.uint8) for picture in pictures]
     with contextlib.ExitStack() as open_videos:
         videos = []

@@ -36,6 +36,8 @@ class Setting:
     """Number of the only target shown, or -1."""
     radii: tuple[float, ...]
     floor: tuple[float, float, float, float]
+    clock_offset: float = 0.0
+    """By how much its scenes are later than their frames, s; the performance does not depend on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,8 +54,11 @@ class Scene:
     part: Array
 
 
-def setting(params: SimParams, room: Room) -> Setting:
-    """The setting of a room. Raises InputError where `alone` names no target of the room."""
+def setting(params: SimParams, room: Room, clock_offset: float = 0.0) -> Setting:
+    """The setting of a room, seen `clock_offset` seconds late.
+
+    Raises InputError where `alone` names no target of the room.
+    """
     names = list(room.targets)
     if params.alone and params.alone not in names:
         text = f'alone: the room has no target "{params.alone}"'
@@ -68,6 +73,7 @@ def setting(params: SimParams, room: Room) -> Setting:
         alone=names.index(params.alone) if params.alone else -1,
         radii=tuple(t.radius for t in room.targets.values()),
         floor=(a, b, c, d),
+        clock_offset=clock_offset,
     )
 
 
@@ -97,8 +103,8 @@ class World:
         return self._balls(act, u, max(time, 0.0), now)
 
     def _build_scene(self, frame: int) -> Scene:
-        """Everything at the middle of the exposure of a frame."""
-        time = frame / self.setting.fps
+        """Everything at the middle of the exposure of a frame; before the performance as at its beginning."""
+        time = max(frame / self.setting.fps + self.setting.clock_offset, 0.0)
         if self.setting.alone >= 0:
             return Scene(time, self._alone(frame), np.empty((0, 2, 3)), np.empty(0), np.empty(0, int))
         act, u = self._round(time)

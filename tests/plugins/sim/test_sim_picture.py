@@ -221,3 +221,18 @@ def test_a_picture_without_any_ball_in_it_is_rendered_too():
     pixels = np.empty(picture.shape, np.uint8)
     picture.render(0, pixels)
     assert np.median(pixels) < 20
+
+
+def test_a_camera_whose_clock_is_off_by_a_frame_takes_the_neighbouring_picture():
+    camera = ROOM.cameras["cam1"]
+    on_time = Picture(SimParams(seed=7, noise=0, fps=50), ROOM, camera)
+    late = Picture(SimParams(seed=7, noise=0, fps=50), ROOM, camera, clock_offset=1 / 50)
+    expected, found = np.empty(on_time.shape, np.uint8), np.empty(on_time.shape, np.uint8)
+    on_time.render(41, expected)
+    late.render(40, found)
+    assert np.array_equal(found, expected)
+
+
+def test_no_camera_looks_before_the_performance_begins():
+    picture = Picture(SimParams(), ROOM, ROOM.cameras["cam0"], clock_offset=-0.01)
+    assert picture.world.scene(0).time == 0.0

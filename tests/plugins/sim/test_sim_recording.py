@@ -14,7 +14,7 @@ from followspot import InputError, Room, room_file
 from followspot.cli.main import main
 from followspot.room import StageUse
 from followspot_sim.picture import Picture
-from followspot_sim.recording import parameters_of
+from followspot_sim.recording import clock_offset_of, parameters_of
 
 ROOM_FILE = Path(__file__).parents[3] / "graphs/rooms/simulated.yaml"
 ROOM = room_file.load(ROOM_FILE)
@@ -78,3 +78,16 @@ def test_a_seed_out_of_range_is_refused_by_name():
 def test_an_endless_room_needs_a_number_of_frames():
     with pytest.raises(InputError, match="--frames"):
         parameters_of(ROOM, frames=0)
+
+
+def test_cameras_of_a_room_may_differ_in_their_clocks_alone():
+    def room(**own):
+        source = replace(ROOM.cameras["cam1"].source, params={**ROOM.cameras["cam1"].source.params, **own})
+        return replace(ROOM, cameras={**ROOM.cameras, "cam1": replace(ROOM.cameras["cam1"], source=source)})
+
+    assert parameters_of(room(clock_offset=0.01)) == parameters_of(ROOM)
+    assert clock_offset_of(room(clock_offset=0.01).cameras["cam1"]) == 0.01
+    with pytest.raises(InputError, match="clock_offset"):
+        parameters_of(room(clock_offset="late"))
+    with pytest.raises(InputError, match="same parameters"):
+        parameters_of(room(noise=3))
