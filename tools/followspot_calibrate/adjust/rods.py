@@ -32,7 +32,7 @@ class Rods:
         return Rods(number[self.first[chosen]], number[self.second[chosen]], length, self.sigma)
 
     def errors(self, points: Array) -> tuple[Array, Array]:
-        """Length errors, (S,) sigmas, and their derivative by the first end, (S, 3); the second has minus it."""
+        """Length errors, (S,) sigmas, and their derivative by the first end, (S, 3) (minus by the second)."""
         along = points[self.first] - points[self.second]
         distance = np.linalg.norm(along, axis=1)
         direction = along / np.maximum(distance, np.finfo(float).tiny)[:, None]
