@@ -1,4 +1,4 @@
-"""Calibrations that other programs wrote."""
+"""Calibrations in OpenCV-style JSON, and what is in no known format."""
 
 import json
 from pathlib import Path

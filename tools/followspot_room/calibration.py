@@ -1,69 +1,67 @@
-"""A calibration as data, and the formats that it is read from, told apart by content."""
+"""Calibrations in files: every known format, told apart by content when read."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
-from followspot.messages import Array
-from followspot.room import Camera
-from followspot_room import opencv_json
 from followspot_room.checks import Unfit
+from followspot_room.format import Calibration, Texts
+from followspot_room.formats import anipose, caliscope, opencv_json, opencv_yaml, qualisys, svoboda
 
-MOST_BYTES = 10_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class Calibration:
-    """Cameras and planes of a room; planes: name -> (4,) with unit normal, m; ball_radius: m, if known."""
-
-    cameras: tuple[Camera, ...]
-    planes: Mapping[str, Array] = field(default_factory=dict)
-    ball_radius: float | None = None
-
-
-@dataclass(frozen=True)
-class Format:
-    """A way to write calibrations: what users call it, and how it is parsed.
-
-    parse: text -> the cameras, planes and ball radius, or None where the text is in another format;
-    raises Unfit where it is this format with a mistake.
-    """
-
-    name: str
-    parse: Callable[[str], Calibration | None]
-
-
-def _opencv_json(text: str) -> Calibration | None:
-    document = opencv_json.recognise(text)
-    if document is None:
-        return None
-    return Calibration(
-        opencv_json.cameras(document), opencv_json.planes(document), opencv_json.ball_radius(document)
-    )
-
-
-FORMATS = (Format('JSON with "cameras" that have K, dist, R and t (OpenCV convention)', _opencv_json),)
+FORMATS = (
+    opencv_json.FORMAT,
+    caliscope.FORMAT,
+    anipose.FORMAT,
+    qualisys.FORMAT,
+    svoboda.FORMAT,
+    opencv_yaml.FORMAT,
+)
 """In the order in which they are tried."""
+MOST_BYTES = 10_000_000
+"""Of a file, or of all files of a folder together."""
+IN_FOLDERS = ("*.rad", "*.Pmat.cal", "camera_order.txt", "Res.dat", "*.yml", "*.yaml")
+"""What is read where a folder is given; nothing else in it is touched."""
+NO_POSES = "the calibration has no camera poses: all cameras stand at the origin until you calibrate them"
 
 
 def read_calibration(path: Path) -> Calibration:
-    """The calibration in a file of any known format. Raises InputError."""
+    """The calibration in a file or folder of any known format. Raises InputError."""
+    files = _texts(path)
     try:
-        with path.open("rb") as file:
-            text = file.read(MOST_BYTES + 1).decode("utf-8")
-    except OSError as error:
-        raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
-    except UnicodeDecodeError:
-        text = ""
-    try:
-        for known in FORMATS if len(text) <= MOST_BYTES else ():
-            calibration = known.parse(text)
+        for known in FORMATS:
+            calibration = known.parse(files) if files else None
             if calibration is not None:
-                return calibration
+                notes = calibration.notes if calibration.posed else (*calibration.notes, NO_POSES)
+                return replace(calibration, notes=notes)
     except Unfit as mistake:
-        raise InputError([Mistake(None, f"{path}: {mistake}")]) from None
+        raise InputError([Mistake(None, f"{path}: {mistake}", mistake.remedy)]) from None
     names = "; ".join(known.name for known in FORMATS)
     raise InputError([Mistake(None, f"{path} is no calibration in a known format", f"known: {names}")])
+
+
+def _texts(path: Path) -> Texts:
+    """The file's text, or those of a folder that a format may want; none where they are no text."""
+    chosen = [path]
+    if path.is_dir():
+        chosen = sorted(one for pattern in IN_FOLDERS for one in path.glob(pattern) if one.is_file())
+    texts: dict[str, str] = {}
+    left = MOST_BYTES
+    try:
+        for one in chosen:
+            with one.open("rb") as file:
+                data = file.read(left + 1)
+            left -= len(data)
+            if left < 0:
+                raise InputError([Mistake(None, f"{path} is larger than {MOST_BYTES} bytes", TOO_LARGE)])
+            texts[one.name] = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return {}
+    except OSError as error:
+        text = f"{path} cannot be read: {error.strerror}"
+        raise InputError([Mistake(None, text, "give a calibration file or its folder")]) from None
+    return texts
+
+
+TOO_LARGE = "give the file with the calibration alone"

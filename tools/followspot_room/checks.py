@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterable, Sequence
 from typing import Any
 
+import cv2
 import numpy as np
 
 from followspot.messages import Array
+from followspot.room import Camera, Model
 
 ROTATION_TOLERANCE = 1e-3
 """Largest deviation of R R^T from the identity; files round to a few decimals."""
+MOST_CAMERAS = 1000
+LARGEST_SIDE = 1 << 15
+"""px"""
+NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]{0,63}")
+COEFFICIENTS: dict[Model, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (4,)}
 
 
 class Unfit(ValueError):
-    """A value does not fit; the text says where, what it is and what it should be."""
+    """A value does not fit; the text says where, what it is and what it should be; remedy: what to do."""
+
+    def __init__(self, text: str, remedy: str = "") -> None:
+        super().__init__(text)
+        self.remedy = remedy
 
 
 def array(value: Any, shape: tuple[int, ...], where: str) -> Array:
@@ -37,6 +50,14 @@ def rotation(value: Any, where: str) -> Array:
     return matrix
 
 
+def rotation_or_vector(value: Any, where: str) -> Array:
+    """A rotation matrix, (3, 3), from itself or from a Rodrigues vector of 3 numbers, rad. Raises Unfit."""
+    if np.size(np.array(value, object)) == 3:
+        vector = array(np.ravel(np.array(value, object)).tolist(), (3,), where)
+        return np.asarray(cv2.Rodrigues(vector)[0])
+    return rotation(value, where)
+
+
 def plane(value: Any, where: str) -> Array:
     """[a b c d] with a unit normal, (4,) m. Raises Unfit."""
     numbers = array(value, (4,), where)
@@ -44,3 +65,58 @@ def plane(value: Any, where: str) -> Array:
     if length < 1e-9:
         raise Unfit(f"{where} has no normal")
     return np.asarray(numbers / length)
+
+
+def name(value: Any, where: str) -> str:
+    """A name that a room file accepts. Raises Unfit."""
+    if not isinstance(value, str) or not NAME.fullmatch(value):
+        raise Unfit(f"{where} has the name {value!r}; needs letters, digits, _ -", "rename it in the file")
+    return value
+
+
+def side(value: Any, where: str) -> int:
+    """Width or height of a picture, px; 1088.0 is accepted. Raises Unfit."""
+    whole = isinstance(value, int | float) and not isinstance(value, bool) and value % 1 == 0
+    if not whole or not 0 < value <= LARGEST_SIDE:
+        raise Unfit(f"{where} is {value!r}, needs a number of pixels", f"write 1 to {LARGEST_SIDE}")
+    return int(value)
+
+
+def camera_matrix(value: Any, where: str) -> Array:
+    """K, (3, 3) px. Raises Unfit."""
+    K = array(value, (3, 3), where)
+    if K[0, 0] <= 0 or K[1, 1] <= 0 or K[1, 0] or list(K[2]) != [0, 0, 1]:
+        raise Unfit(f"{where} is no camera matrix [[fx, s, cx], [0, fy, cy], [0, 0, 1]]")
+    return K
+
+
+def distortion(value: Any, model: Model, where: str) -> Array:
+    """Of a pinhole camera k1 k2 p1 p2 k3, (5,), shorter lists of OpenCV end with zeros; of a fisheye (4,).
+
+    Raises Unfit.
+    """
+    wanted = COEFFICIENTS[model]
+    numbers = np.ravel(np.array(value, object)).tolist()
+    if not isinstance(value, list) or len(numbers) not in wanted:
+        listed = "k1, k2, k3 and k4" if model == "fisheye" else "k1, k2, p1, p2 and k3"
+        raise Unfit(f"{where} needs {listed}", "calibrate without the rational, thin-prism or tilted model")
+    checked = array(numbers, (len(numbers),), where)
+    return np.concatenate([checked, np.zeros(wanted[-1] - len(checked))])
+
+
+def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
+    """The cameras, where no name is there twice. Raises Unfit."""
+    if len(cameras) > MOST_CAMERAS:
+        raise Unfit(f"{len(cameras)} cameras, at most {MOST_CAMERAS}")
+    names = [camera.name for camera in cameras]
+    twice = sorted({one for one in names if names.count(one) > 1})
+    if twice:
+        raise Unfit(f"camera {twice[0]} is there twice", "give each camera a name of its own")
+    return tuple(cameras)
+
+
+def holds(cameras: Iterable[Camera], models: Sequence[Model], format_name: str, other: str) -> None:
+    """Raise Unfit for the first camera whose model the format does not have; other: a format that has it."""
+    for camera in cameras:
+        if camera.model not in models:
+            raise Unfit(f"camera {camera.name} is a {camera.model}, which {format_name} cannot hold", other)

@@ -1,4 +1,4 @@
-"""Joins `followspot room import` to the command line."""
+"""Joins `followspot room import` and `followspot room export` to the command line."""
 
 from __future__ import annotations
 
@@ -8,47 +8,72 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Make a room file from a calibration and a folder with one video per camera.
+IMPORT = """Make a room file from a calibration and, where there is one, a folder with one video per camera.
 
-The format of the calibration is told by its content. Recordings are named like the cameras: VIDEOS/cam0.mkv
-(any video) or a folder VIDEOS/cam0 of pictures; VIDEOS/truth.csv, where it exists, becomes the room's truth.
+The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys Calib.qca.txt,
+a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist, R and t.
+Recordings are named like the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures;
+VIDEOS/truth.csv, where it exists, becomes the room's truth.
 
-  followspot room import calibration.json --videos recordings -o room.yaml
+  followspot room import calibration.toml -o room.yaml
+  followspot room import Calib.qca.txt --videos recordings -o room.yaml
+"""
+
+EXPORT = """Write the cameras of a room file for another program.
+
+The format follows from the name of the output: camera_array.toml is caliscope, any other .toml aniposelib,
+.qca.txt Qualisys, .yml OpenCV; svoboda writes a folder and needs --format. Planes and targets stay behind.
+
+  followspot room export room.yaml -o calibration.toml
+  followspot room export room.yaml -o selfcal --format svoboda
 """
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The command `room import`."""
-    return [Command("import", HELP, configure, run, parent="room")]
+    """The commands `room import` and `room export`."""
+    return [
+        Command("import", IMPORT, configure_import, run_import, parent="room"),
+        Command("export", EXPORT, configure_export, run_export, parent="room"),
+    ]
 
 
-def configure(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
-    parser.add_argument("calibration", type=Path, metavar="CALIBRATION", help="file with calibrated cameras")
-    parser.add_argument(
-        "--videos", type=Path, required=True, metavar="DIR", help="folder with the recordings"
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="ROOM.yaml",
-        help="room file to write; replaced if there",
-    )
-    parser.add_argument(
-        "--allow-missing", action="store_true", help="leave cameras without a recording without a source"
-    )
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object that says what was imported"
-    )
+def configure_import(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `room import`."""
+    add = parser.add_argument
+    add("calibration", type=Path, metavar="CALIBRATION", help="file or folder with calibrated cameras")
+    add("--videos", type=Path, metavar="DIR", help="folder with the recordings; without it, no sources")
+    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
+    add("--infrared", nargs="+", default=[], metavar="CAMERA", help="cameras that see infrared light only")
+    add("--allow-missing", action="store_true", help="leave cameras without a recording without a source")
+    add("--json", action="store_true", help="print one JSON object that says what was imported")
 
 
-def run(args: argparse.Namespace) -> int:
+def run_import(args: argparse.Namespace) -> int:
     """Read, match, write, report."""
-    from followspot_room.command import import_room
+    from followspot_room.importing import import_room
 
     return import_room(
-        args.calibration, args.videos, args.output, allow_missing=args.allow_missing, as_json=args.json
+        args.calibration,
+        args.videos,
+        args.output,
+        infrared=args.infrared,
+        allow_missing=args.allow_missing,
+        as_json=args.json,
     )
+
+
+def configure_export(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `room export`."""
+    add = parser.add_argument
+    add("room", type=Path, metavar="ROOM.yaml", help="room file")
+    add("-o", "--output", type=Path, required=True, metavar="FILE", help="file or folder to write")
+    add("--format", choices=("anipose", "caliscope", "qualisys", "svoboda", "opencv"), help="of the output")
+    add("--json", action="store_true", help="print one JSON object that says what was written")
+
+
+def run_export(args: argparse.Namespace) -> int:
+    """Read, write, report."""
+    from followspot_room.exporting import export_room
+
+    return export_room(args.room, args.output, args.format, as_json=args.json)

@@ -10,23 +10,36 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot_cameras.recordings import find_recordings
-from followspot_room.calibration import Calibration, read_calibration
+from followspot_room.calibration import read_calibration
+from followspot_room.format import Calibration
 
 TRUTH = "truth.csv"
 
 
-def import_room(calibration: Path, videos: Path, output: Path, *, allow_missing: bool, as_json: bool) -> int:
-    """Write the room file and say what is in it; returns the exit code. Raises InputError."""
-    known = read_calibration(calibration)
-    recordings = find_recordings(videos, [camera.name for camera in known.cameras])
-    missing = [camera.name for camera in known.cameras if camera.name not in recordings]
-    if missing and not allow_missing:
+def import_room(
+    calibration: Path,
+    videos: Path | None,
+    output: Path,
+    *,
+    infrared: Sequence[str],
+    allow_missing: bool,
+    as_json: bool,
+) -> int:
+    """Write the room file and say what is in it; returns the exit code. Raises InputError.
+
+    videos: None where only the cameras are wanted; infrared: cameras that are, whatever the file says.
+    """
+    known = with_infrared(read_calibration(calibration), infrared)
+    names = [camera.name for camera in known.cameras]
+    recordings = find_recordings(videos, names) if videos else {}
+    missing = [name for name in names if name not in recordings] if videos else []
+    if videos and missing and not allow_missing:
         raise InputError([_no_recording(name, videos) for name in missing])
-    truth = videos / TRUTH if (videos / TRUTH).is_file() else None
+    truth = videos / TRUTH if videos and (videos / TRUTH).is_file() else None
     room = room_of(known, recordings, truth, output)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
@@ -35,8 +48,21 @@ def import_room(calibration: Path, videos: Path, output: Path, *, allow_missing:
         raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
     for name in missing:
         print(f"warning: camera {name} has no recording in {videos} and no source", file=sys.stderr)
-    print(_as_json(room, missing) if as_json else _summary(room, known.ball_radius, output))
+    for note in known.notes:
+        print(f"warning: {note}", file=sys.stderr)
+    print(_as_json(room, missing, known) if as_json else _summary(room, known.ball_radius, output))
     return 0
+
+
+def with_infrared(calibration: Calibration, names: Sequence[str]) -> Calibration:
+    """The calibration with these cameras as infrared ones. Raises InputError for unknown names."""
+    known = [camera.name for camera in calibration.cameras]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        remedy = did_you_mean(unknown[0], known, "cameras")
+        raise InputError([Mistake(None, f'--infrared: there is no camera "{unknown[0]}"', remedy)])
+    cameras = (replace(c, kind="infrared") if c.name in names else c for c in calibration.cameras)
+    return replace(calibration, cameras=tuple(cameras))
 
 
 def room_of(
@@ -83,8 +109,8 @@ def _summary(room: Room, ball_radius: float | None, output: Path) -> str:
     )
 
 
-def _as_json(room: Room, missing: Sequence[str]) -> str:
+def _as_json(room: Room, missing: Sequence[str], known: Calibration) -> str:
     sources = {c.name: c.source.params["path"] if c.source else None for c in room.cameras.values()}
     truth = room.truth.params["path"] if room.truth else None
     found = {"room": room.name, "cameras": sources, "planes": list(room.planes), "truth": truth}
-    return json.dumps({**found, "missing": missing})
+    return json.dumps({**found, "missing": missing, "posed": known.posed, "notes": known.notes})

@@ -1,0 +1,52 @@
+"""Calibrations of real rooms, as other programs wrote them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from followspot_room.calibration import NO_POSES, read_calibration
+
+DATA = Path(__file__).parents[2] / "../shared/data"
+POSE2SIM = DATA / "room-pose2sim-single-4cam"
+pytestmark = pytest.mark.skipif(not DATA.parent.exists(), reason="needs ../shared")
+
+
+def test_both_calibrations_of_one_room_agree_on_the_lenses() -> None:
+    """Two laboratories, two methods: focal lengths within 1 %, distortion of the same strength.
+
+    The distortion settles that Qualisys' coefficients are OpenCV's and not 64 times those.
+    """
+    qualisys = read_calibration(POSE2SIM / "Calib.qca.txt").cameras
+    scene = read_calibration(POSE2SIM / "Calib_scene.toml")
+    assert scene.notes == (NO_POSES,)
+    assert [c.name for c in qualisys] == [c.name for c in scene.cameras]
+    for a, b in zip(qualisys, scene.cameras, strict=True):
+        assert a.size == b.size == (1088, 1920)
+        assert a.matrix[0, 0] == pytest.approx(b.matrix[0, 0], rel=0.01)
+        assert a.distortion[0] == pytest.approx(b.distortion[0], abs=0.02)
+
+
+def test_cameras_of_qualisys_stand_around_the_room_and_look_into_it() -> None:
+    for camera in read_calibration(POSE2SIM / "Calib.qca.txt").cameras:
+        assert 1.6 < camera.center[2] < 2.2  # m above the floor
+        toward = -camera.center / np.linalg.norm(camera.center)
+        assert camera.rotation[2] @ toward > 0.9  # the middle of the floor lies ahead
+        assert camera.rotation[1, 2] < -0.8  # down in the picture is down in the room
+
+
+def test_old_and_new_files_of_caliscope_say_the_same() -> None:
+    folder = DATA / "calib-charuco-4cam-caliscope"
+    new = read_calibration(folder / "camera_array.toml").cameras
+    old = read_calibration(folder / "config.toml").cameras
+    assert [c.name for c in new] == [c.name for c in old] == ["cam_0", "cam_1", "cam_2", "cam_3"]
+    for a, b in zip(new, old, strict=True):
+        np.testing.assert_array_equal(a.projection, b.projection)
+        np.testing.assert_array_equal(a.distortion, b.distortion)
+
+
+def test_sample_of_opencv_is_read() -> None:
+    (camera,) = read_calibration(DATA / "opencv-samples/left_intrinsics.yml").cameras
+    assert (camera.name, camera.size) == ("left_intrinsics", (640, 480))
+    assert camera.matrix[0, 0] == pytest.approx(535.9157, abs=1e-4)
+    assert camera.distortion[4] == pytest.approx(0.23839, abs=1e-5)

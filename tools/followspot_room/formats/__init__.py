@@ -1,0 +1,1 @@
+"""Formats of calibrations, a module each: how it is recognised, read and written."""

@@ -1,0 +1,99 @@
+"""Cameras as tables of TOML, after aniposelib: size, matrix, distortions, rotation, translation (m)."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Camera, Model
+from followspot_room.checks import (
+    Unfit,
+    array,
+    camera_matrix,
+    distortion,
+    name,
+    rotation_or_vector,
+    side,
+)
+from followspot_room.format import Texts, only_text
+
+Table = Mapping[str, Any]
+
+
+def toml_tables(files: Texts) -> dict[str, Table] | None:
+    """The tables of a TOML file; None where it is none. Raises Unfit for a .toml that cannot be read."""
+    found = only_text(files)
+    if found is None:
+        return None
+    try:
+        document = tomllib.loads(found[1])
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        if found[0].endswith(".toml"):
+            raise Unfit(
+                f"this is no TOML: {error}", "mend the line, or export the calibration again"
+            ) from None
+        return None
+    return {key: value for key, value in document.items() if isinstance(value, dict)}
+
+
+def is_camera(table: Any) -> bool:
+    """Whether a table holds a calibrated camera."""
+    return isinstance(table, dict) and {"matrix", "size"} <= table.keys()
+
+
+def camera_of(table: Table, called: str) -> Camera:
+    """The camera of a table; without rotation and translation it stands at the origin. Raises Unfit.
+
+    rotation is a Rodrigues vector (rad), in older files a matrix.
+    """
+    called = name(table.get("name", called), called)
+    where = f"camera {called}"
+    size = table["size"]
+    if not isinstance(size, list) or len(size) != 2:
+        raise Unfit(f"{where}: size is {size!r}, needs width and height", "write size = [1280, 720]")
+    model: Model = "fisheye" if table.get("fisheye") is True else "pinhole"
+    return Camera(
+        name=called,
+        kind="color",
+        size=(side(size[0], f"{where}: width"), side(size[1], f"{where}: height")),
+        matrix=camera_matrix(table["matrix"], f"{where}: matrix"),
+        distortion=distortion(table.get("distortions", []), model, f"{where}: distortions"),
+        rotation=rotation_or_vector(table.get("rotation", [0, 0, 0]), f"{where}: rotation"),
+        translation=_translation(table.get("translation", [0, 0, 0]), f"{where}: translation"),
+        model=model,
+    )
+
+
+def table_of(camera: Camera) -> Table:
+    """The camera as a table."""
+    return {
+        "name": camera.name,
+        "size": list(camera.size),
+        "matrix": camera.matrix.tolist(),
+        "distortions": camera.distortion.tolist(),
+        "rotation": cv2.Rodrigues(camera.rotation)[0].ravel().tolist(),
+        "translation": camera.translation.tolist(),
+        "fisheye": camera.model == "fisheye",
+    }
+
+
+def toml_text(tables: Mapping[str, Table]) -> str:
+    """Tables of numbers, texts and lists as TOML; their values look in TOML as they do in JSON."""
+    return "\n".join(_section(title, table) for title, table in tables.items())
+
+
+def _section(title: str, table: Table) -> str:
+    lines = [f"{key} = {json.dumps(value)}\n" for key, value in table.items()]
+    return f"[{title}]\n{''.join(lines)}"
+
+
+def _translation(value: Any, where: str) -> Array:
+    """Three numbers, also as a column. Raises Unfit."""
+    flat: Sequence[Any] = np.ravel(np.array(value, object)).tolist()
+    return array(flat, (3,), where)
