@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from followspot.plugins.hooks import Command, hookimpl
+from followspot_calibrate.planes.arguments import COMMAND as PLANES
 from followspot_calibrate.targets.arguments import COMMAND as TARGETS
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """All calibrations, in the order in which a new room needs them."""
-    return [TARGETS]
+    return [PLANES, TARGETS]

@@ -1,0 +1,32 @@
+"""Clips of a room's cameras: a folder for each thing that is shown, in it a recording per camera."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from followspot import Camera, Context
+from followspot.errors import InputError, Mistake
+from followspot.messages import Array
+from followspot_cameras.images import Images
+from followspot_cameras.video import Video
+
+
+def folders_of(folder: Path, noun: str) -> list[Path]:
+    """The folders of the things shown, in the order of their names. Raises InputError where there is none."""
+    found = sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else []
+    if not found:
+        text = f"{folder} has no folder per {noun}"
+        raise InputError([Mistake(None, text, f"needs {folder}/<{noun}>/<camera>.mkv")])
+    return found
+
+
+def read_frames(recording: Path, camera: Camera, most: int) -> list[Array]:
+    """The first pictures of a clip as the camera's frames, (H, W, channels) u8. Raises InputError."""
+    stage = (Images if recording.is_dir() else Video)(
+        Context(name=str(recording), camera=camera), path=recording, frames=most
+    )
+    stage.setup()
+    try:
+        return [frame.pixels for frame in stage.process()]
+    finally:
+        stage.close()

@@ -1,0 +1,1 @@
+"""`calibrate planes`: plane equations from points on them that several cameras see."""

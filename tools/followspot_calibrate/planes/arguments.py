@@ -1,0 +1,44 @@
+"""Arguments of `followspot calibrate planes`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from followspot.plugins.hooks import Command
+
+HELP = """Fit planes to points on them and write them into the room file.
+
+Points are real or projected dots that two or more calibrated cameras see, as a CSV file with lines
+plane,point,camera,u,v (camera: name or number), or clips CLIPS/<plane>/<camera>.mkv in which one dot after
+the other is shown, the same in all cameras at the same frame. Planes of the room without points stay.
+
+With --floor that plane becomes z = 0, z up: cameras and planes move together. The old x axis is laid onto
+the floor, the origin is the point of the floor below the old origin.
+
+  followspot calibrate planes --room room.yaml --points plane_points.csv
+  followspot calibrate planes --room room.yaml --clips dots --floor ground --json
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
+    evidence = parser.add_mutually_exclusive_group(required=True)
+    evidence.add_argument("--points", type=Path, metavar="CSV", help="file plane,point,camera,u,v")
+    evidence.add_argument("--clips", type=Path, metavar="DIR", help="folder with one folder per plane")
+    parser.add_argument("--floor", metavar="PLANE", help="the plane that becomes z = 0 of the room")
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.planes.html)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object with the planes")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Fit, write, report."""
+    from followspot_calibrate.planes.command import calibrate_planes
+
+    return calibrate_planes(args)
+
+
+COMMAND = Command("planes", HELP, configure, run, parent="calibrate")

@@ -1,0 +1,100 @@
+"""What `followspot calibrate planes` does."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from followspot import Room
+from followspot.cli.summary import table
+from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
+from followspot.messages import Array
+from followspot.room_file import load, update
+from followspot_calibrate.planes.dots import find_marks
+from followspot_calibrate.planes.fit import FittedPlane, fit_plane
+from followspot_calibrate.planes.frame import Motion, onto_floor
+from followspot_calibrate.planes.marks import read_marks
+from followspot_calibrate.planes.page import page_of
+from followspot_calibrate.report import write_report
+
+
+def calibrate_planes(args: argparse.Namespace) -> int:
+    """Fit all planes, update the room file, write the page, print; returns the exit code.
+
+    Raises FollowspotError where a plane cannot be measured; the room file is untouched then.
+    """
+    room = load(args.room)
+    cameras = list(room.cameras.values())
+    marks = read_marks(args.points, cameras) if args.points else find_marks(args.clips, cameras)
+    fits = [fit_plane(name, cameras, seen) for name, seen in marks.items()]
+    planes = {**room.planes, **{fit.name: fit.plane for fit in fits}}
+    motion = None if args.floor is None else onto_floor(floor_of(planes, args.floor))
+    warnings = [text for fit in fits for text in fit.warnings] + moved_truth(room, motion)
+    moved = {name: plane if motion is None else motion.plane(plane) for name, plane in planes.items()}
+    found = room.cameras if motion is None else motion.cameras(room.cameras)
+    report = args.report or args.room.with_suffix(".planes.html")
+    try:
+        update(args.room, cameras=None if motion is None else found, planes=moved)
+        write_report(report, page_of(room.name, found, moved, marks, fits, motion, warnings))
+    except OSError as error:
+        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
+    for text in warnings:
+        print(f"warning: {text}", file=sys.stderr)
+    print(as_json(fits, moved, args.floor, warnings) if args.json else summary(fits, moved, args.floor))
+    if not args.json:
+        print(f"written to {args.room}; the page to look at: {report}")
+    return 0
+
+
+def floor_of(planes: Mapping[str, Array], name: str) -> Array:
+    """The plane of that name. Raises InputError."""
+    if name not in planes:
+        raise InputError(
+            [Mistake(None, f'there is no plane "{name}" for --floor', did_you_mean(name, planes, "planes"))]
+        )
+    return planes[name]
+
+
+def moved_truth(room: Room, motion: Motion | None) -> list[str]:
+    """A warning where the room moves and its truth does not."""
+    if motion is None or room.truth is None:
+        return []
+    return ["the room's truth is still given in the old frame; remove `truth:` or move it too"]
+
+
+def summary(fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str | None) -> str:
+    """A table: one line per plane that was measured."""
+    head = ("plane", "points", "left out", "rms mm", "max mm", "a x + b y + c z + d = 0")
+    rows = [
+        (
+            fit.name,
+            str(int(fit.kept.sum())),
+            str(int((~fit.kept).sum())),
+            f"{fit.rms_mm:.1f}",
+            f"{fit.max_mm:.1f}",
+            "  ".join(f"{value:+.4f}" for value in planes[fit.name]),
+        )
+        for fit in fits
+    ]
+    frame = f"\n{floor} is z = 0 now, z up; cameras and planes moved together" if floor else ""
+    return table(head, rows) + frame
+
+
+def as_json(
+    fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str | None, warnings: Sequence[str]
+) -> str:
+    """The same for scripts."""
+    measured: dict[str, dict[str, Any]] = {
+        fit.name: {
+            "plane": planes[fit.name].tolist(),
+            "points": int(fit.kept.sum()),
+            "left_out": int((~fit.kept).sum()),
+            "rms_mm": round(fit.rms_mm, 4),
+            "max_mm": round(fit.max_mm, 4),
+        }
+        for fit in fits
+    }
+    return json.dumps({"planes": measured, "floor": floor, "warnings": list(warnings)})
