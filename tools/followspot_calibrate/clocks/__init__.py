@@ -1,0 +1,1 @@
+"""Calibration of clocks: how much later than its time stamps say each camera takes its pictures."""

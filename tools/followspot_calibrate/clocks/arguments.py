@@ -1,0 +1,56 @@
+"""Arguments of `followspot calibrate clocks`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from followspot.cli.graph_options import add_change_options, frame_count
+from followspot.plugins.hooks import Command
+
+HELP = """Find out by how much the cameras are not synchronised, and write it into the room file.
+
+Tracks the room's own recording and compares how far each camera sees moving targets ahead of or behind the
+others, so no clock needs to be trusted. Something must move through the common view, the faster the better:
+a target at 2 m/s, 4 m from a camera of 320x240, moves by 0.1 px a millisecond. Cameras keep their time
+stamps; `balls.verify_pairs` corrects for `clock_offset` when it pairs their blobs.
+
+The offsets are relative to their mean, or to --reference CAMERA. +- is one standard deviation.
+
+  followspot calibrate clocks --room room.yaml
+  followspot calibrate clocks --room room.yaml --reference cam0 --dry-run --json
+"""
+GRAPH = "graphs/glowballs.yaml"
+ROUNDS = 4
+LIMIT = 2.0
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
+    parser.add_argument("--graph", default=GRAPH, help=f"graph that tracks the targets (default: {GRAPH})")
+    parser.add_argument("--reference", metavar="CAMERA", help="camera whose offset is 0 (default: the mean)")
+    parser.add_argument("--frames", type=frame_count, metavar="N", help="use the first N frames only")
+    parser.add_argument(
+        "--rounds", type=frame_count, default=ROUNDS, help=f"most runs of the graph (default: {ROUNDS})"
+    )
+    parser.add_argument(
+        "--limit",
+        type=float,
+        default=LIMIT,
+        metavar="MS",
+        help=f"refuse offsets whose standard deviation is larger, ms (default: {LIMIT:g})",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="show the offsets, write nothing")
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+    add_change_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Track, estimate, report, write."""
+    from followspot_calibrate.clocks.command import calibrate_clocks
+
+    return calibrate_clocks(args)
+
+
+COMMAND = Command("clocks", HELP, configure, run, parent="calibrate")

@@ -1,0 +1,142 @@
+"""What `followspot calibrate clocks` does."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from followspot import Room, room_file
+from followspot.cli.progress import ProgressBar
+from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
+from followspot.graph.plan import Plan
+from followspot.messages import Array
+from followspot_calibrate.clocks.estimation import Offsets, estimated
+from followspot_calibrate.clocks.moments import moments
+from followspot_calibrate.tracked import Tracked, track, tracking_plan
+
+FEWEST = 30
+"""Sightings of moving targets that a camera's offset needs."""
+SETTLED = 1e-4
+"""Change from one round to the next at which no other is needed, s."""
+DECIMALS = 6
+"""Of the offsets that are written, s."""
+
+
+def calibrate_clocks(args: argparse.Namespace) -> int:
+    """Track, estimate, and again with what was found; write and report. Returns the exit code.
+
+    Raises InputError where too little moves, FollowspotError where the graph fails.
+    """
+    room = room_file.load(args.room)
+    reference = camera_number(room, args.reference)
+    with TemporaryDirectory(prefix="followspot-clocks-") as folder:
+        plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, Path(folder))
+        if args.frames is None and any(stage.live for stage in plan.stages):
+            remedy = "record them first, or say how many frames to use: --frames 1000"
+            raise InputError([Mistake(None, f"the cameras of {args.room} are live and never end", remedy)])
+        found = found_in_rounds(plan, Path(folder), args)
+    if reference is not None:
+        found = found.relative_to(reference)
+    print(as_json(room, found) if args.json else table(room, found))
+    if not args.dry_run:
+        write(args.room, room, found)
+    return 0
+
+
+def camera_number(room: Room, name: str | None) -> int | None:
+    """Of the camera of that name. Raises InputError where the room has none, or not two to compare."""
+    names = list(room.cameras)
+    if len(names) < 2:
+        text = f"room {room.name} has {len(names)} cameras"
+        raise InputError([Mistake(None, text, "clocks are compared: two or more are needed")])
+    if name is not None and name not in names:
+        text = f'--reference: the room has no camera "{name}"'
+        raise InputError([Mistake(None, text, did_you_mean(name, names, "cameras"))])
+    return None if name is None else names.index(name)
+
+
+def found_in_rounds(plan: Plan, out: Path, args: argparse.Namespace) -> Offsets:
+    """Estimate until it settles: tracks get better by the offsets, and offsets by the tracks."""
+    room = plan.room
+    P = np.array([c.projection for c in room.cameras.values()])
+    start = np.array([c.clock_offset for c in room.cameras.values()])
+    for number in range(args.rounds):
+        tracked = tracked_aloud(replace(plan, room=with_offsets(room, start)), out, args.frames, number)
+        found = estimated(moments(tracked, room, start), P, start)
+        check(room, found, args.limit / 1e3)
+        change = np.abs(found.offset - start).max()
+        start = found.offset
+        if change < SETTLED:
+            break
+    return found
+
+
+def tracked_aloud(plan: Plan, out: Path, frames: int | None, number: int) -> Tracked:
+    """One round, with progress on a terminal."""
+    if not sys.stderr.isatty():
+        return track(plan, out, frames, None)
+    print(f"round {number + 1}", file=sys.stderr)
+    with closing(ProgressBar()) as bar:
+        return track(plan, out, frames, bar.show)
+
+
+def with_offsets(room: Room, offset: Array) -> Room:
+    """The room with these clock offsets, (C,) s."""
+    pairs = zip(room.cameras.items(), offset.tolist(), strict=True)
+    return replace(room, cameras={name: replace(c, clock_offset=value) for (name, c), value in pairs})
+
+
+def check(room: Room, found: Offsets, limit: float) -> None:
+    """Raise InputError for every camera whose offset is not known well enough; limit: s."""
+    mistakes = []
+    for name, count, sigma in zip(room.cameras, found.sightings, found.sigma, strict=True):
+        if count < FEWEST:
+            text = f"{name}: {count} sightings of moving targets that another camera saw too, {FEWEST} needed"
+            mistakes.append(
+                Mistake(None, text, f"move a target through the view of {name}, at 1 m/s or faster")
+            )
+        elif not sigma <= limit:
+            text = f"the clock offset of {name} is known to {sigma * 1e3:.2g} ms only, {limit * 1e3:g} wanted"
+            mistakes.append(Mistake(None, text, "record faster or longer motion, or raise --limit"))
+    if mistakes:
+        raise InputError(mistakes)
+
+
+def write(path: Path, room: Room, found: Offsets) -> None:
+    """Put the offsets into the room file. Raises FollowspotError."""
+    changed = with_offsets(room, np.round(found.offset, DECIMALS))
+    try:
+        room_file.update(path, cameras=changed.cameras)
+    except OSError as error:
+        raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+
+
+def table(room: Room, found: Offsets) -> str:
+    """One line per camera."""
+    lines: list[Sequence[str]] = [("camera", "offset ms", "+- ms", "sightings")]
+    for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True):
+        lines.append((name, f"{offset * 1e3:+.2f}", f"{sigma * 1e3:.2f}", str(count)))
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    rows = ([cell.rjust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
+    return "\n".join("  ".join(row) for row in rows)
+
+
+def as_json(room: Room, found: Offsets) -> str:
+    """The same as one JSON object, in seconds."""
+    cameras = {
+        name: {"clock_offset": round(offset, DECIMALS), "sigma": sigma, "sightings": count}
+        for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True)
+    }
+    return json.dumps({"room": room.name, "cameras": cameras})
+
+
+def _columns(found: Offsets) -> tuple[list[float], list[float], list[int]]:
+    return found.offset.tolist(), found.sigma.tolist(), found.sightings.tolist()

@@ -1,0 +1,103 @@
+"""The room's own recording, tracked by a graph: tracks, and what each camera saw of them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from followspot.accuracy import TrackTable, read_tracks_csv
+from followspot.accuracy.rows import read_rows
+from followspot.deploy.launch import run_plan
+from followspot.deploy.local import OnProgress
+from followspot.deploy.truth import TRACKS
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.messages import Array
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot.runtime.wiring import RunOptions
+from followspot.tracking import Blobs
+
+SIGHTINGS = "sightings.csv"
+"""Written by the stage that is added to the graph, in the run's output folder."""
+
+
+@dataclass(frozen=True, eq=False)
+class BlobTable:
+    """M blobs, one row for each target that a blob may belong to.
+
+    time: (M,) s, by the camera's stamp; camera, target: (M,) numbers in the order of the room; pixel: (M, 2)
+    px with lens distortion.
+    """
+
+    time: Array
+    camera: Array
+    target: Array
+    pixel: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Tracked:
+    """What a run gave. The targets of the tracks are numbered in the order of the room."""
+
+    tracks: TrackTable
+    blobs: BlobTable
+
+
+def tracking_plan(
+    graph: str, room: Path, overrides: Sequence[str], plugin_files: Sequence[str], folder: Path
+) -> Plan:
+    """The plan of a graph with one more stage, which writes down the blobs that are paired.
+
+    folder: for the changed graph. Raises InputError where graph or room have mistakes, or nothing is paired.
+    """
+    plan = compile_graph(graph, room=room, overrides=overrides, plugin_files=plugin_files)
+    found = detectors(plan)
+    if not found:
+        text = f"graph {plan.graph} has no stage that joins the blobs of several cameras"
+        raise InputError([Mistake(None, text, "give one that tracks, for example graphs/glowballs.yaml")])
+    stage = {"uses": "sinks.csv_blobs", "in": {"blobs": list(found)}, "with": {"path": SIGHTINGS}}
+    changed = {"include": str(Path(graph).absolute()), "stages": {"write_sightings": stage}}
+    file = folder / "graph.yaml"
+    file.write_text(json.dumps(changed), encoding="utf-8")  # which is YAML, too
+    return compile_graph(file, room=room, overrides=overrides, plugin_files=plugin_files)
+
+
+def detectors(plan: Plan) -> tuple[str, ...]:
+    """The stages of the graph whose blobs another kind of stage makes something of, in their order."""
+    spoken = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
+    blobs = {name for name, each in spoken.items() if any(port.type is Blobs for port in each.outputs)}
+    group = {stage.name: stage.group for stage in plan.stages}
+    ends = (e for e in plan.edges if e.from_stage in blobs and spoken[e.to_stage].outputs)
+    return tuple(dict.fromkeys(group[e.from_stage] for e in ends if e.to_stage not in blobs))
+
+
+def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) -> Tracked:
+    """Run a plan of `tracking_plan`. Raises FollowspotError where it fails, KeyboardInterrupt on Ctrl-C."""
+    report = run_plan(plan, RunOptions(out, frames), show)
+    if report.stopped:
+        raise KeyboardInterrupt
+    if not report.ok:
+        raise FollowspotError("\n".join(report.errors) or "messages are unaccounted for")
+    if not (out / TRACKS).exists():
+        raise FollowspotError(f"graph {plan.graph} writes no {TRACKS}; it needs a stage sinks.csv")
+    targets = tuple(plan.room.targets)
+    table = read_tracks_csv(out / TRACKS)
+    number = np.array([targets.index(name) for name in table.objects], int)
+    tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
+    return Tracked(tracks, read_blobs(out / SIGHTINGS, tuple(plan.room.cameras), targets))
+
+
+def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> BlobTable:
+    """Blobs as `sinks.csv_blobs` writes them. Raises InputError with line numbers."""
+    rows = [
+        (row.choice("camera", cameras), row.choice("target", targets), *row.numbers("time", "u", "v"))
+        for row in read_rows(path, ("time", "camera", "target", "u", "v"))
+    ]
+    table = np.array(rows, float).reshape(-1, 5)
+    return BlobTable(table[:, 2], table[:, 0].astype(int), table[:, 1].astype(int), table[:, 3:])
