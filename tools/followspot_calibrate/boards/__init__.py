@@ -1,0 +1,1 @@
+"""Calibration boards: what they are, where their corners are seen, and the pictures that show them."""
