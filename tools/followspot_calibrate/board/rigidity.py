@@ -1,0 +1,53 @@
+"""How rigid the triangulated board is: distances between its corners against the printed ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot_calibrate.boards.board import Board
+
+
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """Distances between corners of one board at one moment.
+
+    first, second: (P,) rows; printed, measured: (P,) m.
+    """
+
+    first: Array
+    second: Array
+    printed: Array
+    measured: Array
+
+    @property
+    def scale(self) -> float:
+        """By which measured lengths must be multiplied to be the printed ones: the median ratio."""
+        return float(np.median(self.printed / self.measured))
+
+    @property
+    def rmse_mm(self) -> float:
+        """Root mean square difference of measured and printed distances, mm."""
+        return float(1000 * np.sqrt(np.square(self.measured - self.printed).mean()))
+
+
+def distances(frame: Array, label: Array, points: Array, board: Board) -> Distances:
+    """All pairs of known corners of the same moment.
+
+    frame, label: (N,), in the order of moments; points: (N, 3) m, NaN where not known.
+    """
+    known = np.flatnonzero(np.isfinite(points).all(axis=1))
+    starts = np.flatnonzero(np.diff(frame[known], prepend=-1))
+    groups = np.split(known, starts[1:]) if len(known) else []
+    pairs = [np.array(np.triu_indices(len(rows), 1)) for rows in groups]
+    both = [rows[pair] for rows, pair in zip(groups, pairs, strict=True)]
+    first, second = np.concatenate([np.empty((2, 0), np.int64), *both], axis=1)
+    corners = board.corners[label]
+    return Distances(
+        first,
+        second,
+        np.linalg.norm(corners[first] - corners[second], axis=1),
+        np.linalg.norm(points[first] - points[second], axis=1),
+    )

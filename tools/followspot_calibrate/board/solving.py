@@ -1,0 +1,142 @@
+"""From views of a board in all cameras to where the cameras stand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+from followspot_calibrate.adjust import Free, adjust
+from followspot_calibrate.board.chain import Pairs, chained, relations
+from followspot_calibrate.board.poses import Pose, board_poses
+from followspot_calibrate.board.rigidity import Distances, distances
+from followspot_calibrate.board.sighting import sightings_of
+from followspot_calibrate.boards.board import Board
+from followspot_calibrate.boards.detection import View
+from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.triangulation import triangulate
+
+ROUNDS = 2
+"""Of adjusting and rejecting."""
+OUTLIER = 8.0
+"""Reprojection error over its median from which a sighting is rejected..."""
+LEAST_OUTLIER = 1.0
+"""... unless it is smaller than this, px."""
+FLOOR = np.diag([1.0, -1.0, -1.0])
+"""From the board's frame, y down and z into the board, to a room on it, z up."""
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class BoardCalibration:
+    """Where the cameras stand, and how well that explains what they saw.
+
+    sightings: of corners that at least two cameras saw; points: (N, 3) m; residual: (N, C) px, NaN where not
+    seen or rejected; pairs: which cameras saw the board together; distances: between corners of the board,
+    measured against printed; scale: by which lengths from lenses alone differ from the board's.
+    """
+
+    cameras: tuple[Camera, ...]
+    sightings: Sightings
+    points: Array
+    residual: Array
+    rejected: int
+    pairs: Pairs
+    distances: Distances
+    scale: float
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square error of each camera, (C,) px."""
+        return np.asarray(np.sqrt(np.nanmean(np.square(self.residual), axis=0)))
+
+
+def solve(
+    cameras: Sequence[Camera],
+    views: Mapping[str, Sequence[View]],
+    board: Board,
+    floor: int | None = None,
+    progress: Progress | None = None,
+) -> BoardCalibration:
+    """Poses of all cameras, whose lenses are known, in metres.
+
+    views: camera -> its views, where frame is the number of the moment; floor: the moment at which the board
+    lies on the floor; without one the first camera keeps its pose. Raises FollowspotError.
+    """
+    pairs, placed = start(cameras, views, board)
+    seen = sightings_of(cameras, views)
+    seen = seen.rows(seen.seen.sum(axis=1) >= 2)
+    pixel = seen.pixel.copy()
+    points = triangulate(placed, pixel).points
+    residual = np.full(pixel.shape[:2], np.nan)
+    for _ in range(ROUNDS):
+        found = adjust(placed, points, pixel, Free(), progress=progress)
+        placed, points, residual = found.cameras, found.points, found.residual
+        limit = max(OUTLIER * float(np.nanmedian(residual)), LEAST_OUTLIER)
+        pixel[~(residual < limit)] = np.nan
+    lonely = np.isfinite(pixel[..., 0]).sum(axis=1) < 2
+    points[lonely], pixel[lonely] = np.nan, np.nan
+    residual[np.isnan(pixel[..., 0])] = np.nan
+    scale = distances(seen.frame, seen.label, points, board).scale
+    placed, points = scaled(placed, points, scale)
+    room = _origin(cameras[0], placed[0]) if floor is None else _on_floor(seen, points, board, floor)
+    placed, points = moved(placed, points, room)
+    apart = distances(seen.frame, seen.label, points, board)
+    rejected = int(seen.seen.sum() - np.isfinite(residual).sum())
+    return BoardCalibration(placed, seen, points, residual, rejected, pairs, apart, scale)
+
+
+def start(
+    cameras: Sequence[Camera], views: Mapping[str, Sequence[View]], board: Board
+) -> tuple[Pairs, tuple[Camera, ...]]:
+    """Which cameras see the board together, and where they stand by that. Raises FollowspotError."""
+    seen = [
+        {view.frame: board_poses(camera, view, board) for view in views[camera.name]} for camera in cameras
+    ]
+    pairs = relations(seen)
+    poses = chained([camera.name for camera in cameras], pairs)
+    return pairs, tuple(_posed(camera, pose) for camera, pose in zip(cameras, poses, strict=True))
+
+
+def scaled(cameras: Sequence[Camera], points: Array, scale: float) -> tuple[tuple[Camera, ...], Array]:
+    """The same room, larger."""
+    return tuple(replace(c, translation=c.translation * scale) for c in cameras), points * scale
+
+
+def moved(cameras: Sequence[Camera], points: Array, room: Pose) -> tuple[tuple[Camera, ...], Array]:
+    """The same room in another frame. room: from the present frame to that one."""
+    back = room.inverse
+    poses = (Pose(camera.rotation, camera.translation).after(back) for camera in cameras)
+    placed = tuple(_posed(camera, pose) for camera, pose in zip(cameras, poses, strict=True))
+    return placed, points @ room.rotation.T + room.translation
+
+
+def _posed(camera: Camera, pose: Pose) -> Camera:
+    return replace(camera, rotation=pose.rotation, translation=pose.translation)
+
+
+def _origin(before: Camera, after: Camera) -> Pose:
+    """The frame in which a camera stands as before."""
+    known = Pose(before.rotation, before.translation)
+    return known.inverse.after(Pose(after.rotation, after.translation))
+
+
+def _on_floor(seen: Sightings, points: Array, board: Board, moment: int) -> Pose:
+    """The frame of a board on the floor (Kabsch 1976). Raises FollowspotError where it was not seen."""
+    rows = (seen.frame == moment) & np.isfinite(points).all(axis=1)
+    corners = board.corners[seen.label[rows]] @ FLOOR.T
+    if rows.sum() < 4 or np.linalg.matrix_rank(corners - corners.mean(axis=0), 1e-6) < 2:
+        known = np.unique(seen.frame[np.isfinite(points).all(axis=1)])
+        nearest = known[np.abs(known - moment).argmin()] if len(known) else "none"
+        raise FollowspotError(
+            f"--floor {moment}: two cameras do not see the board then; the nearest moment is {nearest}"
+        )
+    center, target = points[rows].mean(axis=0), corners.mean(axis=0)
+    U, _, Vt = np.linalg.svd((corners - target).T @ (points[rows] - center))
+    R = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
+    return Pose(R, target - R @ center)
