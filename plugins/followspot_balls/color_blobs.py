@@ -10,10 +10,10 @@ from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows, packed
-from followspot_balls.components import Components, above_local_peak, clipped, components
+from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import Circles, reaching, search_circles, windows
-from followspot_balls.strip import GAP
+from followspot_balls.search import Regions, in_plane, search_regions
+from followspot_balls.strip import window_border
 from followspot_balls.votes import disc_centers
 
 SMALL = 12.0
@@ -132,19 +132,18 @@ class ColorBlobs(Stage):
         self.tables = packed(self.member)
         self.numbers = np.arange(len(self.sizes))
         self.limits = Limits(self.params.saturation, self.params.value, self.params.white)
-        self.area = area * [self.params.smallest, self.params.largest]
+        self.area = np.ascontiguousarray((area * [self.params.smallest, self.params.largest]).T)
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         p = self.params
-        circles = search_circles(self.room, self.camera.name, forecast, p.radius, p.scale)
-        near, lost = reaching(circles, self.camera.size), np.flatnonzero(circles.lost)
+        regions = search_regions(self.room, forecast, p.radius, p.scale)[self.camera.name]
         found = [NOTHING]
-        if len(near):
-            corners, side = windows(circles, near, self.camera.size)
-            sought = in_windows(frame.pixels, corners, side, near, self.tables, self.limits)
-            found.append(self.measured(sought, circles, side))
-        if len(lost):
-            smallest = self.area[lost, 0]
+        if len(regions.near):
+            sought = in_windows(frame.pixels, regions, self.tables, self.limits)
+            found.append(self.measured(sought, regions))
+        if regions.circles.lost.any():
+            lost = regions.circles.lost.nonzero()[0]
+            smallest = self.area[0, lost]
             found.append(self.measured(in_picture(frame.pixels, lost, self.member, self.limits, smallest)))
         blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
         return Blobs(
@@ -156,31 +155,32 @@ class ColorBlobs(Stage):
             targets=blobs.target[:, None] == self.numbers,
         )
 
-    def measured(self, sought: Sought, circles: Circles | None = None, side: int = 0) -> Found:
+    def measured(self, sought: Sought, regions: Regions | None = None) -> Found:
         """Blobs of the targets that a strip is searched for.
 
-        circles: search regions, where the parts are windows around these, of this side, px.
+        regions: where the parts are their windows.
         """
         p = self.params
         level, target = sought.level, sought.target
-        blobs = components(
-            above_local_peak(level, p.edge), level, sought.strip, self.area.take(target, axis=0)
-        )
+        blobs = components(above_local_peak(level, p.edge), level, sought.strip)
         owner = target.take(blobs.part)
+        smallest, largest = self.area.take(owner, axis=1)
+        keep = of_size(blobs.area, smallest, largest)
         histograms = component_histograms(blobs, sought.hue, sought.colored)
         similarity = bhattacharyya(histograms, self.histograms.take(owner, axis=0))
-        keep = similarity > p.similarity
-        pixel = blobs.center + sought.strip.shift.take(blobs.part, axis=0)
-        if circles is not None:
-            ball = circles.ball.take(owner)
+        keep &= similarity > p.similarity
+        pixel = sought.strip.shift.take(blobs.part, axis=0)
+        if regions is None:
+            pixel = pixel + blobs.center
+        else:
+            circles, ball = regions.circles, regions.circles.ball.take(owner)
             keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
-            keep &= ~clipped(blobs, side, side + GAP)
-            pixel += disc_centers(level, blobs, np.where(keep, ball + p.rim, np.nan), p.edge) - blobs.center
-            offset = pixel - circles.center.take(owner, axis=0)
-            keep &= np.hypot(offset[:, 0], offset[:, 1]) <= circles.radius.take(owner)
-        if keep.all():
-            return Found(pixel, blobs.area, similarity, owner)
-        return Found(pixel[keep], blobs.area[keep], similarity[keep], owner[keep])
+            keep &= ~clipped(blobs, window_border(len(target), regions.side))
+            pixel = pixel + disc_centers(level, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
+            offset = in_plane(pixel - circles.center.take(owner, axis=0))
+            keep &= np.abs(offset) <= circles.radius.take(owner)
+        rows = keep.nonzero()[0]
+        return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))
 
 
 def component_histograms(blobs: Components, hue: Array, colored: Array) -> Array:
@@ -188,6 +188,6 @@ def component_histograms(blobs: Components, hue: Array, colored: Array) -> Array
 
     hue: (H, W) u8 of the strip, full range; colored: (H, W) bool.
     """
-    bins, counted = hue_bin(hue.reshape(-1).take(blobs.pixels)), colored.reshape(-1).take(blobs.pixels)
+    bins, counted = hue_bin(hue.take(blobs.pixels)), colored.take(blobs.pixels)
     counts = np.bincount(blobs.label * BINS + bins, counted, len(blobs.area) * BINS)
     return normalised(counts.reshape(-1, BINS))

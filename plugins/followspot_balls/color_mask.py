@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import reduce
 from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from followspot.messages import Array
+from followspot_balls.search import Regions
 from followspot_balls.strip import Strip, clusters, cut, scattered, window_strip
 
 
@@ -33,18 +35,16 @@ class Sought(NamedTuple):
     """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
 
 
-def in_windows(
-    pixels: Array, corners: Array, side: int, target: Array, tables: tuple[Array, Array], limits: Limits
-) -> Sought:
+def in_windows(pixels: Array, regions: Regions, tables: tuple[Array, Array], limits: Limits) -> Sought:
     """What may show each target in its window.
 
-    pixels: (H, W, 3) BGR; corners: (N, 2); side: px; target: (N,); tables: packed hues of the targets.
+    pixels: (H, W, 3) BGR; tables: packed hues of the targets.
     """
-    tiles, strip = cut(pixels, corners, side), window_strip(corners, side)
+    tiles, strip = cut(pixels, regions.corners, regions.side), window_strip(regions.corners, regions.side)
     hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
     colored, core = saturated(saturation, value, limits)
-    colored &= hue_pixels(hue, tables, target.take(strip.part))
-    return Sought(strip, target, (colored | core).view(np.uint8) * value, hue, colored)
+    colored &= hue_pixels(hue, tables, regions.near.take(strip.part))
+    return Sought(strip, regions.near, (colored | core).view(np.uint8) * value, hue, colored)
 
 
 def in_picture(pixels: Array, target: Array, member: Array, limits: Limits, smallest: Array) -> Sought:
@@ -94,7 +94,5 @@ def hue_pixels(hue: Array, tables: tuple[Array, Array], target: Array) -> Array:
 
     tables: packed; target: (W,).
     """
-    shown = np.zeros(hue.shape, np.uint8)
-    for table, bit in zip(*tables, strict=True):
-        shown |= np.asarray(cv2.LUT(hue, table)) & bit.take(target)
-    return shown > 0
+    groups = (np.asarray(cv2.LUT(hue, table)) & bit.take(target) for table, bit in zip(*tables, strict=True))
+    return np.asarray(reduce(np.bitwise_or, groups) > 0)

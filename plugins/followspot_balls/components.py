@@ -29,15 +29,11 @@ class Components:
     """(N,) largest weight in it."""
     pixels: Array
     """(P,) flat index of the pixels in the strip."""
-    x: Array
-    """(P,) column of each of these pixels, px."""
-    y: Array
-    """(P,) row, px."""
     label: Array
     """(P,) number of the component of each."""
 
 
-NOTHING = Components(*np.empty((8, 0), int))
+NOTHING = Components(*np.empty((6, 0), int))
 NOTHING = replace(NOTHING, center=np.empty((0, 2)), area=np.empty(0), peak=np.empty(0))
 
 
@@ -49,65 +45,47 @@ def above_local_peak(level: Array, fraction: float) -> Array:
     """
     if not level.size:
         return np.zeros(level.shape, bool)
-    floor = cv2.convertScaleAbs(cv2.dilate(level, NEIGHBOURHOOD), alpha=fraction)
-    above = level >= np.asarray(floor)
-    above &= level > 0
-    return np.asarray(above)
+    floor = np.asarray(cv2.convertScaleAbs(cv2.dilate(level, NEIGHBOURHOOD), alpha=fraction))
+    return np.asarray(level >= np.maximum(floor, 1, out=floor))
 
 
-def components(mask: Array, level: Array, strip: Strip, area: Array) -> Components:
-    """Connected components (8 neighbours) of allowed size, with centroids weighted by `level`.
+def components(mask: Array, level: Array, strip: Strip) -> Components:
+    """Connected components (8 neighbours), with centroids weighted by `level`.
 
-    mask: (H, W) bool, empty between the parts; level: (H, W), positive inside the mask;
-    area: (parts, 2) smallest and largest, px.
+    mask: (H, W) bool, empty between the parts; level: (H, W), positive inside the mask.
     """
-    pixels = np.flatnonzero(mask)
+    pixels = mask.reshape(-1).nonzero()[0]
     if not len(pixels):
         return NOTHING
     count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
-    label: Array = np.asarray(labels).reshape(-1).take(pixels)
+    count -= 1  # the background
+    label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
     y, x = np.divmod(pixels, mask.shape[1])
-    part = np.zeros(count, int)
-    part[label] = strip.part.take(x)
-    keep = allowed(np.bincount(label, minlength=count), area.take(part, axis=0))
-    if len(keep) < count - 1:
-        row = np.full(count, -1)
-        row[keep] = np.arange(len(keep))
-        label = row.take(label)
-        chosen = np.flatnonzero(label >= 0)
-        label, pixels, y, x = (values.take(chosen) for values in (label, pixels, y, x))
-    else:
-        label = label.astype(np.intp) - 1
-    return measured(part.take(keep), pixels, x, y, label, level)
-
-
-def allowed(size: Array, area: Array) -> Array:
-    """Rows of the components of allowed size, at most MOST; row 0 is the background."""
-    fits = (size >= area[:, 0]) & (size <= area[:, 1])
-    fits[0] = False
-    keep = np.flatnonzero(fits)
-    return keep if len(keep) <= MOST else np.sort(keep[np.argsort(-size[keep], kind="stable")[:MOST]])
-
-
-def measured(part: Array, pixels: Array, x: Array, y: Array, label: Array, level: Array) -> Components:
-    """Area, weighted centroid and peak of labelled pixels."""
-    count = len(part)
-    weight = level.reshape(-1).take(pixels).astype(float)
-    center = np.empty((count, 2))
+    weight = level.take(pixels).astype(float)
     total = np.bincount(label, weight, count)
-    np.divide(np.bincount(label, weight * x, count), total, out=center[:, 0])
-    np.divide(np.bincount(label, weight * y, count), total, out=center[:, 1])
+    center = np.empty((count, 2))
+    center[:, 0] = np.bincount(label, weight * x, count)
+    center[:, 1] = np.bincount(label, weight * y, count)
+    center /= total[:, None]
     peak = np.zeros(count)
     np.maximum.at(peak, label, weight)
     area = np.bincount(label, minlength=count).astype(float)
-    return Components(part, center, area, peak, pixels, x, y, label)
+    part = strip.part.take(center[:, 0].astype(np.intp))
+    return Components(part, center, area, peak, pixels, label)
 
 
-def clipped(blobs: Components, side: int, pitch: int) -> Array:
-    """Which components touch the border of their window, (N,) bool.
+def of_size(area: Array, smallest: Array, largest: Array) -> Array:
+    """Which components have an allowed size, at most MOST: (N,) bool.
 
-    side: of the windows, px; pitch: from one to the next, px.
+    area: (N,) px; smallest, largest: (N,) or one for all, px.
     """
-    x, last = blobs.x % pitch, side - 1
-    border = (x == 0) | (x == last) | (blobs.y == 0) | (blobs.y == last)
-    return np.asarray(np.bincount(blobs.label, border, len(blobs.area)) > 0)
+    fits = (area >= smallest) & (area <= largest)
+    if np.count_nonzero(fits) > MOST:
+        size = np.where(fits, area, 0)
+        fits[np.argsort(-size, kind="stable")[MOST:]] = False
+    return np.asarray(fits)
+
+
+def clipped(blobs: Components, border: Array) -> Array:
+    """Which components touch the border of their window, (N,) bool; border: (H * W,) bool, of all windows."""
+    return np.asarray(np.bincount(blobs.label, border.take(blobs.pixels), len(blobs.area)) > 0)

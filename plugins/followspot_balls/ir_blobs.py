@@ -8,9 +8,9 @@ import numpy as np
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.components import above_local_peak, clipped, components
-from followspot_balls.search import Circles, distances, reaching, search_circles, windows, within
-from followspot_balls.strip import GAP, Strip, clusters, cut, scattered, window_strip
+from followspot_balls.components import above_local_peak, clipped, components, of_size
+from followspot_balls.search import Circles, Regions, distances, search_regions, within
+from followspot_balls.strip import Strip, clusters, cut, scattered, window_border, window_strip
 from followspot_balls.votes import disc_centers
 
 SAME = 0.5
@@ -72,40 +72,41 @@ class IrBlobs(Stage):
         self.brightest = float(np.floor(gray[:, 1].max(initial=0)))
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
         self.area = area * [self.params.smallest, self.params.largest]
-        self.sought = np.array([[self.area[:, 0].min(initial=1e9), self.area[:, 1].max(initial=0)]])
+        self.sought = self.area[:, 0].min(initial=1e9), self.area[:, 1].max(initial=0)
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
-        circles = search_circles(self.room, self.camera.name, forecast, self.params.radius, self.params.scale)
-        pixel, area = self.search(frame.pixels, circles)
+        p = self.params
+        regions = search_regions(self.room, forecast, p.radius, p.scale)[self.camera.name]
+        pixel, area = self.search(frame.pixels, regions)
         fits = (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
-        targets = within(circles, pixel) & fits
-        keep = targets.any(axis=1)
+        targets = within(regions.circles, pixel) & fits
+        rows = np.flatnonzero(targets.any(axis=1))
+        pixel = pixel.take(rows, axis=0)
         return Blobs(
             camera=self.camera.name,
-            xy=undistort(self.camera, pixel[keep]),
-            pixel=pixel[keep],
-            area=area[keep],
-            similarity=np.ones(int(keep.sum())),
-            targets=targets[keep],
+            xy=undistort(self.camera, pixel),
+            pixel=pixel,
+            area=area.take(rows),
+            similarity=np.ones(len(rows)),
+            targets=targets.take(rows, axis=0),
         )
 
-    def search(self, pixels: Array, circles: Circles) -> tuple[Array, Array]:
+    def search(self, pixels: Array, regions: Regions) -> tuple[Array, Array]:
         """Centres (N, 2) px and areas (N,) px of bright blobs, each once, in the windows or the picture."""
-        if circles.lost.any():
-            return self.measured(*self.in_picture(pixels), circles)
-        near = reaching(circles, self.camera.size)
-        if not len(near):
+        if regions.circles.lost.any():
+            return self.measured(*self.in_picture(pixels), regions.circles)
+        if not len(regions.near):
             return np.empty((0, 2)), np.empty(0)
-        corners, side = windows(circles, near, self.camera.size)
-        level = self.level(cut(pixels, corners, side)[..., 0])
-        return self.measured(level, window_strip(corners, side), circles, side)
+        level = self.level(cut(pixels, regions.corners, regions.side)[..., 0])
+        strip = window_strip(regions.corners, regions.side)
+        return self.measured(level, strip, regions.circles, regions.side)
 
     def in_picture(self, pixels: Array) -> tuple[Array, Strip]:
         """Bright pixels of the whole picture, gathered into a strip."""
         level = self.level(pixels[..., 0])
         index = np.flatnonzero(level)
         y, x = np.divmod(index, level.shape[1])
-        found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), self.sought[:, 0])
+        found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), np.array(self.sought[:1]))
         return scattered(found, level.reshape(-1).take(index.take(found.entry))), found.strip
 
     def level(self, gray: Array) -> Array:
@@ -114,14 +115,16 @@ class IrBlobs(Stage):
 
     def measured(self, level: Array, strip: Strip, circles: Circles, side: int = 0) -> tuple[Array, Array]:
         """Centres and areas of the bright blobs of a strip; side: of its windows, if such are its parts."""
-        sought = self.sought.repeat(len(strip.shift), axis=0)
-        blobs = components(above_local_peak(level, self.params.edge), level, strip, sought)
+        blobs = components(above_local_peak(level, self.params.edge), level, strip)
         shift = strip.shift.take(blobs.part, axis=0)
+        keep = of_size(blobs.area, *self.sought)
+        if side:
+            keep &= ~clipped(blobs, window_border(len(strip.shift), side))
+        rows = keep.nonzero()[0]
         radius = nearest_radius(circles, blobs.center + shift)
-        whole = ~clipped(blobs, side, side + GAP) if side else np.ones(len(radius), bool)
-        rim = np.where(whole, radius + self.params.rim, np.nan)
+        rim = np.where(keep, radius + self.params.rim, np.nan)
         center = disc_centers(level, blobs, rim, self.params.edge) + shift
-        return distinct(center[whole], blobs.area[whole])
+        return distinct(center.take(rows, axis=0), blobs.area.take(rows))
 
 
 def nearest_radius(circles: Circles, pixel: Array) -> Array:
@@ -131,7 +134,8 @@ def nearest_radius(circles: Circles, pixel: Array) -> Array:
     distance = distances(pixel, circles.center)
     distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
     nearest = distance.argmin(axis=1)
-    return np.where(distance.min(axis=1) < np.inf, circles.ball.take(nearest), np.nan)
+    reached = distance[np.arange(len(nearest)), nearest] < np.inf
+    return np.where(reached, circles.ball.take(nearest), np.nan)
 
 
 def distinct(center: Array, area: Array) -> tuple[Array, Array]:

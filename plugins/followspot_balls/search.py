@@ -10,13 +10,14 @@ import numpy as np
 from followspot.geometry import Views
 from followspot.messages import Array
 from followspot.room import Room
-from followspot.tracking import LOST, TRACKED, Forecast
+from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
 
 WINDOW = 1.5
 """Balls' radii by which a window exceeds its search circle."""
 FARTHEST_OFF = 0.1
 """Cosine of the angle from the optical axis up to which outlines become longer."""
 TINY = np.finfo(float).tiny
+NOBODY = np.empty(0, int)
 
 
 class Circles(NamedTuple):
@@ -30,6 +31,18 @@ class Circles(NamedTuple):
     """(T,) px, radius of the target's outline; NaN where the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
+
+
+class Regions(NamedTuple):
+    """Search regions of one view, and square windows around those that reach into the picture."""
+
+    circles: Circles
+    near: Array
+    """(M,) numbers of the targets that have a window."""
+    corners: Array
+    """(M, 2) int px, upper left corners of the windows."""
+    side: int
+    """Of each window, px."""
 
 
 class Images(NamedTuple):
@@ -51,10 +64,10 @@ def lost_targets(forecast: Forecast | None, count: int) -> Array:
 
 
 def tracked_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets were measured in the frame before; none, at first. Returns (T,) bool."""
+    """Which of `count` targets had a place in the frame before; none, at first. Returns (T,) bool."""
     if forecast is None or len(forecast.state) != count:
         return np.zeros(count, bool)
-    return np.asarray(forecast.state == TRACKED)
+    return np.asarray((forecast.state == TRACKED) | (forecast.state == PREDICTED))
 
 
 def search_radius(travel: Array, minimum: float, scale: float) -> Array:
@@ -72,14 +85,29 @@ def search_circles(
 
     minimum: px; scale: of the expected travel.
     """
+    return search_regions(room, forecast, minimum, scale)[camera].circles
+
+
+@lru_cache(maxsize=8)
+def search_regions(room: Room, forecast: Forecast | None, minimum: float, scale: float) -> dict[str, Regions]:
+    """Where targets are looked for in all views at once, for whichever stage of a worker asks first."""
     count = len(room.targets)
     lost = lost_targets(forecast, count)
     if forecast is None or lost.all():
         nowhere = np.full((count, 2), np.nan)
-        return Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
-    images, number = forecast_images(room, forecast), list(room.cameras).index(camera)
-    radius = search_radius(images.travel[number], minimum, scale)
-    return Circles(images.center[number], radius, images.ball[number], lost)
+        circles = Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
+        return dict.fromkeys(room.cameras, Regions(circles, NOBODY, np.empty((0, 2), int), 0))
+    images = forecast_images(room, forecast)
+    radius = search_radius(images.travel, minimum, scale)
+    size = np.array([camera.size for camera in room.cameras.values()])
+    inside = reaching(images.center, radius, size)
+    corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
+    return {
+        camera: Regions(Circles(center, around, ball, lost), near.nonzero()[0], corner[near], side)
+        for camera, center, around, ball, near, corner, side in zip(
+            room.cameras, images.center, radius, images.ball, inside, corners, sides.tolist(), strict=True
+        )
+    }
 
 
 @lru_cache(maxsize=8)
@@ -118,9 +146,13 @@ def elongation(local: Array) -> Array:
 
 
 def distances(points: Array, centers: Array) -> Array:
-    """Between all of both: (N, 2) and (T, 2) px -> (N, T)."""
-    x, y = points[:, :1] - centers[:, 0], points[:, 1:] - centers[:, 1]
-    return np.asarray(np.sqrt(x * x + y * y))
+    """Between all of both: (N, 2) and (T, 2) px -> (N, T); as between complex numbers, in one subtraction."""
+    return np.asarray(np.abs(in_plane(points)[:, None] - in_plane(centers)))
+
+
+def in_plane(points: Array) -> Array:
+    """Points (N, 2) as complex numbers x + iy: (N,)."""
+    return np.ascontiguousarray(points).view(complex).reshape(-1)
 
 
 def within(circles: Circles, pixel: Array) -> Array:
@@ -130,22 +162,27 @@ def within(circles: Circles, pixel: Array) -> Array:
     return inside
 
 
-def reaching(circles: Circles, size: tuple[int, int]) -> Array:
-    """Targets whose search region reaches into a picture of this width and height, px: their numbers."""
-    half = np.array(size) / 2
-    inside = np.abs(circles.center - half) <= half + circles.radius[:, None]
-    return np.flatnonzero(inside[:, 0] & inside[:, 1])
+def reaching(center: Array, radius: Array, size: Array) -> Array:
+    """Which search regions reach into the picture.
 
-
-def windows(circles: Circles, chosen: Array, size: tuple[int, int]) -> tuple[Array, int]:
-    """Squares around some search regions, so large that a ball on the circle is whole in them.
-
-    Returns the upper left corners, (M, 2) int px, and the side, px, the same for all: that of the
-    largest, but no window exceeds twice the picture, of width and height `size`.
+    center: (C, T, 2) px; radius: (C, T) px; size: (C, 2) width and height, px. Returns (C, T) bool.
     """
-    reach = (circles.radius + WINDOW * circles.ball).take(chosen)
-    half = int(min(reach.max(initial=0), max(size))) + 3
-    return np.rint(circles.center.take(chosen, axis=0)).astype(int) - half, 2 * half + 1
+    half = size[:, None] / 2
+    inside = np.abs(center - half) <= half + radius[..., None]
+    return np.asarray(inside[..., 0] & inside[..., 1])
+
+
+def windows(center: Array, reach: Array, inside: Array, size: Array) -> tuple[Array, Array]:
+    """Squares around search regions, so large that a ball on the circle is whole in them.
+
+    center: (C, T, 2) px; reach: (C, T) px; inside: (C, T) bool, which have a window; size: (C, 2) px.
+    Returns the upper left corners, (C, T, 2) int px, and the sides, (C,) px: that of the view's
+    largest, but no window exceeds twice the picture.
+    """
+    largest = np.where(inside, reach, 0).max(axis=1, initial=0)
+    half = np.minimum(largest, size.max(axis=1)).astype(int) + 3
+    nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
+    return nearest - half[:, None, None], 2 * half + 1
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

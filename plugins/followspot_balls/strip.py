@@ -6,6 +6,7 @@ Empty columns between them are so wide that no part bears upon its neighbour.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import cv2
@@ -49,8 +50,28 @@ def window_strip(corners: Array, side: int) -> Strip:
     """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; side: px."""
     count, wide = len(corners), side + GAP
     shift = corners.copy()
-    shift[:, 0] -= np.arange(count) * wide
-    return Strip(np.repeat(np.arange(count), wide), shift)
+    shift[:, 0] -= np.arange(0, count * wide, wide)
+    return Strip(window_columns(count, wide), shift)
+
+
+@lru_cache(maxsize=64)
+def window_columns(count: int, wide: int) -> Array:
+    """Number of the window that each column of a strip belongs to: (count * wide,)."""
+    return read_only(np.repeat(np.arange(count), wide))
+
+
+@lru_cache(maxsize=64)
+def window_border(count: int, side: int) -> Array:
+    """Which pixels of a strip are the outermost of their windows: (side * count * (side + GAP),) bool."""
+    border = np.ones((side, count, side + GAP), bool)
+    border[1:-1, :, 1 : side - 1] = False
+    return read_only(border.reshape(-1))
+
+
+def read_only(array: Array) -> Array:
+    """The array, which nobody may change: others use it too."""
+    array.flags.writeable = False
+    return array
 
 
 def whole_strip(width: int) -> Strip:

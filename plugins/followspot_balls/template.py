@@ -72,9 +72,8 @@ def find_spots(levels: Sequence[Array], edge: float) -> list[tuple[int, Array]]:
     spots = []
     for number, level in enumerate(stack):
         risen = np.where(level > room + CONTRAST, level, 0).astype(np.uint8)
-        strip, area = whole_strip(risen.shape[1]), np.array([[SMALLEST, risen.size]])
-        found = components(above_local_peak(risen, edge), risen, strip, area)
-        if len(found.area):
+        found = components(above_local_peak(risen, edge), risen, whole_strip(risen.shape[1]))
+        if found.area.max(initial=0) >= SMALLEST:
             inside = np.zeros(risen.shape, bool)
             inside.reshape(-1)[found.pixels] = found.label == found.area.argmax()
             spots.append((number, inside))

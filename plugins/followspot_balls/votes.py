@@ -7,38 +7,28 @@ radius inward; the rim's votes agree, those of the edge of whatever hides the ba
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import cv2
 import numpy as np
 
 from followspot.messages import Array
 from followspot_balls.components import Components
 
-BORDER = 2
-"""Pixels around a picture that the derivative filter needs."""
+SMOOTH = np.array([0.24, 0.52, 0.24], np.float32)
+"""Filter along rows and columns before the slopes are taken."""
+MEAN, SLOPE = np.array([3.0, 10.0, 3.0]) / 16, np.array([-1.0, 0.0, 1.0]) / 2
+"""Scharr's filters, across and along a slope."""
+STENCIL = np.array([np.outer(MEAN, SLOPE), np.outer(SLOPE, MEAN), np.diag([0, 1, 0])])
+STENCIL = STENCIL.reshape(3, 9).astype(np.float32)
+"""Slopes to the right and down, and the pixel itself, in a square of 3 x 3."""
 NEAR = 1.2
 """Largest distance of a voting pixel from the edge, px: the width of the blurred step."""
 FAINTEST = 0.08
 """Least slope of a voting pixel, peaks per px."""
 UNHEARD = 1e-9
-"""Weight of the centre itself, so that it stays where there is no vote."""
+"""Weight of the centroid itself, so that it stays where there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
 TOUCHING = np.ones((3, 3), np.uint8)
-
-
-def _stencil() -> Array:
-    """Smoothed level and its x and y slopes as linear filters of a 5 x 5 square: (3, 25)."""
-    smooth = np.array([0.0, 0.24, 0.52, 0.24, 0.0])
-    mean, slope = np.array([3.0, 10.0, 3.0]) / 16, np.array([-1.0, 0.0, 1.0]) / 2
-    wide = np.convolve(smooth[1:4], mean)
-    steep = np.convolve(smooth[1:4], slope)
-    filters = (np.outer(smooth, smooth), np.outer(wide, steep), np.outer(steep, wide))
-    return np.stack([f.ravel() for f in filters]).astype(np.float32)
-
-
-STENCIL = _stencil()
 
 
 def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) -> Array:
@@ -48,64 +38,72 @@ def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) ->
     radius: (N,) px of each component's disc, NaN where unknown; edge: of a disc over its peak.
     Returns (N, 2) px in the strip; the centroid where the radius is unknown.
     """
-    known = ~np.isnan(radius)
-    if not known.any():
+    known = np.equal(radius, radius).nonzero()[0]
+    if not len(known):
         return blobs.center
     index, label = rim_band(blobs, known, level.shape)
-    y, x = np.divmod(index, level.shape[1])
-    slopes = derivatives(level, x, y)
-    value, slopes = slopes[0], slopes[1:]
-    peak = blobs.peak.take(label)
-    slope, height = np.hypot(*slopes), value - edge * peak
+    planes = derivatives(level, index) / blobs.peak.take(known).take(label)
+    right, down, value = planes
+    slope = np.hypot(right, down)
+    height = value - edge
     voter = np.abs(height) < NEAR * slope
-    voter &= slope > FAINTEST * peak
-    chosen = np.flatnonzero(voter)
-    label, x, y, slope = label.take(chosen), x.take(chosen), y.take(chosen), slope.take(chosen)
-    reach = (radius.take(label) - height.take(chosen) / slope) / slope
-    votes = np.array([x, y]) + reach * slopes.take(chosen, axis=1)
-    return agreement(votes, slope / peak.take(chosen), label, blobs.center)
+    voter &= slope > FAINTEST
+    chosen = voter.nonzero()[0]
+    label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
+    reach = (radius.take(known).take(label) - height / slope) / slope
+    votes = planes.take(chosen, axis=1) * reach
+    y, x = np.divmod(index.take(chosen), level.shape[1])
+    votes[0] += x
+    votes[1] += y
+    votes[2] = 1.0
+    center = blobs.center.copy()
+    center[known] = agreement(votes, slope, label, center.take(known, axis=0))
+    return center
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Pixels of some components and next to them: flat index and number of the component.
+    """Pixels of some components and next to them: flat index, and number of the component among these.
 
-    known: (N,) bool, which; shape: of the strip.
+    known: (K,) which components; shape: of the strip.
     """
+    code = np.zeros(len(blobs.area), np.uint16)
+    code[known] = np.arange(1, len(known) + 1)
     labels = np.zeros(shape, np.uint16)
-    code = (np.arange(1, len(known) + 1) * known).astype(np.uint16)
-    labels.reshape(-1)[blobs.pixels] = code.take(blobs.label)
-    grown = np.asarray(cv2.dilate(labels, TOUCHING)).reshape(-1)
-    index = np.flatnonzero(grown > 0)
+    labels.put(blobs.pixels, code.take(blobs.label))
+    grown = np.asarray(cv2.dilate(labels, TOUCHING))
+    index = (grown > 0).reshape(-1).nonzero()[0]
     return index, grown.take(index).astype(np.intp) - 1
 
 
-def derivatives(level: Array, x: Array, y: Array) -> Array:
-    """Smoothed level and its slopes per px to the right and down at some pixels: (3, P)."""
-    padded = np.asarray(cv2.copyMakeBorder(level, BORDER, BORDER, BORDER, BORDER, cv2.BORDER_CONSTANT))
-    squares = padded.reshape(-1).take(y * padded.shape[1] + x + square_offsets(padded.shape[1]))
-    return np.asarray(STENCIL @ squares.astype(np.float32))
+def derivatives(level: Array, index: Array) -> Array:
+    """Slopes per px to the right and down, and smoothed level, at some pixels: (3, P) float32.
 
-
-@lru_cache(maxsize=64)
-def square_offsets(width: int) -> Array:
-    """From the first pixel of a 5 x 5 square to all of it, as flat indices in a picture: (25, 1)."""
-    side = np.arange(2 * BORDER + 1)
-    return (side[:, None] * width + side).reshape(-1, 1)
+    level: (H, W) u8; index: (P,) flat.
+    """
+    smooth = cv2.sepFilter2D(level, cv2.CV_32F, SMOOTH, SMOOTH, borderType=cv2.BORDER_CONSTANT)
+    width = level.shape[1]
+    around = np.add.outer([-width, 0, width], [-1, 0, 1]).reshape(-1, 1)
+    return np.asarray(STENCIL @ smooth.take(index + around, mode="clip"))
 
 
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
     """Where most votes of each component agree: a weighted mean, iterated with a narrowing kernel.
 
-    votes: (2, P) px, x and y; weight, label: (P,); start: (M, 2) px, kept without votes. Returns (M, 2) px.
+    votes: (3, P) x and y, px, and 1; weight, label: (P,); start: (K, 2) px, kept without votes.
+    Returns (K, 2) px.
     """
-    center, count = start.T, len(start)
+    count = len(start)
+    member = np.eye(count).take(label, axis=0)
+    faint = np.full((3, count), UNHEARD)
+    faint[:2] *= start.T
+    center = start.T
     for spread in SPREADS:
-        offset = votes - center.take(label, axis=1)
+        offset = votes[:2] - center.take(label, axis=1)
         offset *= offset
         kernel = offset[0] + offset[1]
         kernel += spread**2
-        heard = weight / (kernel * kernel)
-        x, y = heard * votes
-        sums = np.array([np.bincount(label, values, count) for values in (x, y, heard)])
-        center = (sums[:2] + UNHEARD * center) / (sums[2] + UNHEARD)
+        kernel *= kernel
+        sums = (votes * (weight / kernel)) @ member
+        sums += faint
+        center = sums[:2] / sums[2]
     return center.T

@@ -11,7 +11,7 @@ from followspot.messages import Array, seal
 from followspot.stage import Context, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
-from followspot_balls.components import MOST, above_local_peak, components
+from followspot_balls.components import MOST, above_local_peak, components, of_size
 from followspot_balls.hue import bhattacharyya, membership, normalised
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.strip import whole_strip
@@ -176,14 +176,16 @@ def test_grey_levels_out_of_the_range_are_not_seen() -> None:
 def test_noise_is_bounded() -> None:
     level = np.zeros((200, 200), np.uint8)
     level[::3, ::3] = 200
-    found = components(above_local_peak(level, 0.5), level, whole_strip(200), np.array([[1.0, 9.0]]))
-    assert len(found.area) == MOST
+    found = components(above_local_peak(level, 0.5), level, whole_strip(200))
+    assert len(found.area) > MOST
+    smallest, largest = np.array(1.0), np.array(9.0)
+    assert of_size(found.area, smallest, largest).sum() == MOST
 
 
 def test_without_a_radius_the_centre_is_the_centroid() -> None:
     level = np.zeros((20, 20), np.uint8)
     level[5:9, 5:9] = 200
-    found = components(above_local_peak(level, 0.5), level, whole_strip(20), np.array([[1.0, 90.0]]))
+    found = components(above_local_peak(level, 0.5), level, whole_strip(20))
     assert disc_centers(level, found, np.array([np.nan]), 0.5) == pytest.approx(np.array([[6.5, 6.5]]))
 
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot.messages import Array
-from followspot_balls.components import above_local_peak, components
-from followspot_balls.strip import clusters, cut, scattered, whole_strip, window_strip
+from followspot_balls.components import above_local_peak, components, of_size
+from followspot_balls.strip import Strip, clusters, cut, scattered, whole_strip, window_strip
 
-AREA = np.array([[3.0, 60.0]])
+SMALLEST, LARGEST = 3, 60
 EDGE = 0.6
 
 
@@ -25,8 +25,11 @@ def speckled(seed: int) -> Array:
     return level
 
 
-def found(center: Array, area: Array) -> Array:
-    rows = np.column_stack([center, area])
+def found(level: Array, strip: Strip) -> Array:
+    """x, y and area of the components of allowed size, in the picture."""
+    blobs = components(above_local_peak(level, EDGE), level, strip)
+    fits = of_size(blobs.area, np.array(SMALLEST), np.array(LARGEST))
+    rows = np.column_stack([blobs.center + strip.shift.take(blobs.part, axis=0), blobs.area])[fits]
     return rows[np.lexsort(rows.T)]
 
 
@@ -34,15 +37,10 @@ def found(center: Array, area: Array) -> Array:
 @given(st.integers(0, 10_000))
 def test_clusters_hold_the_components_of_the_whole_picture(seed: int) -> None:
     level = speckled(seed)
-    whole = components(above_local_peak(level, EDGE), level, whole_strip(70), AREA)
     y, x = level.nonzero()
-    parts = clusters(np.zeros(len(y), int), y, x, (1, *level.shape), AREA[:, 0])
+    parts = clusters(np.zeros(len(y), int), y, x, (1, *level.shape), np.array([SMALLEST]))
     strip = scattered(parts, level[y, x].take(parts.entry))
-    blobs = components(
-        above_local_peak(strip, EDGE), strip, parts.strip, AREA.repeat(len(parts.layer), axis=0)
-    )
-    center = blobs.center + parts.strip.shift.take(blobs.part, axis=0)
-    assert found(center, blobs.area) == pytest.approx(found(whole.center, whole.area))
+    assert found(strip, parts.strip) == pytest.approx(found(level, whole_strip(70)))
 
 
 def test_clusters_of_different_layers_are_apart() -> None:
