@@ -33,7 +33,7 @@ DECIMALS = 6
 def calibrate_clocks(args: argparse.Namespace) -> int:
     """Track, estimate, and again with what was found; write and report. Returns the exit code.
 
-    Raises InputError where too little moves, FollowspotError where the graph fails.
+    Raises InputError for files and options, FollowspotError where the graph fails or too little moves.
     """
     room = room_file.load(args.room)
     reference = camera_number(room, args.reference)
@@ -95,19 +95,21 @@ def with_offsets(room: Room, offset: Array) -> Room:
 
 
 def check(room: Room, found: Offsets, limit: float) -> None:
-    """Raise InputError for every camera whose offset is not known well enough; limit: s."""
-    mistakes = []
+    """Raise FollowspotError that names every camera whose offset is not known well enough; limit: s."""
+    problems = []
     for name, count, sigma in zip(room.cameras, found.sightings, found.sigma, strict=True):
         if count < FEWEST:
-            text = f"{name}: {count} sightings of moving targets that another camera saw too, {FEWEST} needed"
-            mistakes.append(
-                Mistake(None, text, f"move a target through the view of {name}, at 1 m/s or faster")
+            problems.append(
+                f"{name}: {count} sightings of moving targets that another camera saw too, {FEWEST} needed: "
+                f"move a target through its view, at 1 m/s or faster"
             )
         elif not sigma <= limit:
-            text = f"the clock offset of {name} is known to {sigma * 1e3:.2g} ms only, {limit * 1e3:g} wanted"
-            mistakes.append(Mistake(None, text, "record faster or longer motion, or raise --limit"))
-    if mistakes:
-        raise InputError(mistakes)
+            problems.append(
+                f"{name}: its clock offset is known to {sigma * 1e3:.2g} ms only, {limit * 1e3:g} wanted: "
+                f"record faster or longer motion, or raise --limit"
+            )
+    if problems:
+        raise FollowspotError("\n".join(problems))
 
 
 def write(path: Path, room: Room, found: Offsets) -> None:

@@ -134,11 +134,11 @@ def solved(linear: Linear, weight: Array) -> tuple[Array, Linear]:
 
 
 def inverse(normal: Array) -> Array:
-    """Of the normal matrix (C, C) within the offsets of zero mean, of which it says everything."""
-    count = len(normal)
-    mean = np.full((count, count), 1 / count)
-    scale = max(np.trace(normal) / count, VAGUE)
-    return np.asarray(np.linalg.inv(normal + VAGUE * np.eye(count) + scale * mean) - mean / scale)
+    """Of the normal matrix (C, C) among the offsets of zero mean, the only ones that it tells apart."""
+    mean = np.full_like(normal, 1 / len(normal))
+    scale = max(np.trace(normal) / len(normal), VAGUE)
+    within = np.eye(len(normal)) - mean
+    return np.asarray(within @ np.linalg.inv(normal + VAGUE * np.eye(len(normal)) + scale * mean) @ within)
 
 
 def residuals(linear: Linear, weight: Array) -> Array:
