@@ -22,13 +22,15 @@ REFINED = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 40, 1e-3)
 PATCH = 0.4
 """Half the side of the patch around a corner in which its edge is measured, over the distance of corners."""
 
+DIRECTIONS = np.array([[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 6])
+
 
 @dataclass(frozen=True, eq=False)
 class View:
     """A board in one picture.
 
     frame: number of the picture; label: (K,) int64, which corners; pixel: (K, 2) px;
-    blur: width of the edges, px: 1 to 2 where they are sharp.
+    blur: width of the edges, px: 1 to 3 where they are sharp.
     """
 
     frame: int
@@ -86,8 +88,9 @@ def corner_distance(pixel: Array) -> float:
 
 
 def edge_width(gray: Array, pixel: Array, distance: float) -> float:
-    """Median over the corners of contrast over steepest slope, px; motion and defocus widen it.
+    """Median over the corners of contrast over steepest slope in the worst direction, px.
 
+    Motion blurs the edges across it only, hence the direction; defocus blurs all.
     gray: (H, W) u8; distance: of neighbouring corners, px. Infinite where no corner has a whole patch.
     """
     half = max(3, round(PATCH * distance))
@@ -98,7 +101,8 @@ def edge_width(gray: Array, pixel: Array, distance: float) -> float:
             continue
         dy, dx = np.gradient(patch)
         low, high = np.percentile(patch, (10, 90))
-        widths.append((high - low) / max(float(np.hypot(dx, dy).max()), 1e-6))
+        slope = np.abs(np.tensordot(DIRECTIONS, [dx, dy], axes=1)).max(axis=(1, 2)).min()
+        widths.append((high - low) / max(float(slope), 1e-6))
     return float(np.median(widths)) if widths else float("inf")
 
 

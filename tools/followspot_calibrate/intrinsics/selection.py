@@ -15,7 +15,7 @@ MOST_VIEWS = 40
 """More make the fit slow and no better."""
 BLURRED = 2.5
 """Width of edges over that of the sharpest quarter, from which a view counts as blurred..."""
-SHARP_ENOUGH = 3.0
+SHARP_ENOUGH = 4.0
 """... unless its edges are narrower than this, px."""
 
 
