@@ -20,7 +20,7 @@ from followspot.room import StageUse
 from followspot.room_file import load, save
 from followspot_calibrate.planes.dots import dots
 from followspot_calibrate.planes.fit import fit_plane, robust_plane, total_least_squares
-from followspot_calibrate.planes.frame import onto_floor
+from followspot_calibrate.planes.frame import moved_plane, onto_floor
 from followspot_calibrate.planes.marks import read_marks, sightings
 from followspot_calibrate.sightings import Sightings
 
@@ -108,7 +108,7 @@ def test_points_in_a_line_and_too_few_points_are_told() -> None:
 def test_a_floor_becomes_z_0_and_the_cameras_see_the_same(normal: Array, offset: float) -> None:
     plane = np.append(normal / np.linalg.norm(normal), offset)
     motion = onto_floor(plane)
-    np.testing.assert_allclose(motion.plane(plane), [0, 0, 1, 0], atol=1e-12)
+    np.testing.assert_allclose(moved_plane(plane, motion), [0, 0, 1, 0], atol=1e-12)
     assert np.linalg.det(motion.rotation) == pytest.approx(1)
     points = on_floor()
     for camera in CAMERAS:

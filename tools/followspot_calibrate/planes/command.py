@@ -15,10 +15,11 @@ from followspot.messages import Array
 from followspot.room_file import load, update
 from followspot_calibrate.planes.dots import find_marks
 from followspot_calibrate.planes.fit import FittedPlane, fit_plane
-from followspot_calibrate.planes.frame import Motion, onto_floor
+from followspot_calibrate.planes.frame import moved_plane, onto_floor
 from followspot_calibrate.planes.marks import read_marks
 from followspot_calibrate.planes.page import page_of
 from followspot_calibrate.report import write_report
+from followspot_calibrate.similarity import Similarity
 
 
 def calibrate_planes(args: argparse.Namespace) -> int:
@@ -33,17 +34,23 @@ def calibrate_planes(args: argparse.Namespace) -> int:
     planes = {**room.planes, **{fit.name: fit.plane for fit in fits}}
     motion = None if args.floor is None else onto_floor(floor_of(planes, args.floor))
     warnings = [text for fit in fits for text in fit.warnings] + moved_truth(room, motion)
-    moved = {name: plane if motion is None else motion.plane(plane) for name, plane in planes.items()}
-    found = room.cameras if motion is None else motion.cameras(room.cameras)
+    cameras_after, planes_after = room.cameras, planes
+    if motion is not None:
+        cameras_after = {name: motion.camera(camera) for name, camera in room.cameras.items()}
+        planes_after = {name: moved_plane(plane, motion) for name, plane in planes.items()}
     report = args.report or args.room.with_suffix(".planes.html")
     try:
-        update(args.room, cameras=None if motion is None else found, planes=moved)
-        write_report(report, page_of(room.name, found, moved, marks, fits, motion, warnings))
+        update(args.room, cameras=None if motion is None else cameras_after, planes=planes_after)
+        write_report(report, page_of(room.name, cameras_after, planes_after, marks, fits, motion, warnings))
     except OSError as error:
         raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
     for text in warnings:
         print(f"warning: {text}", file=sys.stderr)
-    print(as_json(fits, moved, args.floor, warnings) if args.json else summary(fits, moved, args.floor))
+    print(
+        as_json(fits, planes_after, args.floor, warnings)
+        if args.json
+        else summary(fits, planes_after, args.floor)
+    )
     if not args.json:
         print(f"written to {args.room}; the page to look at: {report}")
     return 0
@@ -58,7 +65,7 @@ def floor_of(planes: Mapping[str, Array], name: str) -> Array:
     return planes[name]
 
 
-def moved_truth(room: Room, motion: Motion | None) -> list[str]:
+def moved_truth(room: Room, motion: Similarity | None) -> list[str]:
     """A warning where the room moves and its truth does not."""
     if motion is None or room.truth is None:
         return []

@@ -9,9 +9,9 @@ import numpy as np
 from followspot import Camera
 from followspot.messages import Array
 from followspot_calibrate.planes.fit import FittedPlane
-from followspot_calibrate.planes.frame import Motion
 from followspot_calibrate.planes.marks import Marks
 from followspot_calibrate.report import Page, calibration_page, plain_table
+from followspot_calibrate.similarity import Similarity
 
 
 def page_of(
@@ -20,7 +20,7 @@ def page_of(
     planes: Mapping[str, Array],
     marks: Marks,
     fits: Sequence[FittedPlane],
-    motion: Motion | None,
+    motion: Similarity | None,
     warnings: Sequence[str],
 ) -> Page:
     """The planes, the residuals of their points in each camera, the room around them.

@@ -1,0 +1,292 @@
+"""`calibrate check`: how good a room file is now, and which camera is to blame."""
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from tests.tools.calibrate.rooms import made_room
+
+from followspot import Camera, Room, Target
+from followspot.cli.main import main
+from followspot.errors import FollowspotError
+from followspot.geometry import project
+from followspot.messages import Array
+from followspot.room_file import load, save
+from followspot_calibrate.check.agreement import agreement, bias, typical_error, usual_limits
+from followspot_calibrate.check.lengths import measured_length
+
+SHARED = Path(__file__).parents[3] / "../shared/data"
+GLOWBALLS = SHARED / "glowballs-dev"
+needs_shared = pytest.mark.skipif(not SHARED.parent.exists(), reason="needs ../shared")
+CAMERAS = made_room(5, 1).cameras
+
+
+def turned(camera: Camera, degrees: float) -> Camera:
+    """The camera after somebody knocked against it."""
+    rotation = cv2.Rodrigues(np.array([0, np.radians(degrees), 0]))[0] @ camera.rotation
+    return replace(camera, rotation=rotation, translation=-rotation @ camera.center)
+
+
+def seen_by(cameras: Sequence[Camera], rows: int = 200, seed: int = 0) -> tuple[Array, Array]:
+    """Points (N, 3) m and what cameras see of them, with noise: (N, C, 2) px."""
+    random = np.random.default_rng(seed)
+    points = random.uniform([-1.2, -1.2, 0.2], [1.2, 1.2, 1.8], (rows, 3))
+    pixel = np.stack([project(camera, points) for camera in cameras], axis=1)
+    return points, pixel + random.normal(0, 0.3, pixel.shape)
+
+
+def room_file(path: Path, cameras: Sequence[Camera], name: str = "room.yaml") -> str:
+    room = Room("studio", {c.name: c for c in cameras}, {}, {"red": Target("red", 0.05)})
+    save(room, path / name)
+    return str(path / name)
+
+
+def points_file(path: Path, pixel: Array, frame: Array | None = None, label: Array | None = None) -> str:
+    frame = np.arange(len(pixel)) if frame is None else frame
+    label = np.zeros(len(pixel), int) if label is None else label
+    lines = ["frame,camera,u,v,point"]
+    for row, camera in np.argwhere(np.isfinite(pixel[..., 0])):
+        u, v = pixel[row, camera]
+        lines.append(f"{frame[row]},{camera},{u:.4f},{v:.4f},{label[row]}")
+    (path / "points.csv").write_text("\n".join(lines) + "\n")
+    return str(path / "points.csv")
+
+
+def tracking_run(path: Path, pixel_of: Callable[[Array, Array], Array], frames: int = 240) -> str:
+    """A run's output: a target on its way, and blobs; pixel_of: times (N,), points (N, 3) -> (N, C, 2) px."""
+    time = np.arange(frames) / 30
+    xyz = np.stack([np.cos(time * 2), np.sin(time * 3), 1 + 0.5 * np.sin(time)], axis=1)
+    tracks = ["frame,time,object,state,x,y,z"]
+    blobs = ["frame,time,camera,target,u,v,area,similarity"]
+    for frame, (pixel, place) in enumerate(zip(pixel_of(time, xyz), xyz, strict=True)):
+        tracks.append(f"{frame},{time[frame]:.9f},red,tracked," + ",".join(f"{x:.6f}" for x in place))
+        for camera, (u, v) in zip(CAMERAS, pixel, strict=True):
+            blobs.append(f"{frame},{time[frame]:.9f},{camera.name},red,{u:.3f},{v:.3f},40,1.0")
+    run = path / "run"
+    run.mkdir()
+    (run / "tracks.csv").write_text("\n".join(tracks) + "\n")
+    (run / "blobs.csv").write_text("\n".join(blobs) + "\n")
+    return str(run)
+
+
+def noisy_images(xyz: Array) -> Array:
+    pixel = np.stack([project(camera, xyz) for camera in CAMERAS], axis=1)
+    return pixel + np.random.default_rng(1).normal(0, 0.4, pixel.shape)
+
+
+def test_cameras_that_agree_are_good(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    _, pixel = seen_by(CAMERAS)
+    room, points = room_file(tmp_path, CAMERAS), points_file(tmp_path, pixel)
+    assert main(["calibrate", "check", "--room", room, "--points", points]) == 0
+    assert "good: 5 cameras agree" in capsys.readouterr().out
+    page = (tmp_path / "room.check.html").read_text()
+    assert all(f"<h2>{camera.name}: points</h2>" in page for camera in CAMERAS)
+
+
+@pytest.mark.parametrize("moved", range(5))
+@pytest.mark.parametrize("degrees", [0.4, 5.0])
+def test_the_camera_that_moved_is_named_and_no_other(moved: int, degrees: float) -> None:
+    real = [turned(c, degrees) if n == moved else c for n, c in enumerate(CAMERAS)]
+    _, pixel = seen_by(real)
+    found = agreement(CAMERAS, pixel, np.arange(200), usual_limits(CAMERAS, None), typical_error)
+    assert found.suspects == (moved,)
+    assert not found.at_odds
+    others = np.delete(found.score, moved)
+    assert others.max() < 0.8
+
+
+def test_two_cameras_that_moved_are_both_named() -> None:
+    real = [turned(c, {1: 1.0, 3: -2.0}.get(n, 0.0)) for n, c in enumerate(CAMERAS)]
+    _, pixel = seen_by(real)
+    found = agreement(CAMERAS, pixel, np.arange(200), usual_limits(CAMERAS, None), typical_error)
+    assert found.suspects == (1, 3)
+
+
+def test_a_camera_that_moved_during_the_last_third_is_named() -> None:
+    _, pixel = seen_by(CAMERAS)
+    _, after = seen_by([turned(c, 0.6) if n == 2 else c for n, c in enumerate(CAMERAS)])
+    pixel[140:] = after[140:]
+    found = agreement(CAMERAS, pixel, np.arange(200), usual_limits(CAMERAS, None), typical_error)
+    assert found.suspects == (2,)
+
+
+def test_three_cameras_at_odds_blame_nobody(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    three = CAMERAS[:3]
+    _, pixel = seen_by([three[0], turned(three[1], 2.0), three[2]])
+    room, points = room_file(tmp_path, three), points_file(tmp_path, pixel)
+    assert main(["calibrate", "check", "--room", room, "--points", points, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert not found["good"]
+    assert "the cameras do not agree with each other" in found["verdict"]
+    assert not any(camera["suspect"] for camera in found["points"]["cameras"])
+
+
+def test_gross_errors_are_counted_and_blame_no_camera() -> None:
+    room = made_room(5, 400, outliers=0.15, noise=0.3, missing=0.2)
+    found = agreement(
+        room.cameras, room.sightings.pixel, np.arange(400), usual_limits(room.cameras, None), typical_error
+    )
+    assert found.suspects == ()
+    known = np.isfinite(found.length)
+    share = (found.gross & known).sum(axis=0) / known.sum(axis=0)
+    assert (share > 0.05).all()
+    assert (share < 0.3).all()
+
+
+def test_a_camera_that_shares_too_little_is_told_and_not_judged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, pixel = seen_by(CAMERAS)
+    pixel[11:, 4] = np.nan
+    room, points = room_file(tmp_path, CAMERAS), points_file(tmp_path, pixel)
+    assert main(["calibrate", "check", "--room", room, "--points", points, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert "cam4 shares 11 points with two other cameras, too few to be checked" in found["warnings"][0]
+    assert found["points"]["cameras"][4]["judged_px"] is None
+
+
+def test_epipolar_errors_point_to_the_pairs_of_the_camera_that_moved() -> None:
+    _, pixel = seen_by([turned(c, 1.5) if n == 2 else c for n, c in enumerate(CAMERAS)])
+    found = agreement(CAMERAS, pixel, np.arange(200), usual_limits(CAMERAS, None), typical_error)
+    np.testing.assert_array_equal(found.epipolar, found.epipolar.T)
+    others = np.delete(np.delete(found.epipolar, 2, axis=0), 2, axis=1)
+    assert np.nanmax(others) < 0.6 < np.nanmax(found.epipolar[2])
+    assert (found.shared + 1000 * np.eye(5) >= 200).all()
+
+
+@pytest.mark.parametrize(("true", "code"), [(0.5, 0), (0.48, 1)])
+def test_a_known_length_is_measured_in_mm(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], true: float, code: int
+) -> None:
+    random = np.random.default_rng(4)
+    middle = random.uniform([-1, -1, 0.5], [1, 1, 1.5], (60, 3))
+    half = random.normal(0, 1, (60, 3))
+    half *= 0.25 / np.linalg.norm(half, axis=1, keepdims=True)
+    ends = np.concatenate([middle - half, middle + half])
+    pixel = np.stack([project(camera, ends) for camera in CAMERAS], axis=1)
+    pixel[7] += 100.0  # a reflection that all cameras agree about
+    frame, label = np.tile(np.arange(60), 2), np.repeat([0, 1], 60)
+    room, points = room_file(tmp_path, CAMERAS), points_file(tmp_path, pixel, frame, label)
+    command = ["calibrate", "check", "--room", room, "--points", points, "--length", str(true), "--json"]
+    assert main(command) == code
+    found = json.loads(capsys.readouterr().out)
+    assert found["length"]["mean_mm"] == pytest.approx(500, abs=0.1)
+    assert found["length"]["sigma_mm"] < 0.5
+    assert found["length"]["count"] >= 59 - 1
+    assert any("scale is off by +4.2 %" in text for text in found["failures"]) == bool(code)
+
+
+def test_a_length_without_a_second_point_is_refused() -> None:
+    points = np.zeros((30, 3))
+    with pytest.raises(FollowspotError, match=r"0 frames show points 0 and 1 .* 10 needed"):
+        measured_length(points, np.arange(30), np.zeros(30, int), 0.5)
+
+
+def test_bias_is_a_shift_that_stands_out_from_the_scatter() -> None:
+    random = np.random.default_rng(0)
+    shift = np.array([1.5, -2.0]) + random.normal(0, 0.3, (200, 2))
+    assert bias(shift) == pytest.approx(2.5, abs=0.1)
+    assert bias(random.normal([1.5, 0], 3, (200, 2))) == 0.0
+
+
+def test_tracking_data_tell_which_camera_moved_and_when(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def pixel_of(time: Array, xyz: Array) -> Array:
+        pixel = noisy_images(xyz)
+        pixel[time >= 5, 1] += [3.0, -2.0]
+        return pixel
+
+    room, run = room_file(tmp_path, CAMERAS), tracking_run(tmp_path, pixel_of)
+    assert main(["calibrate", "check", "--room", room, "--run", run, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [camera["camera"] for camera in found["tracks"]["cameras"] if camera["suspect"]] == ["cam1"]
+    changes = {one["camera"]: one["change"] for one in found["drift"] if one["change"]}
+    assert list(changes) == ["cam1"]
+    assert changes["cam1"]["at"] == pytest.approx(5, abs=0.1)
+    np.testing.assert_allclose(changes["cam1"]["by_px"], [3, -2], atol=0.3)
+    assert "moved at 5.0 s: calibrate wand again for cam1" in found["verdict"]
+    assert "cam1: moved at 5.0 s" in (tmp_path / "room.check.html").read_text().replace("</b>", "")
+
+
+def test_tracking_data_tell_a_slow_drift(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    def pixel_of(time: Array, xyz: Array) -> Array:
+        pixel = noisy_images(xyz)
+        pixel[:, 3] += np.outer(time, [0.5, 0.0])
+        return pixel
+
+    room, run = room_file(tmp_path, CAMERAS), tracking_run(tmp_path, pixel_of)
+    assert main(["calibrate", "check", "--room", room, "--run", run, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    change = found["drift"][3]["change"]
+    assert change["at"] is None
+    np.testing.assert_allclose(change["by_px"], [4, 0], atol=0.4)
+    assert any("cam3 drifts" in text for text in found["warnings"])
+
+
+def test_light_that_follows_a_target_does_not_look_like_a_camera_that_moved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def pixel_of(time: Array, xyz: Array) -> Array:
+        pixel = noisy_images(xyz)
+        covered = (time > 2) & (time < 4)
+        pixel[covered, 0] += np.random.default_rng(2).normal([5, 0], 8, (int(covered.sum()), 2))
+        return pixel
+
+    room, run = room_file(tmp_path, CAMERAS), tracking_run(tmp_path, pixel_of)
+    assert main(["calibrate", "check", "--room", room, "--run", run]) == 0
+    assert "good" in capsys.readouterr().out
+
+
+def test_mistakes_name_the_remedy(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    room = room_file(tmp_path, CAMERAS)
+    one = room_file(tmp_path, CAMERAS[:1], "one.yaml")
+    for options, said in [
+        ([], "give --points, --run, --track or --against"),
+        (["--run", str(tmp_path), "--length", "1"], "--length is measured on points"),
+        (["--run", str(tmp_path)], "sinks.csv_blobs"),
+        (["--against", room, "--limit", "-1"], "--limit -1 is not positive"),
+        (["--against", one], "share 1 cameras"),
+        (["--against", str(tmp_path / "none.toml")], "none.toml cannot be read"),
+    ]:
+        assert main(["calibrate", "check", "--room", room, *options]) == 2
+        assert said in capsys.readouterr().err
+
+
+@needs_shared
+def test_glowballs_wand_finds_its_own_calibration_good_and_a_turned_camera_bad(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    room, points = str(tmp_path / "room.yaml"), str(GLOWBALLS / "wand/points.csv")
+    videos = str(GLOWBALLS / "dev1")
+    calibration = str(GLOWBALLS / "calibration.json")
+    assert main(["room", "import", calibration, "--videos", videos, "-o", room]) == 0
+    assert main(["calibrate", "check", "--room", room, "--points", points]) == 0
+    knocked = load(room)
+    cameras = {**knocked.cameras, "cam3": turned(knocked.cameras["cam3"], 0.5)}
+    save(replace(knocked, cameras=cameras), room)
+    capsys.readouterr()
+    assert main(["calibrate", "check", "--room", room, "--points", points, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [camera["camera"] for camera in found["points"]["cameras"] if camera["suspect"]] == ["cam3"]
+
+
+@needs_shared
+def test_a_turned_camera_is_found_by_tracking_the_recording(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    room, calibration = str(tmp_path / "room.yaml"), str(GLOWBALLS / "calibration.json")
+    assert main(["room", "import", calibration, "--videos", str(GLOWBALLS / "dev1"), "-o", room]) == 0
+    assert main(["calibrate", "targets", "--room", room, "--clips", str(GLOWBALLS / "templates")]) == 0
+    knocked = load(room)
+    save(replace(knocked, cameras={**knocked.cameras, "cam3": turned(knocked.cameras["cam3"], 0.5)}), room)
+    capsys.readouterr()
+    graph = str(Path(__file__).parents[3] / "graphs/glowballs.yaml")
+    command = ["calibrate", "check", "--room", room, "--track", "--graph", graph, "--frames", "90"]
+    assert main([*command, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    assert [camera["camera"] for camera in found["tracks"]["cameras"] if camera["suspect"]] == ["cam3"]

@@ -1,0 +1,73 @@
+"""Arguments of `followspot calibrate check`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from followspot.cli.graph_options import frame_count
+from followspot.plugins.hooks import Command
+
+HELP = """Tell how good a room file is now, and which camera is to blame where it is not.
+
+Evidence is any of these: points that a wand showed (--points), an ordinary tracking run with its blobs
+written down (--run, or --track to make one now), another calibration of the same cameras (--against).
+Each camera is held against the point that the other cameras see; a camera that does not fit is left out,
+and the others are judged without it. The room file is not changed.
+
+Exit code 1 says that a camera is beyond the limit, or a known length off by more than 1 %.
+
+  followspot calibrate check --room room.yaml --points wand.csv --length 0.5
+  followspot calibrate check --room room.yaml --track
+  followspot calibrate check --room room.yaml --run runs/monday --json
+  followspot calibrate check --room room.yaml --against Calib.qca.txt
+"""
+GRAPH = "graphs/glowballs.yaml"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--room", type=Path, required=True, help="room file to check")
+    parser.add_argument("--points", type=Path, metavar="FILE", help="points as `calibrate wand` reads them")
+    parser.add_argument(
+        "--length", type=float, metavar="M", help="distance of the wand's points 0 and 1, m; needs --points"
+    )
+    tracking = parser.add_mutually_exclusive_group()
+    tracking.add_argument(
+        "--run",
+        type=Path,
+        metavar="DIR",
+        help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs)",
+    )
+    tracking.add_argument("--track", action="store_true", help="track the room's own recording now")
+    parser.add_argument(
+        "--graph", default=GRAPH, help=f"graph for --track, with a stage sinks.csv (default: {GRAPH})"
+    )
+    parser.add_argument("--frames", type=frame_count, metavar="N", help="track the first N frames only")
+    parser.add_argument(
+        "--against",
+        type=Path,
+        metavar="OTHER",
+        help="room file or calibration in any format of `room import`",
+    )
+    parser.add_argument(
+        "--limit",
+        type=float,
+        metavar="PX",
+        help="largest error of a good camera, px (default: 0.3 %% of the picture's longer side); "
+        "with it, differences from OTHER count too",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.check.html)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Measure, judge, report."""
+    from followspot_calibrate.check.command import check_calibration
+
+    return check_calibration(args)
+
+
+COMMAND = Command("check", HELP, configure, run, parent="calibrate")

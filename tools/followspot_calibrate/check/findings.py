@@ -1,0 +1,167 @@
+"""What a check found, and how to take it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Camera
+from followspot_calibrate.check.against import Comparison
+from followspot_calibrate.check.agreement import Agreement
+from followspot_calibrate.check.drift import Change
+from followspot_calibrate.check.lengths import MeasuredLength
+from followspot_calibrate.report import Course
+
+GROSS_SHARE = 0.2
+"""Share of gross errors among a camera's sightings that is worth a warning."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drift:
+    """One camera over time; change: None where it stayed."""
+
+    course: Course
+    change: Change | None
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """Everything that was measured; None where there was no evidence for it.
+
+    limit: px, as the user gave it; differences from another calibration count only then.
+    """
+
+    cameras: Sequence[Camera]
+    points: Agreement | None = None
+    tracks: Agreement | None = None
+    drifts: Sequence[Drift] = ()
+    length: MeasuredLength | None = None
+    comparison: Comparison | None = None
+    limit: float | None = None
+
+    @property
+    def failures(self) -> list[str]:
+        """What is beyond its limit, each with the camera, the figure and the remedy."""
+        found = [] if self.points is None else at_fault(self.points, "sightings", {})
+        found += [] if self.tracks is None else at_fault(self.tracks, "blobs", self.moved)
+        if self.length is not None and not self.length.good:
+            found.append(
+                f"the known length of {self.length.true_m:g} m measures {self.length.mean_mm / 1000:.4g} m: "
+                f"the scale is off by {100 * (self.length.ratio - 1):+.1f} %; "
+                f"calibrate wand again with --length {self.length.true_m:g}"
+            )
+        return found + self.differences
+
+    @property
+    def differences(self) -> list[str]:
+        """Cameras that another calibration places elsewhere; none where the user gave no limit."""
+        if self.comparison is None or self.limit is None:
+            return []
+        return [
+            f"{one.name}: its picture differs by {one.judged_px:.2f} px from the other calibration "
+            f"(limit {self.limit:.2f} px)"
+            for one in self.comparison.cameras
+            if one.judged_px > self.limit
+        ]
+
+    @property
+    def warnings(self) -> list[str]:
+        """What is in doubt, or worth knowing."""
+        found = [] if self.comparison is None else list(self.comparison.notes)
+        for agreement in (self.points, self.tracks):
+            found += [] if agreement is None else doubts(agreement)
+        return found + [told(drift) for drift in self.drifts if drift.change is not None]
+
+    @property
+    def moved(self) -> dict[str, float]:
+        """Cameras that moved from one moment to the next, and when, s."""
+        return {
+            one.course.camera: one.change.at
+            for one in self.drifts
+            if one.change is not None and one.change.at is not None
+        }
+
+    @property
+    def blamed(self) -> list[str]:
+        """Names of the cameras that are beyond their limit."""
+        numbers = {n for one in (self.points, self.tracks) if one is not None for n in one.suspects}
+        named = {self.cameras[n].name for n in numbers}
+        if self.comparison is not None and self.limit is not None:
+            named |= {one.name for one in self.comparison.cameras if one.judged_px > self.limit}
+        return [camera.name for camera in self.cameras if camera.name in named]
+
+    @property
+    def verdict(self) -> str:
+        """One line: "good: ...", or what to look at."""
+        if self.blamed:
+            return f"look at {', '.join(self.blamed)}: {self.failures[0]}"
+        if self.failures:
+            return f"not good: {self.failures[0]}"
+        measured = [one for one in (self.points, self.tracks) if one is not None]
+        said = [summary(one) for one in measured]
+        if self.length is not None:
+            said.append(f"the known length is right within {abs(1000 * (self.length.ratio - 1)):.1f} mm/m")
+        if self.comparison is not None:
+            mean = np.mean([one.judged_px for one in self.comparison.cameras])
+            said.append(f"differs from the other calibration by {mean:.2f} px on average")
+        return ("good: " if measured or self.length else "compared: ") + ", ".join(said)
+
+
+def at_fault(agreement: Agreement, noun: str, moved: Mapping[str, float]) -> list[str]:
+    """Sentences about the cameras beyond the limit; moved: camera -> when, s."""
+    told = []
+    for n in agreement.suspects:
+        name = agreement.cameras[n].name
+        cause = f"it moved at {moved[name]:.1f} s" if name in moved else "it moved or is badly calibrated"
+        told.append(
+            f"{name}: its {noun} are {agreement.score[n]:.1f} px from where the other cameras expect them "
+            f"(limit {agreement.limit[n]:.2f} px); {cause}: calibrate wand again for {name}"
+        )
+    if agreement.at_odds:
+        rest = [n for n in range(len(agreement.cameras)) if n not in agreement.suspects]
+        values = ", ".join(f"{agreement.cameras[n].name} {agreement.score[n]:.1f} px" for n in rest)
+        told.append(
+            f"the cameras do not agree with each other ({values}); calibrate wand again for all of them"
+        )
+    if not np.isfinite(agreement.score).any():
+        told.append(
+            "no camera shares enough points with two others to be checked; show points to more cameras"
+        )
+    return told
+
+
+def doubts(agreement: Agreement) -> list[str]:
+    """Warnings about cameras that saw too little, or much that is something else."""
+    found = []
+    for number, camera in enumerate(agreement.cameras):
+        known = np.isfinite(agreement.length[:, number])
+        if not np.isfinite(agreement.score[number]):
+            found.append(
+                f"{camera.name} shares {known.sum()} points with two other cameras, too few to be checked; "
+                "is it covered, or did it move far?"
+            )
+        elif number not in agreement.suspects and agreement.gross[known, number].mean() > GROSS_SHARE:
+            share = 100 * agreement.gross[known, number].mean()
+            found.append(f"{share:.0f} % of what {camera.name} saw is something else; look for reflections")
+    return found
+
+
+def told(drift: Drift) -> str:
+    """A camera that moved, in a sentence."""
+    assert drift.change is not None
+    size, camera = drift.change.size, drift.course.camera
+    if drift.change.at is None:
+        return f"{camera} drifts: {size:.1f} px over the recording; is it fixed firmly, is it warm?"
+    return f"{camera} moved by {size:.1f} px at {drift.change.at:.1f} s"
+
+
+def summary(agreement: Agreement) -> str:
+    """How well the cameras agree, in a few words."""
+    judged = np.isfinite(agreement.score)
+    middle = np.nanmedian(agreement.length[:, judged], axis=0)
+    return (
+        f"{judged.sum()} cameras agree, median error {middle.min():.2f} to {middle.max():.2f} px "
+        f"(limit {agreement.limit[judged].min():.2f} px)"
+    )

@@ -1,0 +1,73 @@
+"""Sightings from an ordinary tracking run: the blobs of tracked targets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Room
+from followspot.accuracy import TrackTable, read_tracks_csv
+from followspot.deploy.truth import TRACKS
+from followspot.errors import InputError, Mistake
+from followspot.geometry import Views
+from followspot.messages import Array
+from followspot_calibrate.clocks.moments import in_order, moments_at
+from followspot_calibrate.tracked import SIGHTINGS, Tracked, read_blobs
+
+REACH = 0.03
+"""Largest distance of a blob from its target's image over the longer side of the picture."""
+FILES = ("blobs.csv", SIGHTINGS)
+"""What a run may call its blobs."""
+
+
+@dataclass(frozen=True, eq=False)
+class TargetSightings:
+    """Targets as the cameras saw them: time (N,) s; pixel (N, C, 2) px with distortion, NaN where unseen."""
+
+    time: Array
+    pixel: Array
+
+
+def read_run(folder: Path, room: Room) -> Tracked:
+    """Tracks and blobs of a run's output folder. Raises InputError where one is missing or wrong."""
+    blobs = next((folder / name for name in FILES if (folder / name).is_file()), None)
+    if blobs is None:
+        remedy = (
+            "add a stage to the graph: blobs: {uses: sinks.csv_blobs, in: {blobs: [color, infrared]}}; "
+            "or let the check track by itself: --track"
+        )
+        raise InputError([Mistake(None, f"{folder} has no {FILES[0]}", remedy)])
+    table = read_tracks_csv(folder / TRACKS)
+    targets = tuple(room.targets)
+    strange = [name for name in table.objects if name not in targets]
+    if strange:
+        text = f"{folder / TRACKS} has a target {strange[0]}, which the room does not have"
+        raise InputError([Mistake(None, text, "give the room file that the run used")])
+    number = np.array([targets.index(name) for name in table.objects], int)
+    tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
+    return Tracked(tracks, read_blobs(blobs, tuple(room.cameras), targets))
+
+
+def target_sightings(tracked: Tracked, room: Room) -> TargetSightings:
+    """For each moment of a tracked target its blob in each camera, where only one can be meant.
+
+    Two blobs near the target's image, such as a ball and the light that follows it, count as none.
+    """
+    cameras = list(room.cameras.values())
+    time, target, xyz = in_order(tracked.tracks)
+    moment = moments_at(time, target, tracked.blobs)
+    expected = Views(cameras).project_local(Views(cameras).local(xyz))
+    reach = REACH * np.array([max(camera.size) for camera in cameras])
+    known = np.flatnonzero(moment >= 0)
+    row, camera, place = moment[known], tracked.blobs.camera[known], tracked.blobs.pixel[known]
+    near = np.linalg.norm(expected[camera, row] - place, axis=1) < reach[camera]
+    row, camera, place = row[near], camera[near], place[near]
+    pixel = np.full((len(time), len(cameras), 2), np.nan)
+    pixel[row, camera] = place
+    candidates = np.zeros(pixel.shape[:2], int)
+    np.add.at(candidates, (row, camera), 1)
+    pixel[candidates > 1] = np.nan
+    order = np.argsort(time, kind="stable")
+    return TargetSightings(time[order], pixel[order])
