@@ -1,10 +1,11 @@
-"""Frames per second of the six-camera tracker against a plain single-file OpenCV script doing the same work.
+"""Frame sets per second of the six-camera tracker beside a plain OpenCV script doing the same work.
 
     python tools/bench_tracker.py --room room.yaml
 
-The room's cameras play videos. Frames are decoded into memory before the clock starts, on every side: the
-plain script (tools/plain_tracker.py), the graph in one process, and the graph in two. Rounds are
-interleaved; the ratio of each pair of one round is what counts on a noisy machine.
+The room's cameras play videos, decoded into memory before the clock starts. Both sides run tracked, and
+searching: then no target is ever believed, so that all are sought in whole images. Rounds are interleaved,
+time is CPU time of one process, and the ratio of each pair of one round is what counts on a noisy machine.
+With --placement the graph also runs in several processes, by the clock of the wall, for they work at once.
 """
 
 from __future__ import annotations
@@ -18,25 +19,26 @@ import json
 import statistics
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import cv2
 
 import plain_tracker
+from bench_memory import Cost, Shots, measure, shots
 from followspot.deploy.launch import run_plan
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.messages import Array
-from followspot.plugins.registry import load_stage, use_plugin_files
+from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.wiring import RunOptions
-from followspot.stage import Context
 
 ROOT = Path(__file__).parent.parent
+SIDES = ("tracked", "searching")
 PRELOADED = '''
-"""Plays a video from memory."""
+"""Plays a video from memory, in whatever process it is."""
 
 from pathlib import Path
 
@@ -66,101 +68,112 @@ class Preloaded(Stage):
 '''
 
 
-def preloaded(plan: Plan, frames: int) -> Plan:
-    """The plan with every video played from memory."""
+def main() -> None:
+    """Measure in interleaved rounds; print medians, ratios and the cost of each stage."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--room", required=True, help="room file whose cameras play videos")
+    parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
+    parser.add_argument(
+        "--placement", help="run in several processes as well, for example graphs/placements/two.yaml"
+    )
+    parser.add_argument("--targets", help="track only these, for example red,green; default: all")
+    parser.add_argument("--frames", type=int, default=150)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--json", action="store_true")
+    args = parser.parse_args()
+    cv2.setNumThreads(1)
+    with TemporaryDirectory() as folder:
+        result = _measured(args, Path(folder))
+    print(json.dumps(result) if args.json else _text(result))
+
+
+def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
+    """All rounds of all sides."""
+    file = out / "preloaded.py"
+    file.write_text(PRELOADED, encoding="utf-8")
+    use_plugin_files([str(file)])
+    plan = _compiled(args, None, str(file))
+    played = shots(plan, args.frames)
+    costs: dict[str, list[Cost]] = {side: [] for side in SIDES}
+    plain: dict[str, list[float]] = {side: [] for side in SIDES}
+    several: list[float] = []
+    for number in range(args.rounds):
+        for side in SIDES:
+            costs[side].append(measure(plan, played, out, searching=side == "searching"))
+            plain[side].append(_plain(plan, played, searching=side == "searching"))
+            rates = (
+                f"graph {1e3 / costs[side][-1].total:.0f}, plain script {1e3 / plain[side][-1]:.0f} sets/s"
+            )
+            print(f"round {number + 1}, {side}: {rates}", file=sys.stderr)
+        if args.placement:
+            several.append(_several(_compiled(args, args.placement, str(file)), args.frames, out))
+    result: dict[str, Any] = {side: _summary(costs[side], plain[side]) for side in SIDES}
+    if several:
+        result["processes"] = {"sets_per_second": statistics.median(several)}
+    return result
+
+
+def _compiled(args: argparse.Namespace, placement: str | None, plugin: str) -> Plan:
+    """The plan, with the wanted targets only."""
+    wanted = args.targets.split(",") if args.targets else None
+    plan = compile_graph(args.graph, room=args.room, placement=placement, plugin_files=[plugin])
+    targets = {n: t for n, t in plan.room.targets.items() if wanted is None or n in wanted}
+    return replace(plan, room=replace(plan.room, targets=targets))
+
+
+def _plain(plan: Plan, played: Shots, *, searching: bool) -> float:
+    """CPU time of the plain script for one frame set, ms."""
+    pictures = {camera: [frame.pixels for frame in frames] for camera, frames in played.items()}
+    started = time.process_time()
+    plain_tracker.run(plan.room, pictures, searching=searching)
+    return (time.process_time() - started) * 1e3 / min(map(len, pictures.values()))
+
+
+def _several(plan: Plan, frames: int, out: Path) -> float:
+    """Frame sets per second of a run in several processes."""
     stages = tuple(
         replace(s, uses="preloaded.preloaded", params={"path": s.params["path"], "count": frames})
         if s.uses == "cameras.video"
         else s
         for s in plan.stages
     )
-    return replace(plan, stages=stages)
+    report = run_plan(replace(plan, stages=stages), RunOptions(out))
+    if not report.ok:
+        raise SystemExit("\n".join(report.errors))
+    return report.frames / report.seconds
 
 
-def decoded(plan: Plan, frames: int) -> dict[str, list[Array]]:
-    """All pictures of all cameras."""
-    pictures = {}
-    for stage in plan.stages:
-        if stage.uses == "cameras.video" and stage.camera is not None:
-            camera = plan.room.cameras[stage.camera]
-            source = load_stage(stage.uses)(Context(room=plan.room, camera=camera), **stage.params)
-            source.setup()
-            played = [frame.pixels.copy() for frame, _ in zip(source.process(), range(frames), strict=False)]
-            pictures[stage.camera] = played
-            source.close()
-    return pictures
-
-
-def main() -> None:
-    """Measure in interleaved rounds and print medians and ratios."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--room", required=True, help="room file whose cameras play videos")
-    parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
-    parser.add_argument("--placement", default=str(ROOT / "graphs/placements/two.yaml"))
-    parser.add_argument("--targets", help="track only these, for example red,green; default: all")
-    parser.add_argument("--frames", type=int, default=200)
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--json", action="store_true")
-    args = parser.parse_args()
-    cv2.setNumThreads(1)
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "preloaded.py"
-        file.write_text(PRELOADED, encoding="utf-8")
-        use_plugin_files([str(file)])
-        sides = _sides(args, Path(folder), str(file))
-        rates: dict[str, list[float]] = {name: [] for name in sides}
-        for number in range(args.rounds):
-            for name, side in sides.items():
-                rates[name].append(side())
-                print(f"round {number + 1}: {name} {rates[name][-1]:.1f} frames/s", file=sys.stderr)
-    _print(rates, as_json=args.json)
-
-
-def _sides(args: argparse.Namespace, out: Path, plugin: str) -> dict[str, Callable[[], float]]:
-    wanted = args.targets.split(",") if args.targets else None
-
-    def compiled(placement: str | None) -> Plan:
-        plan = compile_graph(args.graph, room=args.room, placement=placement, plugin_files=[plugin])
-        targets = {n: t for n, t in plan.room.targets.items() if wanted is None or n in wanted}
-        return replace(plan, room=replace(plan.room, targets=targets))
-
-    one, two = compiled(None), compiled(args.placement)
-    pictures = decoded(one, args.frames)
-    count = min(map(len, pictures.values()))
-
-    def plain() -> float:
-        started = time.perf_counter()
-        plain_tracker.run(one.room, pictures)
-        return count / (time.perf_counter() - started)
-
-    def graph(plan: Plan) -> Callable[[], float]:
-        def run() -> float:
-            report = run_plan(preloaded(plan, args.frames), RunOptions(out))
-            if not report.ok:
-                raise SystemExit("\n".join(report.errors))
-            return report.frames / report.seconds
-
-        return run
-
-    return {"plain script": plain, "one process": graph(one), "two processes": graph(two)}
-
-
-def _print(rates: dict[str, list[float]], *, as_json: bool) -> None:
-    plain = rates["plain script"]
-    result = {
-        name: {
-            "frames_per_second": statistics.median(values),
-            "ratio": statistics.median(v / p for v, p in zip(values, plain, strict=True)),
-        }
-        for name, values in rates.items()
+def _summary(costs: Sequence[Cost], plain: Sequence[float]) -> dict[str, Any]:
+    """Medians over the rounds: sets/s, ratio to the plain script, and ms of each stage."""
+    stages = {name: statistics.median(c.stages[name] for c in costs) for name in costs[0].stages}
+    total = statistics.median(c.total for c in costs)
+    return {
+        "sets_per_second": 1e3 / total,
+        "plain_sets_per_second": 1e3 / statistics.median(plain),
+        "ratio": statistics.median(p / c.total for p, c in zip(plain, costs, strict=True)),
+        "targets_tracked": costs[0].tracked,
+        "ms": {**stages, "runtime": total - sum(stages.values()), "total": total},
     }
-    if as_json:
-        print(json.dumps(result))
-        return
-    for name, row in result.items():
-        print(f"{name:<14} {row['frames_per_second']:7.1f} frames/s   {row['ratio']:.2f} x the plain script")
+
+
+def _text(result: Mapping[str, Any]) -> str:
+    """The tables as text."""
+    lines = [f"{'':<12}{'graph':>10}{'plain script':>14}{'ratio':>8}   targets tracked"]
+    for side in SIDES:
+        r = result[side]
+        rates = f"{r['sets_per_second']:>10.0f}{r['plain_sets_per_second']:>14.0f}{r['ratio']:>8.2f}"
+        lines.append(f"{side:<12}{rates}   {r['targets_tracked']:.1f}")
+    if "processes" in result:
+        lines.append(
+            f"{'processes':<12}{result['processes']['sets_per_second']:>10.0f}   by the clock of the wall"
+        )
+    lines += ["", f"{'stage':<14}" + "".join(f"{side + ', ms':>16}{'share':>8}" for side in SIDES)]
+    for name in result[SIDES[0]]["ms"]:
+        cells = ((result[side]["ms"][name], result[side]["ms"]["total"]) for side in SIDES)
+        lines.append(f"{name:<14}" + "".join(f"{ms:>16.3f}{ms / total:>8.0%}" for ms, total in cells))
+    return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -44,8 +44,13 @@ class Spot:
     xy: Array
 
 
-def run(room: Room, frames: Mapping[str, Sequence[Array]]) -> list[dict[str, Array]]:
-    """Track all targets of the room: for each frame the positions, m, of those that were measured."""
+def run(
+    room: Room, frames: Mapping[str, Sequence[Array]], *, searching: bool = False
+) -> list[dict[str, Array]]:
+    """Track all targets of the room: for each frame the positions, m, of those that were measured.
+
+    searching: no position is believed, so that all targets are sought in whole images for ever.
+    """
     pairs = list(combinations(room.cameras.values(), 2))
     F = {(a.name, b.name): fundamental_matrix(a.projection, b.projection) for a, b in pairs}
     H = {(a.name, b.name): [plane_homography(a, b, p) for p in room.planes.values()] for a, b in pairs}
@@ -62,7 +67,8 @@ def run(room: Room, frames: Mapping[str, Sequence[Array]]) -> list[dict[str, Arr
         for target, ball in balls.items():
             points, weights = candidates(room, target, spots, pairs, F, H, ball)
             position = fuse(points, weights, ball)
-            follow(ball, position)
+            if not searching:
+                follow(ball, position)
             if position is not None and ball.place is not None:
                 seen[target] = ball.place
         tracks.append(seen)

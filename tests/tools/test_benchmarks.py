@@ -1,0 +1,37 @@
+"""The benchmarks run, and their rooms are what their tables say."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import bench_cost
+from followspot.room_file import load, save
+
+
+def test_the_cost_table_runs_for_its_smallest_room(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    size = "--cameras 2 --frames 3 --warm-up 2 --rounds 1 --json"
+    monkeypatch.setattr(sys, "argv", ["bench_cost.py", *size.split()])
+    bench_cost.main()
+    (row,) = json.loads(capsys.readouterr().out)
+    assert row["case"] == {"cameras": 2, "targets": 6, "size": [320, 240]}
+    assert {"color", "infrared", "verify", "triangulate", "fuse", "track"} <= set(row["stages_ms"])
+    assert sum(row["stages_ms"].values()) > 0
+    assert row["searching_ms"] > 0
+
+
+def test_rooms_of_the_cost_table_are_valid_and_have_the_size_they_say(tmp_path: Path) -> None:
+    case = bench_cost.Case(cameras=24, targets=24, size=(1280, 720))
+    save(bench_cost.room_of(case, frames=10), tmp_path / "room.yaml")
+    room = load(tmp_path / "room.yaml")
+    assert (len(room.cameras), len(room.targets)) == (24, 24)
+    assert all(camera.size == (1280, 720) for camera in room.cameras.values())
+    centers = np.array([camera.center for camera in room.cameras.values()])
+    apart = np.linalg.norm(centers[:, None] - centers, axis=2) + np.eye(24)
+    assert apart.min() > 0.1

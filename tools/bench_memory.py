@@ -1,0 +1,154 @@
+"""What benchmarks of a graph share: frames in memory, a tracker that never finds, and CPU time by stage.
+
+Frames are rendered or decoded before the clock starts, so sources cost nothing but the runtime's part.
+Time is that of the process (`time.process_time`): other programs on the machine do not count.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from followspot.deploy.local import LocalRun
+from followspot.graph.plan import Plan
+from followspot.messages import at
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot.runtime.cell import Cell
+from followspot.runtime.source import SourceCell
+from followspot.runtime.wiring import RunOptions
+from followspot.stage import Context, Source, Stage
+from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
+
+Shots = Mapping[str, Sequence[Frame]]
+"""Frames of each camera."""
+TRACKER = "track"
+"""Stage whose forecast says where targets are."""
+
+
+class FromMemory(Stage):
+    """Plays frames that are there already."""
+
+    frames: Sequence[Frame] = ()
+
+    def process(self) -> Source[Frame]:
+        """One after the other, each with its time."""
+        for frame in self.frames:
+            yield at(frame.header.time, Frame(frame.camera, frame.pixels))
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a tracker gives."""
+
+    tracks: Tracks
+    forecast: Forecast
+
+
+class NeverFound(Stage):
+    """A tracker that believes nothing, so that all targets are sought in whole images for ever."""
+
+    def process(self, positions: Positions) -> Found:
+        """No track, and a forecast in which all targets are lost."""
+        count = len(self.room.targets)
+        nowhere = np.zeros((count, 3))
+        lost = Forecast(
+            period=0.0,
+            state=np.full(count, LOST, np.uint8),
+            xyz=nowhere,
+            velocity=nowhere,
+            covariance=np.zeros((count, 3, 3)),
+            last=nowhere,
+            before=nowhere,
+        )
+        return Found(Tracks.empty(), lost)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """CPU time of one frame set, ms: of the whole graph, and of its stages by their name in the graph."""
+
+    total: float
+    stages: Mapping[str, float]
+    tracked: float
+    """Targets tracked, mean over the frame sets."""
+
+
+def shots(plan: Plan, count: int) -> dict[str, list[Frame]]:
+    """The first frames of all cameras of a plan, played by their own sources."""
+    played = {}
+    for stage in plan.stages:
+        cls = load_stage(stage.uses)
+        if stage.camera is not None and ports(cls).source:
+            source = cls(Context(stage.name, plan.room, plan.room.cameras[stage.camera]), **stage.params)
+            source.setup()
+            frames = (frame for frame, _ in zip(source.process(), range(count), strict=False))
+            played[stage.camera] = [own(frame) for frame in frames]
+            source.close()
+    return played
+
+
+def own(frame: Frame) -> Frame:
+    """The frame in memory of its own; sources may use theirs again."""
+    return at(frame.header.time, Frame(frame.camera, frame.pixels.copy()))
+
+
+def measure(
+    plan: Plan, played: Shots, out: Path, *, frames: int | None = None, searching: bool = False
+) -> Cost:
+    """Run a plan of one worker over frames in memory. Raises StageError.
+
+    frames: at most; searching: no target is ever found.
+    """
+    run = LocalRun(plan, RunOptions(out, frames))
+    busy: dict[str, int] = defaultdict(int)
+    tracked = [0]
+    for stage, cell in zip(plan.stages, run.worker.cells, strict=True):
+        if isinstance(cell, SourceCell) and stage.camera is not None:
+            source = FromMemory(cell.stage.context)
+            source.frames = played[stage.camera]
+            cell.stage = source
+            continue
+        if stage.name == TRACKER and searching:
+            cell.stage = NeverFound(cell.stage.context)
+        _clocked(cell, stage.group, busy)
+        if stage.name == TRACKER:
+            _counted(cell, tracked)
+    run.worker.setup()
+    started = time.process_time()
+    run.worker.run()
+    seconds = time.process_time() - started
+    sets = max(source.yielded for source in run.worker.sources)
+    stages = {name: ns / 1e6 / sets for name, ns in busy.items()}
+    return Cost(seconds * 1e3 / sets, stages, tracked[0] / sets)
+
+
+def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
+    """Add up the CPU time of a stage, ns."""
+    process: Callable[..., Any] = cell.stage.process
+
+    def clocked(*arguments: Any) -> Any:
+        started = time.process_time_ns()
+        result = process(*arguments)
+        busy[name] += time.process_time_ns() - started
+        return result
+
+    cell.stage.process = clocked
+
+
+def _counted(cell: Cell, tracked: list[int]) -> None:
+    """Count the targets that a tracker says it tracks."""
+    process: Callable[..., Any] = cell.stage.process
+
+    def counted(*arguments: Any) -> Any:
+        result = process(*arguments)
+        tracked[0] += len(result.tracks.target)
+        return result
+
+    cell.stage.process = counted
