@@ -17,6 +17,7 @@ from followspot.room import Camera, Room
 from followspot.room_file import load, save
 from followspot_room.calibration import read_calibration
 from followspot_room.exporting import WRITABLE, format_of, write_calibration
+from followspot_room.formats.camera_table import rotation_vector
 from followspot_room.formats.qualisys import parse as parse_qualisys
 from followspot_room.formats.svoboda import decompose
 from followspot_room.formats.view import turned_clockwise
@@ -70,6 +71,14 @@ def test_written_cameras_are_read_back(
     written = [data.draw(cameras("left", k3)), data.draw(cameras("cam_7", k3))]
     for a, b in zip(written, back(tmp_path_factory.mktemp("x"), key, written), strict=True):
         assert_same(a, b)
+
+
+@given(turn=st.tuples(*[between(-1.8, 1.8)] * 3))
+@settings(max_examples=50, deadline=None)
+def test_rotation_vector_is_exact_for_small_and_large_angles(turn: tuple[float, float, float]) -> None:
+    for scale in (1.0, 1e-3, 1e-6):
+        vector = scale * np.array(turn)
+        np.testing.assert_allclose(rotation_vector(cv2.Rodrigues(vector)[0]), vector, rtol=1e-6, atol=1e-12)
 
 
 def a_camera(**changes: Any) -> Camera:

@@ -200,13 +200,20 @@ def test_pictures_of_two_sizes_are_refused() -> None:
         collect("cam0", iter(pictures), 2, Detector(BOARD), io.StringIO())
 
 
-@pytest.fixture
-def boards(tmp_path: Path) -> Path:
-    """A folder of pictures of one camera."""
-    photographer = Photographer(lens(), BOARD)
-    (tmp_path / "boards/cam0").mkdir(parents=True)
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Pictures of a board in one camera."""
+    folder, photographer = tmp_path_factory.mktemp("cam0"), Photographer(lens(), BOARD)
     for number, place in enumerate(places(0.42, (0.35, 0.25), 10)):
-        cv2.imwrite(str(tmp_path / f"boards/cam0/{number}.png"), photographer.picture(place))
+        cv2.imwrite(str(folder / f"{number}.png"), photographer.picture(place))
+    return folder
+
+
+@pytest.fixture
+def boards(tmp_path: Path, pictures: Path) -> Path:
+    """A folder with the pictures of one camera."""
+    (tmp_path / "boards").mkdir()
+    (tmp_path / "boards/cam0").symlink_to(pictures)
     return tmp_path
 
 

@@ -37,15 +37,16 @@ class BoardCalibration:
     """Where the cameras stand, and how well that explains what they saw.
 
     sightings: of corners that at least two cameras saw; points: (N, 3) m; residual: (N, C) px, NaN where not
-    seen or rejected; pairs: which cameras saw the board together; distances: between corners of the board,
-    measured against printed; scale: by which lengths from lenses alone differ from the board's.
+    seen or rejected; rejected: (C,) sightings that contradict the others; pairs: which cameras saw the board
+    together; distances: between corners of the board, measured against printed; scale: by which lengths from
+    the lenses alone differ from the board's.
     """
 
     cameras: tuple[Camera, ...]
     sightings: Sightings
     points: Array
     residual: Array
-    rejected: int
+    rejected: Array
     pairs: Pairs
     distances: Distances
     scale: float
@@ -87,7 +88,7 @@ def solve(
     room = _origin(cameras[0], placed[0]) if floor is None else _on_floor(seen, points, board, floor)
     placed, points = moved(placed, points, room)
     apart = distances(seen.frame, seen.label, points, board)
-    rejected = int(seen.seen.sum() - np.isfinite(residual).sum())
+    rejected = seen.seen.sum(axis=0) - np.isfinite(residual).sum(axis=0)
     return BoardCalibration(placed, seen, points, residual, rejected, pairs, apart, scale)
 
 

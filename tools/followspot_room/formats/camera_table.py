@@ -7,7 +7,6 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import cv2
 import numpy as np
 
 from followspot.messages import Array
@@ -77,10 +76,26 @@ def table_of(camera: Camera) -> Table:
         "size": list(camera.size),
         "matrix": camera.matrix.tolist(),
         "distortions": camera.distortion.tolist(),
-        "rotation": cv2.Rodrigues(camera.rotation)[0].ravel().tolist(),
+        "rotation": rotation_vector(camera.rotation).tolist(),
         "translation": camera.translation.tolist(),
         "fisheye": camera.model == "fisheye",
     }
+
+
+def rotation_vector(R: Array) -> Array:
+    """Axis times angle of a rotation matrix, (3,) rad, exact for any angle.
+
+    By the quaternion that fits best (Bar-Itzhack 2000); cv2.Rodrigues takes angles below 1e-5 for none.
+    """
+    trace = np.trace(R)
+    K = np.empty((4, 4))
+    K[:3, :3] = R + R.T - trace * np.eye(3)
+    K[3, :3] = K[:3, 3] = [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
+    K[3, 3] = trace
+    q = np.linalg.eigh(K)[1][:, 3]
+    q = q if q[3] >= 0 else -q
+    sine = np.linalg.norm(q[:3])
+    return np.asarray(q[:3] * (2 * np.arctan2(sine, q[3]) / sine if sine > 0 else 2.0))
 
 
 def toml_text(tables: Mapping[str, Table]) -> str:
