@@ -29,7 +29,9 @@ def warnings_of(found: BoardCalibration) -> list[str]:
         if max(links, default=0) < FEW_MOMENTS:
             notes.append(f"{camera.name} is linked by {max(links, default=0)} moments only: show it more")
         if found.rms[number] > ROUGH:
-            notes.append(f"{camera.name} is off by {found.rms[number]:.1f} px: calibrate its lens again")
+            notes.append(
+                f"{camera.name} is off by {found.rms[number]:.1f} px: calibrate its lens again, or hold the board still"
+            )
         share = found.rejected[number] / found.sightings.seen[:, number].sum()
         if share > CONTRADICTING:
             notes.append(
