@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
-from followspot_balls.motion import Motion, predict, started, update
+from followspot_balls.motion import Motion, manoeuvred, predict, started, update
 
 NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
@@ -40,6 +40,13 @@ class Kalman(Stage):
             gt=0,
             unit="m",
             description="one sigma of a position whose fusion gives no covariance; raising it smooths more",
+        )
+        gate: float = Field(
+            3.0,
+            gt=0,
+            unit="1",
+            description="sigmas from the forecast at which a measurement means that the target bounced or was "
+            "hit; raising it smooths more and follows later",
         )
         missing: int = Field(
             25,
@@ -97,6 +104,7 @@ class Kalman(Stage):
         noise = self.noise(positions.covariance[counted])
         new = life.status[target] == LOST
         motion = predict(self.motion, self.period, p.acceleration)
+        motion = manoeuvred(motion, target[~new], xyz[~new], noise[~new], self.period, p.gate)
         if new.any():
             motion = started(motion, target[new], xyz[new], noise[new], p.speed)
             self.motion = update(motion, target[~new], xyz[~new], noise[~new])

@@ -69,6 +69,36 @@ def transition(seconds: float, acceleration: float) -> tuple[Array, Array]:
     return F, Q
 
 
+def manoeuvred(
+    motion: Motion, target: Array, xyz: Array, noise: Array, seconds: float, gate: float
+) -> Motion:
+    """Predictions that give way to measurements which they make improbable: the target bounced or was hit.
+
+    Where the innovation n exceeds `gate` sigmas, n^T S^-1 n > gate^2, its velocity changed along n by an
+    unknown amount at an unknown moment of the last step: the covariance grows until n is one sigma.
+    target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2; seconds: of the step.
+    """
+    innovation = xyz - motion.state[target, :3]
+    S = motion.covariance[target, :3, :3] + noise
+    squared = (innovation[:, None] @ np.linalg.solve(S, innovation[..., None]))[:, 0, 0]
+    sudden = squared > gate * gate
+    if not sudden.any():
+        return motion
+    target, n = target[sudden], innovation[sudden]
+    place = n[:, :, None] * n[:, None] * (1 - 1 / squared[sudden])[:, None, None]
+    covariance = motion.covariance.copy()
+    covariance[target] += np.kron(jump(seconds), place)
+    return Motion(motion.state, covariance)
+
+
+def jump(seconds: float) -> Array:
+    """Covariance (2, 2) of place and velocity after a jump of the velocity at any moment of the last step.
+
+    Relative to that of the place: a jump w at s before the end moves it by s w, and s is uniform.
+    """
+    return np.array([[1.0, 1.5 / seconds], [1.5 / seconds, 3.0 / seconds**2]])
+
+
 def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> Motion:
     """Correct some targets by measured positions: K = P H^T (H P H^T + R)^-1.
 
