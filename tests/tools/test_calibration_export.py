@@ -15,7 +15,8 @@ from followspot.errors import InputError
 from followspot.geometry import project
 from followspot.room import Camera, Room
 from followspot.room_file import load, save
-from followspot_room.calibration import read_calibration
+from followspot_room.calibration import FORMATS, read_calibration
+from followspot_room.checks import Unfit
 from followspot_room.exporting import WRITABLE, format_of, write_calibration
 from followspot_room.formats.camera_table import rotation_vector
 from followspot_room.formats.qualisys import parse as parse_qualisys
@@ -329,3 +330,25 @@ def test_format_that_the_name_does_not_say_is_asked_for(
 
 def test_xml_without_cameras_is_another_format() -> None:
     assert parse_qualisys({"x": "<calibration><cameras/></calibration>"}) is None
+
+
+@pytest.mark.parametrize("key", sorted(WRITABLE))
+@given(data=st.data())
+@settings(max_examples=40, deadline=None)
+def test_damaged_file_is_read_or_refused_and_nothing_else(key: str, data: st.DataObject) -> None:
+    write = WRITABLE[key].write
+    assert write is not None
+    files = dict(write([a_camera(), a_camera(name="cam_7")]))
+    name = data.draw(st.sampled_from(sorted(files)))
+    start = data.draw(st.integers(0, len(files[name])))
+    end = data.draw(st.integers(start, min(start + 30, len(files[name]))))
+    wrong = data.draw(
+        st.sampled_from(["", "nan", "-1", "1e999", "[]", "{}", '"x"', "\n", "<a/>", "\0", "9" * 40])
+    )
+    files[name] = files[name][:start] + wrong + files[name][end:]
+    for known in FORMATS:
+        try:
+            if known.parse(files) is not None:
+                break
+        except Unfit:
+            break

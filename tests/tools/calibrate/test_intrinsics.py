@@ -19,7 +19,7 @@ from followspot.messages import Array
 from followspot.plugins import registry
 from followspot.room import Camera, Room, StageUse
 from followspot.room_file import load, save
-from followspot.stage import Source, Stage
+from followspot.stage import Field, Source, Stage, StageParams
 from followspot.tracking import Frame
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import Detector, View
@@ -148,6 +148,9 @@ class Films(Stage):
     per_camera = True
     shown: list[Array] = []  # noqa: RUF012  # set by the test
 
+    class Params(StageParams):
+        device: int = Field(0, description="any", unit="1")
+
     def process(self) -> Source[Frame]:
         for number, picture in enumerate(self.shown):
             yield at(number, Frame(camera=self.camera.name, pixels=picture[:, :, None]))
@@ -160,6 +163,17 @@ def test_live_camera_is_its_source_and_still_views_count_once(monkeypatch: pytes
     camera = lens(source=StageUse("cameras.device", {}))
     collected = collect("cam0", live_pictures(camera), None, Detector(BOARD), io.StringIO())
     assert (collected.looked_at, len(collected.views)) == (12, 3)
+
+
+def test_device_becomes_the_source_of_a_new_camera(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    photographer = Photographer(lens(), BOARD)
+    Films.shown = [photographer.picture(place) for place in places(0.42, (0.35, 0.25), 6)]
+    monkeypatch.setattr("followspot_calibrate.boards.pictures.load_stage", lambda name: Films)
+    assert intrinsics(tmp_path, "--device", "cam0=2", "--size", "640x480") == 0
+    camera = load(tmp_path / "room.yaml").cameras["cam0"]
+    assert camera.source is not None
+    assert (camera.source.uses, camera.source.params) == ("cameras.device", {"device": 2})
+    assert camera.matrix[0, 0] == pytest.approx(520, rel=0.01)
 
 
 def test_live_needs_a_live_source() -> None:
@@ -259,7 +273,10 @@ def test_command_names_the_camera_without_a_board(boards: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["--live", "--videos", "x"], "give recordings (--videos, --clip) or --live, one of them"),
+        (["--live", "--videos", "x"], "or live cameras (--live, --device), one of them"),
+        (["--device", "cam0"], "--device cam0 is no CAMERA=DEVICE"),
+        (["--device", "cam0=0", "--size", "big"], "--size big is no WIDTHxHEIGHT"),
+        (["--live"], "has no cameras"),
         ([], "give recordings"),
         (["--live", "--camera", "x"], 'has no camera "x"'),
         (["--videos", "nowhere"], "nowhere is not a folder"),

@@ -21,6 +21,9 @@ NEAR_ANGLE = 0.05
 NEAR_SHIFT = 0.05
 """Their distance over the distance to the board."""
 
+MOST_MOMENTS = 300
+"""Of a pair of cameras that are compared with each other, evenly spread."""
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -85,7 +88,8 @@ def relate(a: Sequence[Sequence[BoardPose]], b: Sequence[Sequence[BoardPose]]) -
     makes a proposal; the wrong ones of different moments do not agree with each other, the right ones do.
     """
     proposals, moment, distance = [], [], []
-    for number, (in_a, in_b) in enumerate(zip(a, b, strict=True)):
+    step = max(1, -(-len(a) // MOST_MOMENTS))
+    for number, (in_a, in_b) in enumerate(zip(a[::step], b[::step], strict=True)):
         for one in in_a:
             for other in in_b:
                 proposals.append(other.pose.after(one.pose.inverse))

@@ -9,6 +9,9 @@ import numpy as np
 from followspot.messages import Array
 from followspot_calibrate.boards.board import Board
 
+MOST_PAIRS = 2000
+"""Of corners of one moment, evenly spread over all pairs."""
+
 
 @dataclass(frozen=True, eq=False)
 class Distances:
@@ -34,15 +37,14 @@ class Distances:
 
 
 def distances(frame: Array, label: Array, points: Array, board: Board) -> Distances:
-    """All pairs of known corners of the same moment.
+    """Pairs of known corners of the same moment.
 
     frame, label: (N,), in the order of moments; points: (N, 3) m, NaN where not known.
     """
     known = np.flatnonzero(np.isfinite(points).all(axis=1))
     starts = np.flatnonzero(np.diff(frame[known], prepend=-1))
     groups = np.split(known, starts[1:]) if len(known) else []
-    pairs = [np.array(np.triu_indices(len(rows), 1)) for rows in groups]
-    both = [rows[pair] for rows, pair in zip(groups, pairs, strict=True)]
+    both = [rows[_pairs(len(rows))] for rows in groups]
     first, second = np.concatenate([np.empty((2, 0), np.int64), *both], axis=1)
     corners = board.corners[label]
     return Distances(
@@ -51,3 +53,9 @@ def distances(frame: Array, label: Array, points: Array, board: Board) -> Distan
         np.linalg.norm(corners[first] - corners[second], axis=1),
         np.linalg.norm(points[first] - points[second], axis=1),
     )
+
+
+def _pairs(count: int) -> Array:
+    """Pairs of this many things, (2, P)."""
+    pairs = np.array(np.triu_indices(count, 1))
+    return pairs[:, :: max(1, -(-pairs.shape[1] // MOST_PAIRS))]

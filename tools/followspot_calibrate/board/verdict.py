@@ -30,7 +30,8 @@ def warnings_of(found: BoardCalibration) -> list[str]:
             notes.append(f"{camera.name} is linked by {max(links, default=0)} moments only: show it more")
         if found.rms[number] > ROUGH:
             notes.append(
-                f"{camera.name} is off by {found.rms[number]:.1f} px: calibrate its lens again, or hold the board still"
+                f"{camera.name} is off by {found.rms[number]:.1f} px: "
+                "calibrate its lens again, or hold the board still"
             )
         share = found.rejected[number] / found.sightings.seen[:, number].sum()
         if share > CONTRADICTING:

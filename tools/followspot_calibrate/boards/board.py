@@ -14,7 +14,7 @@ from followspot.messages import Array
 
 USUAL_MARKER = 0.75
 """Side of a marker over that of its square, where the user does not say."""
-MOST_SQUARES = 100
+MOST_SQUARES = 50
 FLAGS = ("inverted", "legacy")
 FORM = (
     "charuco:COLUMNSxROWS:SQUARE[/MARKER]:DICTIONARY[:inverted][:legacy] (squares) or "

@@ -10,7 +10,8 @@ from followspot.plugins.hooks import Command
 HELP = """Calibrate lenses from views of a chessboard or ChArUco board and write them into the room file.
 
 Pictures come from DIR/<camera>.mp4 (any video) or folders DIR/<camera> of pictures, from --clip CAMERA=PATH,
-or live (--live) from the cameras' sources in the room file. The room file is made where there is none.
+or live: from the cameras' sources in the room file (--live), or from a device (--device CAMERA=0), which
+becomes the camera's source. The room file is made where there is none.
 Matrix, distortion, model and size of these cameras are replaced, everything else stays.
 
 Boards: chessboard:9x6:0.025 (inner corners, square in m), charuco:4x5:0.054:DICT_4X4_1000 (squares);
@@ -18,7 +19,7 @@ charuco:4x5:0.054/0.04:DICT_4X4_1000 gives the side of the markers too, :inverte
 
   followspot calibrate intrinsics --room room.yaml --videos boards --board charuco:5x7:0.04:DICT_5X5_100
   followspot calibrate intrinsics --room room.yaml --clip cam0=pictures --board chessboard:9x6:0.025
-  followspot calibrate intrinsics --room room.yaml --live --camera cam0 --board chessboard:9x6:0.025
+  followspot calibrate intrinsics --room room.yaml --device cam0=0 --board chessboard:9x6:0.025
 """
 
 
@@ -30,6 +31,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--videos", type=Path, metavar="DIR", help="folder with a video or folder of pictures per camera")
     add("--clip", action="append", default=[], metavar="CAMERA=PATH", help="recording of one camera")
     add("--live", action="store_true", help="from the cameras' live sources; Ctrl-C ends one camera")
+    add("--device", action="append", default=[], metavar="CAMERA=DEVICE", help="live, a number or path")
+    add("--size", default="1280x720", metavar="WxH", help="of a device's pictures (default: 1280x720)")
     add("--camera", nargs="+", default=[], metavar="NAME", help="only these cameras")
     add("--model", choices=("pinhole", "fisheye"), default="pinhole", help="of the lens (default: pinhole)")
     add("--pictures", type=int, default=300, metavar="N", help="most pictures to search (default: 300)")
