@@ -15,7 +15,7 @@ from followspot_calibrate.adjust.projection import Free
 from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
 
 MOST_STEPS = 100
-CONVERGED = 1e-9
+CONVERGED = 1e-7
 """Relative decrease of the cost at which the adjustment ends."""
 DAMPING = (1e-12, 1e-4, 1e8)
 """Smallest, first and largest."""

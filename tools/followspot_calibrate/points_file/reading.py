@@ -1,0 +1,66 @@
+"""Which format a file of points is in, and the checks that all formats share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import InputError, Mistake
+from followspot_calibrate.points_file.csv_points import read_csv
+from followspot_calibrate.points_file.keypoints import read_keypoints
+from followspot_calibrate.points_file.svoboda import read_svoboda
+from followspot_calibrate.sightings import Sightings
+
+FORMATS = (
+    "CSV frame,camera,u,v[,point]; NPZ with keypoints (camera, frame, point, [u v confidence]); "
+    "folder with points.dat, IdMat.dat and Res.dat"
+)
+FAR_OUTSIDE = 0.5
+"""Share of the picture's size by which a point may lie outside it; farther off it was not seen there."""
+
+
+def read_points(
+    path: Path,
+    cameras: Sequence[Camera] = (),
+    *,
+    size: tuple[int, int] | None = None,
+    confidence: float = 0.5,
+) -> Sightings:
+    """Points as cameras saw them. Raises InputError with file and line.
+
+    cameras: of the room, in its order, if there is one already; else the file says which there are. size: px,
+    of all pictures, where neither room nor file knows; confidence: below it a keypoint was not seen.
+    """
+    if path.is_dir():
+        found = read_svoboda(path, cameras)
+    elif path.suffix.lower() == ".npz":
+        found = read_keypoints(path, cameras, size, confidence)
+    elif path.suffix.lower() in (".csv", ".txt"):
+        found = read_csv(path, cameras, size)
+    else:
+        raise InputError(
+            [Mistake(None, f"{path} is no file of points in a known format", f"known: {FORMATS}")]
+        )
+    return _checked(path, found)
+
+
+def _checked(path: Path, found: Sightings) -> Sightings:
+    """The sightings, in pictures of the size they are said to have."""
+    margin = FAR_OUTSIDE * found.sizes
+    outside = np.any((found.pixel < -margin) | (found.pixel > found.sizes + margin), axis=2)
+    for number, name in enumerate(found.cameras):
+        share = outside[:, number].sum() / max(1, found.seen[:, number].sum())
+        if share > FAR_OUTSIDE:
+            width, height = found.sizes[number]
+            text = f"{path}: most points of {name} lie outside its picture of {width}x{height} px"
+            raise InputError([Mistake(None, text, "mend the size in the room file, or give --size")])
+    return Sightings(
+        found.cameras,
+        found.sizes,
+        found.frame,
+        found.label,
+        np.where(outside[..., None], np.nan, found.pixel),
+    )

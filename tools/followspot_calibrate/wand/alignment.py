@@ -1,0 +1,110 @@
+"""From a frame of its own to the room's: known camera centres, a marker of known points, or neither."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+from followspot_calibrate.similarity import Similarity, agreeing, on_a_line, similarity, spread
+from followspot_calibrate.triangulation import triangulate
+
+WRONG_SCALE = 0.02
+"""Difference of a known wand from known places, over its length, that is told."""
+
+Method = Literal["centers", "marker", "none"]
+
+
+@dataclass(frozen=True, eq=False)
+class Marker:
+    """Points with known places, (M, 3) m, as cameras see them: pixel (M, C, 2) px, NaN where not seen."""
+
+    places: Array
+    pixel: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Alignment:
+    """How the frame of reference came about.
+
+    rms: m, of the known places, None without any; metric: whether the unit is the metre.
+    """
+
+    method: Method
+    transform: Similarity
+    rms: float | None
+    metric: bool
+    warnings: tuple[str, ...] = ()
+
+
+def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scaled: bool) -> Alignment:
+    """Camera centres to where they are known to be, m; cameras that were moved since are found and left out.
+
+    scaled: whether they give the scale too; else it stays. Raises FollowspotError for fewer than three
+    centres or centres on a line.
+    """
+    named = [camera for camera in cameras if camera.name in known]
+    source = np.array([camera.center for camera in named]).reshape(-1, 3)
+    target = np.array([known[camera.name] for camera in named]).reshape(-1, 3)
+    if on_a_line(target):
+        raise FollowspotError(
+            f"{len(named)} known camera centres do not give a frame of reference: "
+            "three are needed that are not on a line; give them, a marker, or --align none"
+        )
+    agree = agreeing(source, target, scaled=True)
+    found = _aligned("centers", source, target, agree, scaled)
+    apart = np.linalg.norm(found.transform.points(source) - target, axis=1)
+    moved = tuple(
+        f"{camera.name} is {1000 * distance:.0f} mm from its known centre and was left out of the alignment: "
+        "was it moved?"
+        for camera, distance, fits in zip(named, apart, agree, strict=True)
+        if not fits
+    )
+    return Alignment("centers", found.transform, found.rms, True, found.warnings + moved)
+
+
+def onto_marker(cameras: Sequence[Camera], marker: Marker, *, scaled: bool) -> Alignment:
+    """Points of a marker to their known places. Raises FollowspotError where fewer than three are found."""
+    points = triangulate(cameras, marker.pixel).points
+    found = np.isfinite(points).all(axis=1)
+    if on_a_line(marker.places[found]):
+        raise FollowspotError(
+            f"{found.sum()} points of the marker are seen by two cameras: "
+            "three are needed that are not on a line; let more cameras see them"
+        )
+    source, target = points[found], marker.places[found]
+    return _aligned("marker", source, target, agreeing(source, target), scaled)
+
+
+def onto_itself(cameras: Sequence[Camera], *, metric: bool) -> Alignment:
+    """The middle of the camera centres becomes the origin; axes as they are."""
+    middle = np.mean([camera.center for camera in cameras], axis=0)
+    lacks = (
+        ()
+        if metric
+        else ("the scale is unknown: lengths are not metres; give --length, --align or --marker",)
+    )
+    return Alignment("none", Similarity(np.eye(3), -middle), None, metric, lacks)
+
+
+def _aligned(method: Method, source: Array, target: Array, agree: Array, scaled: bool) -> Alignment:
+    best = similarity(source[agree], target[agree])
+    transform = best if scaled else similarity(source[agree], target[agree], scaled=False)
+    error = np.linalg.norm(transform.points(source[agree]) - target[agree], axis=1)
+    rms = float(np.sqrt(np.square(error).mean()))
+    warnings = []
+    if not scaled and abs(best.scale - 1) > WRONG_SCALE:
+        warnings.append(
+            f"the wand says that lengths are {1 / best.scale:.3f} times those between the known places: "
+            "check --length"
+        )
+    if scaled and rms > WRONG_SCALE * spread(target):
+        warnings.append(
+            f"the known places are met within {1000 * rms:.0f} mm only: check them, and which camera is which"
+        )
+    return Alignment(method, transform, rms, True, tuple(warnings))

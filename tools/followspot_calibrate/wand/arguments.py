@@ -1,0 +1,57 @@
+"""Arguments of `followspot calibrate wand`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from followspot.plugins.hooks import Command
+
+HELP = """Find poses and intrinsics of all cameras from one bright point waved through the room.
+
+Points come from a CSV file frame,camera,u,v (camera: name or number; a column point tells the two bulbs of a
+wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), or an NPZ file of
+keypoints with confidence. Wave everywhere, near to and far from every camera, in the view of three at a time.
+
+Intrinsics: known keeps those of the room, free finds them from the points, auto keeps those of the room
+unless others fit the points clearly better. The frame of reference: --centers camera,x,y,z, by default the
+centres in the room file; or --marker x,y,z,camera,u,v, three or more points with known places; --length sets
+the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where one is infrared.
+
+  followspot calibrate wand --points wand.csv --room room.yaml
+  followspot calibrate wand --points wand.csv --size 640x480 --length 0.5 -o room.yaml --json
+"""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("--points", type=Path, required=True, help="points as the cameras saw them")
+    parser.add_argument("--room", type=Path, help="room file with the cameras; is updated without -o")
+    parser.add_argument("-o", "--output", type=Path, metavar="ROOM", help="room file to write")
+    parser.add_argument(
+        "--intrinsics", choices=("known", "free", "auto"), default="auto", help="default: auto"
+    )
+    parser.add_argument("--length", type=float, metavar="M", help="between the two bulbs of the wand, m")
+    parser.add_argument(
+        "--align",
+        choices=("auto", "centers", "marker", "none"),
+        default="auto",
+        help="what gives the frame of reference (default: what there is)",
+    )
+    parser.add_argument("--centers", type=Path, metavar="CSV", help="known centres: camera,x,y,z (m)")
+    parser.add_argument("--marker", type=Path, metavar="CSV", help="known points: x,y,z,camera,u,v (m, px)")
+    parser.add_argument("--size", metavar="WxH", help="of all pictures, px, where no file says it")
+    parser.add_argument(
+        "--confidence", type=float, default=0.5, help="keypoints below it were not seen (default: 0.5)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object with the result")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Solve, align, write, report."""
+    from followspot_calibrate.wand.command import calibrate_wand
+
+    return calibrate_wand(args)
+
+
+COMMAND = Command("wand", HELP, configure, run, parent="calibrate")

@@ -1,0 +1,133 @@
+"""What `followspot calibrate wand` does."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Camera, Room
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.room import StageUse
+from followspot.room_file import load, save, update
+from followspot_calibrate.points_file import read_points
+from followspot_calibrate.similarity import on_a_line
+from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
+from followspot_calibrate.wand.diagnosis import warnings_of
+from followspot_calibrate.wand.places import read_centers, read_marker
+from followspot_calibrate.wand.result import Calibrated, as_json, summary
+from followspot_calibrate.wand.solving import Solved, solve
+
+LARGEST = 1 << 15
+"""Width or height of a picture, px."""
+
+
+def calibrate_wand(args: argparse.Namespace) -> int:
+    """Solve, align, write the room file, print; returns the exit code. Raises FollowspotError."""
+    _check(args)
+    room = None if args.room is None else load(args.room)
+    result = calibrated(args, room)
+    output = args.output or args.room
+    try:
+        write(result.cameras, room, args.room, output)
+    except OSError as error:
+        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
+    for text in result.warnings:
+        print(f"warning: {text}", file=sys.stderr)
+    print(as_json(result) if args.json else f"{summary(result)}\nwritten to {output}")
+    return 0
+
+
+def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
+    """The calibration from points to the room's frame; nothing is written."""
+    known = None if room is None else list(room.cameras.values())
+    sightings = read_points(args.points, known or (), size=_size(args.size), confidence=args.confidence)
+    solved = solve(sightings, known, args.intrinsics, args.length, _told if sys.stderr.isatty() else None)
+    if sys.stderr.isatty():
+        print("\r\x1b[K", end="", file=sys.stderr)
+    alignment = aligned(args, solved, room)
+    settled = solved.settled
+    own = (alignment.transform.camera(camera) for camera in settled.cameras)
+    warnings = warnings_of(sightings, settled, focal=solved.intrinsics == "free")
+    if alignment.method != "centers" and room is not None and room.planes:
+        warnings.append("the room's frame of reference is new; its planes are not: calibrate planes again")
+    return Calibrated(
+        solved,
+        alignment,
+        {camera.name: camera for camera in own},
+        alignment.transform.points(settled.points),
+        [*warnings, *alignment.warnings],
+    )
+
+
+def aligned(args: argparse.Namespace, solved: Solved, room: Room | None) -> Alignment:
+    """The frame of reference that was asked for, or the one that there is something known of."""
+    cameras, scaled = solved.settled.cameras, solved.rods is None
+    names = solved.sightings.cameras
+    centers = {} if room is None else {name: camera.center for name, camera in room.cameras.items()}
+    if args.centers is not None:
+        centers = read_centers(args.centers, names)
+    method = args.align
+    if method == "auto":
+        usable = args.centers is not None or not on_a_line(np.array(list(centers.values())).reshape(-1, 3))
+        method = "marker" if args.marker is not None else "centers" if usable else "none"
+    if method == "marker":
+        return onto_marker(cameras, read_marker(args.marker, names), scaled=scaled)
+    if method == "centers":
+        return onto_centers(cameras, centers, scaled=scaled)
+    return onto_itself(cameras, metric=not scaled)
+
+
+def write(cameras: Mapping[str, Camera], room: Room | None, source: Path | None, output: Path) -> None:
+    """The room with these cameras: a new file, or the same with everything else left as it is."""
+    if room is None:
+        save(Room(output.stem, cameras), output)
+    elif source is not None and output.exists() and output.samefile(source):
+        update(output, cameras=cameras)
+    else:
+        moved = {name: replace(c, source=_rebased(c.source, output)) for name, c in cameras.items()}
+        save(replace(room, cameras=moved, truth=_rebased(room.truth, output)), output)
+
+
+def _rebased(use: StageUse | None, output: Path) -> StageUse | None:
+    """A source whose path is relative to the folder of another room file."""
+    if use is None or not isinstance(use.params.get("path"), str):
+        return use
+    path = os.path.relpath((Path(use.folder) / use.params["path"]).resolve(), output.parent.resolve())
+    return StageUse(use.uses, {**use.params, "path": path}, str(output.parent))
+
+
+def _check(args: argparse.Namespace) -> None:
+    """Raises InputError for arguments that do not go together."""
+    mistakes = []
+    if args.room is None and args.output is None:
+        mistakes.append(Mistake(None, "there is no room file to write", "give -o ROOM, or --room ROOM"))
+    if args.room is None and args.intrinsics == "known":
+        mistakes.append(Mistake(None, "--intrinsics known needs a room that has them", "give --room ROOM"))
+    if args.align == "marker" and args.marker is None:
+        mistakes.append(Mistake(None, "--align marker needs its points", "give --marker CSV"))
+    if args.length is not None and not args.length > 0:
+        mistakes.append(Mistake(None, f"--length {args.length:g} is not positive", "give metres, as 0.5"))
+    if mistakes:
+        raise InputError(mistakes)
+
+
+def _size(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    width, _, height = text.lower().partition("x")
+    if not (width.isdecimal() and height.isdecimal()):
+        raise InputError([Mistake(None, f"--size {text} is no size", "give width and height, as 640x480")])
+    if not (0 < int(width) <= LARGEST and 0 < int(height) <= LARGEST):
+        raise InputError([Mistake(None, f"--size {text} is no size of a picture", f"from 1 to {LARGEST}")])
+    return int(width), int(height)
+
+
+def _told(text: str, share: float) -> None:
+    """Progress on a terminal."""
+    print(f"\r\x1b[K{text}: {100 * share:.0f} %", end="", file=sys.stderr, flush=True)

@@ -1,0 +1,84 @@
+"""Intrinsics of cameras that nobody measured: a guess that is near enough for bundle adjustment.
+
+Pixels are taken as square and the principal point as the middle of the picture. The lens is the one whose
+straightened points fit the most epipolar geometries, which needs no focal length. The focal length is tried.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Camera
+from followspot.messages import Array
+from followspot_calibrate.adjust import Free, Progress
+from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.wand.growing import Beginning, Grown, grow
+from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
+
+BENDS = (0.1, 0.05, 0.0, -0.05, -0.1, -0.15, -0.2, -0.25, -0.3, -0.4)
+"""Of the division model (Fitzgibbon 2001) with radii over half the diagonal; a barrel is negative."""
+FOCALS = (1.0, 0.7, 1.4, 0.5, 2.0, 2.8)
+"""Focal lengths that are tried, over the longer side of the picture, the usual ones first."""
+ZOOMS = (0.7, 1.0, 1.4)
+"""How much longer the focal length of a further camera may be than that of the first two."""
+LIMIT = 0.005
+"""Distance from an epipolar line of points that fit, over the longer side of the picture."""
+WELL = 0.3
+"""Strain below which no other focal length is tried, if all cameras found their place."""
+
+
+def guess(sightings: Sightings, progress: Progress | None = None) -> Beginning:
+    """Cameras from sightings alone."""
+    bend, pairs = best_bend(sightings)
+    fits = trusted(pairs, sightings.seen.shape)
+    rows = working_rows(pairs, fits)
+    pixel = np.where(fits[rows, :, None], sightings.pixel[rows], np.nan)
+    best, least = None, np.inf
+    for number, focal in enumerate(FOCALS):
+        if progress is not None:
+            progress(f"focal length {focal:g} x size", number / len(FOCALS))
+        cameras = guessed_cameras(sightings, focal, bend)
+        grown = grow(cameras, pixel, pairs, Free(focal=True, distortion=1), ZOOMS)
+        cost = np.inf if grown is None else strain(grown, pixel, sightings.sizes)
+        if cost < least:
+            best, least = grown, cost
+        if grown is not None and len(grown.placed) == len(cameras) and cost < WELL:
+            break
+    return Beginning(pairs, fits, {} if best is None else best.placed)
+
+
+def best_bend(sightings: Sightings) -> tuple[float, list[Pair]]:
+    """The lens that makes the most points fit the fundamental matrices, and these pairs."""
+    longer = sightings.sizes.max(axis=1)
+    tried = [(bend, match(straightened(sightings, bend), LIMIT * longer)) for bend in BENDS]
+    return max(tried, key=lambda one: sum(pair.shared for pair in one[1]))
+
+
+def straightened(sightings: Sightings, bend: float) -> Array:
+    """Pixels without distortion by the division model: (N, C, 2) px."""
+    middle = (sightings.sizes - 1) / 2
+    away = sightings.pixel - middle
+    r2 = np.square(away / np.linalg.norm(middle, axis=1)[:, None]).sum(axis=2, keepdims=True)
+    return np.asarray(middle + away / (1 + bend * r2))
+
+
+def guessed_cameras(sightings: Sightings, focal: float, bend: float) -> list[Camera]:
+    """Cameras without poses. focal: over the longer side; bend: becomes k1, the same for small angles."""
+    cameras = []
+    for name, size in zip(sightings.cameras, sightings.sizes, strict=True):
+        f, middle = focal * size.max(), (size - 1) / 2
+        matrix = np.array([[f, 0, middle[0]], [0, f, middle[1]], [0, 0, 1]])
+        distortion = np.array([bend * f**2 / (middle @ middle), 0, 0, 0, 0])
+        width, height = size.tolist()
+        cameras.append(Camera(name, "color", (width, height), matrix, distortion, np.eye(3), np.zeros(3)))
+    return cameras
+
+
+def strain(grown: Grown, pixel: Array, sizes: Array) -> float:
+    """Mean of the errors over twice `LIMIT`, each at most 1; a sighting without a point counts as 1."""
+    seen = np.isfinite(pixel[..., 0])
+    error = np.ones(seen.shape)
+    numbers = sorted(grown.placed)
+    longer = sizes.max(axis=1)[numbers]
+    error[:, numbers] = np.nan_to_num(np.minimum(grown.residual / (2 * LIMIT * longer), 1.0), nan=1.0)
+    return float(error[seen].mean()) if seen.any() else 1.0

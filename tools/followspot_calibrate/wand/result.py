@@ -1,0 +1,132 @@
+"""The outcome of a wand calibration, as data, as a table and as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from followspot import Camera
+from followspot.cli.summary import table
+from followspot.messages import Array
+from followspot_calibrate.wand.alignment import Alignment
+from followspot_calibrate.wand.rods import measured
+from followspot_calibrate.wand.solving import Solved
+
+
+@dataclass(frozen=True, eq=False)
+class Calibrated:
+    """Cameras and points in the frame of the room; warnings are sentences for the user.
+
+    cameras: by name; points: (N, 3) m, or in an arbitrary unit where the alignment is not metric.
+    """
+
+    solved: Solved
+    alignment: Alignment
+    cameras: Mapping[str, Camera]
+    points: Array
+    warnings: Sequence[str]
+
+    @property
+    def mean_px(self) -> float:
+        """Mean reprojection error of the sightings that count."""
+        return float(np.nanmean(self.solved.settled.distance))
+
+    @property
+    def lengths(self) -> Array | None:
+        """The wand's length wherever it was seen whole, m; None for one bulb."""
+        rods = self.solved.rods
+        if rods is None:
+            return None
+        found = measured(self.points, rods)
+        return found[np.isfinite(found)]
+
+
+def summary(result: Calibrated) -> str:
+    """A table per camera, the points that pairs share, and what gave the frame of reference."""
+    head = ("camera", "points", "left out", "mean px", "median", "p95", "focal px")
+    rows = [
+        (
+            name,
+            str(one["points"]),
+            str(one["left_out"]),
+            *(f"{one[key]:.3f}" for key in ("mean_px", "median_px", "p95_px")),
+            f"{one['focal_px']:.1f}",
+        )
+        for name, one in _figures(result).items()
+    ]
+    names = list(result.cameras)
+    shared = {(pair.first, pair.second): str(pair.shared) for pair in result.solved.pairs}
+    matrix = [
+        (name, *(shared.get((min(i, j), max(i, j)), "-") for j in range(len(names))))
+        for i, name in enumerate(names)
+    ]
+    parts = [table(head, rows), "points that pairs share\n" + table(("", *names), matrix), _told(result)]
+    return "\n\n".join(parts)
+
+
+def as_json(result: Calibrated) -> str:
+    """The same for scripts."""
+    names, distance = list(result.cameras), result.solved.settled.distance
+    rms, lengths = result.alignment.rms, result.lengths
+    return json.dumps(
+        {
+            "cameras": _figures(result),
+            "pairs": [
+                {"first": names[pair.first], "second": names[pair.second], "shared": pair.shared}
+                for pair in result.solved.pairs
+            ],
+            "mean_px": float(np.nanmean(distance)),
+            "median_px": float(np.nanmedian(distance)),
+            "intrinsics": result.solved.intrinsics,
+            "align": result.alignment.method,
+            "align_rms_mm": None if rms is None else 1000 * rms,
+            "metric": result.alignment.metric,
+            "wand_mm": None
+            if lengths is None
+            else [1000 * float(lengths.mean()), 1000 * float(lengths.std())],
+            "warnings": list(result.warnings),
+        }
+    )
+
+
+def _figures(result: Calibrated) -> dict[str, dict[str, Any]]:
+    settled, seen = result.solved.settled, result.solved.sightings.seen
+    figures = {}
+    for number, (name, camera) in enumerate(result.cameras.items()):
+        errors = settled.distance[settled.used[:, number], number]
+        median, p95 = np.percentile(errors, [50, 95]) if len(errors) else (np.nan, np.nan)
+        figures[name] = {
+            "points": len(errors),
+            "left_out": int(seen[:, number].sum()) - len(errors),
+            "mean_px": float(errors.mean()),
+            "median_px": float(median),
+            "p95_px": float(p95),
+            "focal_px": float(camera.matrix[0, 0]),
+        }
+    return figures
+
+
+def _told(result: Calibrated) -> str:
+    """One line each on the errors, the intrinsics, the frame and the scale."""
+    intrinsics = {
+        "known": "kept as the room has them",
+        "refined": "of the room, refined: they fit the points clearly better",
+        "free": "found from the points",
+    }
+    distance, alignment = result.solved.settled.distance, result.alignment
+    frame = "its own, origin in the middle of the cameras"
+    if alignment.rms is not None:
+        frame = f"known {alignment.method} met within {1000 * alignment.rms:.1f} mm (RMS)"
+    lines = [
+        f"reprojection: mean {np.nanmean(distance):.3f} px, median {np.nanmedian(distance):.3f} px",
+        f"intrinsics: {intrinsics[result.solved.intrinsics]}",
+        f"frame of reference: {frame}",
+    ]
+    lengths = result.lengths
+    if lengths is not None:
+        lines.append(f"wand: {1000 * lengths.mean():.2f} mm, sigma {1000 * lengths.std():.2f} mm")
+    return "\n".join(lines)
