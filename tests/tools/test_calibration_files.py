@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from followspot_calibrate.triangulation import triangulate
 from followspot_room.calibration import NO_POSES, read_calibration
 
 DATA = Path(__file__).parents[2] / "../shared/data"
@@ -33,6 +34,28 @@ def test_cameras_of_qualisys_stand_around_the_room_and_look_into_it() -> None:
         toward = -camera.center / np.linalg.norm(camera.center)
         assert camera.rotation[2] @ toward > 0.9  # the middle of the floor lies ahead
         assert camera.rotation[1, 2] < -0.8  # down in the picture is down in the room
+
+
+def test_qualisys_axes_agree_with_the_videos() -> None:
+    """Marked by hand in the first pictures, to about 10 px: the swimming cap and two bollards.
+
+    The four cameras agree on where they are, and the bollards stand on the floor on both sides of the x axis.
+    """
+    cameras = read_calibration(POSE2SIM / "Calib.qca.txt").cameras
+    marked = np.array(
+        [
+            [[486, 329], [538, 393], [608, 418], [253, 479]],
+            [[658, 1511], [272, 1311], [261, 966], [838, 852]],
+            [[941, 1414], [638, 1333], [64, 1054], [616, 918]],
+        ],
+        float,
+    )
+    found = triangulate(cameras, marked)
+    assert found.used.sum(axis=1).min() >= 3
+    assert np.linalg.norm(found.residual, axis=2).max() < 30
+    cap, left, right = found.points
+    assert 1.6 < cap[2] < 1.9
+    np.testing.assert_allclose(left * [1, -1, 1], right, atol=0.03)
 
 
 def test_old_and_new_files_of_caliscope_say_the_same() -> None:
