@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot_calibrate.adjust.problem import Problem, State, view_of
+from followspot_calibrate.adjust.problem import Middle, Problem, State, view_of
 from followspot_calibrate.adjust.projection import Free
 from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
 
@@ -41,16 +41,18 @@ def adjust(
     free: Free,
     *,
     rods: Rods | None = None,
+    middle: Middle | None = None,
     scale: float = 1.0,
     progress: Progress | None = None,
 ) -> Adjusted:
     """Cameras and points with the smallest robust reprojection error (Cauchy loss of the distance in px).
 
     points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, where
-    an error begins to count as an outlier; a rod that is wrong by its sigma costs as much as a point that
-    is wrong by `scale`. Rows seen by fewer than two cameras, or without a start (NaN), take no part and
-    stay. The frame of reference is left to the start, but for rods, which set the length. A camera other
-    than pinhole keeps its intrinsics. Raises ValueError for a scale that is not positive.
+    an error begins to count as an outlier. What is off by its sigma, a rod in length or a principal point
+    from its expected middle, costs about as much as a point that is off by `scale`. Rows seen by fewer than
+    two cameras, or without a start (NaN), take no part and stay. The frame of reference is left to the
+    start, but for rods, which set the length. A camera other than pinhole keeps its intrinsics.
+    Raises ValueError for a scale that is not positive.
     """
     if not scale > 0:
         raise ValueError(f"scale is {scale}, it must be above 0 px")
@@ -58,7 +60,7 @@ def adjust(
     usable = np.isfinite(points).all(axis=1) & (seen.sum(axis=1) >= 2)
     flat, views = zip(*(view_of(c, pixel[usable, i], free) for i, c in enumerate(cameras)), strict=True)
     tied = (rods or NO_RODS).within(usable)
-    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scale, free.parameters)
+    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scale, free.parameters, middle)
     best, steps = _descend(problem, State(flat, points[usable]), progress)
     found = points.copy()
     found[usable] = best.points

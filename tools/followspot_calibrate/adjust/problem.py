@@ -43,6 +43,14 @@ class State:
 
 
 @dataclass(frozen=True, eq=False)
+class Middle:
+    """Where principal points are expected, (C, 2) px, and how far off they may be: sigma, (C,) px."""
+
+    center: Array
+    sigma: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
     """Observations, known lengths and the error in px that begins to count as an outlier.
 
@@ -54,6 +62,7 @@ class Problem:
     groups: Sequence[Group]
     scale: float
     parameters: int
+    middle: Middle | None = None
 
     def cost(self, state: State) -> float:
         """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
@@ -61,7 +70,7 @@ class Problem:
         for view, camera in zip(self.views, state.cameras, strict=True):
             error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale
             total += np.log1p(np.square(error).sum(axis=1)).sum()
-        return float(total)
+        return float(total + np.square(self._off_middle(state.cameras)).sum())
 
     def step(self, normal: Normal, state: State, damping: float) -> State | None:
         """The state after one damped step, or None where the damping is too small."""
@@ -81,7 +90,20 @@ class Problem:
         for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
             self._add_view(normal, number, view, camera, state.points)
         self._add_rods(normal, state.points)
+        if self.middle is not None:
+            off = self._off_middle(state.cameras)
+            for number, view in enumerate(self.views):
+                at, sigma = view.free.center_at, self.middle.sigma[number]
+                normal.cameras[number, at, at] += np.eye(at.stop - at.start) / sigma**2
+                normal.toward_cameras[number, at] -= off[number, : at.stop - at.start] / sigma
         return normal
+
+    def _off_middle(self, cameras: Sequence[Camera]) -> Array:
+        """How far principal points are from where they are expected, (C, 2) sigmas."""
+        if self.middle is None:
+            return np.zeros((len(cameras), 2))
+        centers = np.array([camera.matrix[:2, 2] for camera in cameras])
+        return np.asarray((centers - self.middle.center) / self.middle.sigma[:, None])
 
     def _add_view(self, normal: Normal, number: int, view: View, camera: Camera, points: Array) -> None:
         at, by_camera, by_point = linearise(camera, points[view.rows], view.free)

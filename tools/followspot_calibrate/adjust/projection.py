@@ -29,6 +29,12 @@ class Free:
             raise ValueError(f"distortion frees 0, 1, 2, 4 or 5 coefficients, not {self.distortion}")
 
     @property
+    def center_at(self) -> slice:
+        """Where the principal point stands among the parameters."""
+        first = 6 * self.poses + self.focal
+        return slice(first, first + 2 * self.center)
+
+    @property
     def intrinsics(self) -> bool:
         """Whether anything but the poses may change."""
         return self.focal or self.center or self.distortion > 0

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.messages import Array
-from followspot_calibrate.adjust import Free, Progress, Rods, adjust
+from followspot_calibrate.adjust import Free, Middle, Progress, Rods, adjust
 from followspot_calibrate.triangulation import error, triangulate
 
 MOST_ROUNDS = 6
@@ -50,13 +50,22 @@ def settle(
     pixel: Array,
     free: Free,
     rods: Rods | None = None,
+    middle: Middle | None = None,
     progress: Progress | None = None,
 ) -> Settled:
-    """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong."""
+    """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong; else as in `adjust`."""
     settled = chosen(cameras, pixel)
     for number in range(MOST_ROUNDS):
         clean = np.where(settled.used[..., None], pixel, np.nan)
-        better = adjust(settled.cameras, settled.points, clean, free, rods=rods, scale=SCALE * settled.sigma)
+        better = adjust(
+            settled.cameras,
+            settled.points,
+            clean,
+            free,
+            rods=rods,
+            middle=middle,
+            scale=SCALE * settled.sigma,
+        )
         if progress is not None:
             progress("adjust", (number + 1) / MOST_ROUNDS)
         before, settled = settled, chosen(better.cameras, pixel)

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.geometry import undistort
-from followspot_calibrate.adjust import Free, Progress, Rods
+from followspot_calibrate.adjust import Free, Middle, Progress, Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.wand.diagnosis import require_connected, require_placed, shallow
@@ -26,6 +26,8 @@ LIMIT = 0.01
 BETTER = 0.9
 """Errors after refining known intrinsics over those before, below which the refined ones are kept."""
 REFINED = Free(focal=True, center=True, distortion=2)
+OFF_MIDDLE = 0.02
+"""How far a principal point may be from the middle, one sigma over the longer side of the picture."""
 ROUGH = Free(focal=True, distortion=1)
 """What two or three cameras already tell of intrinsics that are not good enough to place them all."""
 
@@ -67,15 +69,16 @@ def solve(
     require_connected(sightings, begin.pairs)
     require_placed(sightings, begin)
     cameras = [begin.placed[i] for i in range(len(sightings.cameras))]
+    middle = _middle(sightings, known if intrinsics == "auto" else None)
     if rods is not None:
         cameras = _scaled(cameras, sightings, rods)
     if known is None or intrinsics == "free":
-        settled = settle(cameras, sightings.pixel, REFINED, rods, progress)
+        settled = settle(cameras, sightings.pixel, REFINED, rods, middle, progress)
         return Solved(sightings, begin.pairs, settled, "free", rods)
-    settled = settle(cameras, sightings.pixel, Free(), rods, progress)
+    settled = settle(cameras, sightings.pixel, Free(), rods, progress=progress)
     if intrinsics == "auto":
         free = replace(REFINED, focal=not shallow(settled))
-        refined = settle(settled.cameras, sightings.pixel, free, rods, progress)
+        refined = settle(settled.cameras, sightings.pixel, free, rods, middle, progress)
         if refined.sigma < BETTER * settled.sigma:
             return Solved(sightings, begin.pairs, refined, "refined", rods)
     return Solved(sightings, begin.pairs, settled, "known", rods)
@@ -96,6 +99,12 @@ def _begin(sightings: Sightings, cameras: Sequence[Camera], attempts: Sequence[F
         if len(placed) == len(cameras):
             break
     return Beginning(pairs, fits, placed)
+
+
+def _middle(sightings: Sightings, known: Sequence[Camera] | None) -> Middle:
+    """Where principal points are expected: where they are known to be, else in the middle of the pictures."""
+    center = (sightings.sizes - 1) / 2 if known is None else np.array([c.matrix[:2, 2] for c in known])
+    return Middle(center, OFF_MIDDLE * sightings.sizes.max(axis=1))
 
 
 def _scaled(cameras: Sequence[Camera], sightings: Sightings, rods: Rods) -> list[Camera]:
