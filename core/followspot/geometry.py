@@ -123,8 +123,8 @@ def epipolar_distance(F: Array, xy1: Array, xy2: Array) -> Array:
 
     F: (3, 3) or one for each pair (N, 3, 3); xy1, xy2: (N, 2) px undistorted. Returns (N,).
     """
-    line2 = (F[..., :2] @ xy1[..., None])[..., 0] + F[..., 2]
-    line1 = (np.swapaxes(F, -1, -2)[..., :2] @ xy2[..., None])[..., 0] + F[..., 2, :]
+    line2 = _times(F, xy1)
+    line1 = _times(np.swapaxes(F, -1, -2), xy2)
     algebraic = np.abs(line2[..., 0] * xy2[..., 0] + line2[..., 1] * xy2[..., 1] + line2[..., 2])
     slope = np.minimum(np.hypot(line1[..., 0], line1[..., 1]), np.hypot(line2[..., 0], line2[..., 1]))
     return np.asarray(algebraic / np.maximum(slope, np.finfo(float).tiny))
@@ -132,7 +132,7 @@ def epipolar_distance(F: Array, xy1: Array, xy2: Array) -> Array:
 
 def transfer(H: Array, xy: Array) -> Array:
     """Map points by a homography. H: (..., 3, 3); xy: (..., 2) px. Returns (..., 2) px."""
-    image = (H[..., :2] @ xy[..., None])[..., 0] + H[..., 2]
+    image = _times(H, xy)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(image[..., :2] / image[..., 2:])
 
@@ -177,6 +177,11 @@ def triangulate_views(centers: Array, rays: Array, weights: Array) -> Array:
 def cross_matrix(v: Array) -> Array:
     """[v]_x with [v]_x w = v x w (H&Z, eq. A4.5). v: (3,). Returns (3, 3)."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
+
+
+def _times(matrix: Array, xy: Array) -> Array:
+    """M (x, y, 1), (..., 3): sums of columns, for a product of many small matrices is slow."""
+    return np.asarray(matrix[..., 0] * xy[..., :1] + matrix[..., 1] * xy[..., 1:] + matrix[..., 2])
 
 
 def _normalise(camera: Camera, pixel: Array) -> Array:

@@ -28,7 +28,24 @@ def kernel(offsets: Array, scale: Array, unlabelled: Array) -> Array:
     offsets: (T, N, 3) m, candidate minus centre; scale: (T, 3, 2), :func:`scales` of the bandwidths;
     unlabelled: (N,), 1 or 0. Returns (T, N).
     """
-    distance2 = (offsets * offsets) @ scale
+    return weight_at((offsets * offsets) @ scale, unlabelled)
+
+
+def squared_distances(points: Array, centers: Array, scale: Array) -> Array:
+    """|x - y|^2 in both measures of a bandwidth, of all points from all centres, without their offsets.
+
+    points: (N, 3) m; centers: (M, 3) m; scale: (3, 2), of :func:`scales`. Returns (M, N, 2).
+    """
+    middle = points.mean(axis=0)  # near the origin the difference of squares loses no digits
+    x, y = points - middle, centers - middle
+    distance2 = (y * (-2 * scale.T[:, None])) @ x.T
+    distance2 += (scale.T @ (y * y).T)[..., None]
+    distance2 += (scale.T @ (x * x).T)[:, None]
+    return np.moveaxis(distance2, 0, 2)
+
+
+def weight_at(distance2: Array, unlabelled: Array) -> Array:
+    """The kernel of squared distances (..., N, 2) in both measures of the bandwidth; as :func:`kernel`."""
     weight = np.exp(-unlabelled * distance2[..., 1])
     weight *= distance2[..., 0] < 1.0
     return np.asarray(weight)

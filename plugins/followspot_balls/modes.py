@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.kernels import kernel, scales
+from followspot_balls.kernels import kernel, scales, squared_distances, weight_at
 
 TINY = np.finfo(float).tiny
 
@@ -80,7 +80,7 @@ def densest(sample: Sample, credit: Array) -> Array:
     scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled
     for row, weights in enumerate(sample.weights):
         mine, seeds = np.flatnonzero(weights), np.flatnonzero(credit[row] * weights)
-        offsets = sample.xyz[mine] - sample.xyz[seeds, None]
-        density = kernel(offsets, scale[row], unlabelled[mine]) @ weights[mine]
+        distance2 = squared_distances(sample.xyz[mine], sample.xyz[seeds], scale[row])
+        density = weight_at(distance2, unlabelled[mine]) @ weights[mine]
         center[row] = sample.xyz[seeds[(density * credit[row, seeds]).argmax()]]
     return center

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tests.plugins.balls.scene import candidates_at, forecast_at
 
-from followspot_balls.kernels import epipolar_weight, kernel, scales
+from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances, weight_at
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.modes import Sample, densest, seek_modes
@@ -40,6 +40,16 @@ def test_labelled_candidates_get_the_flat_kernel_and_others_the_gaussian() -> No
 
 def test_weight_of_epipolar_distance_has_alpha_two_t_squared() -> None:
     assert epipolar_weight(np.array([0.0, 3.0, 6.0]), 3.0) == pytest.approx([1.0, np.exp(-0.5), np.exp(-2.0)])
+
+
+@pytest.mark.parametrize("origin", [0.0, 1e4])
+def test_the_kernel_of_distances_is_that_of_offsets_far_from_the_origin_too(origin: float) -> None:
+    rng = np.random.default_rng(3)
+    points, centers = rng.uniform(-2, 2, (40, 3)) + origin, rng.uniform(-2, 2, (7, 3)) + origin
+    scale, unlabelled = scales(np.array([[2.0, 1.0, 3.0]]))[0], rng.integers(0, 2, 40)
+    expected = kernel(points - centers[:, None], scale, unlabelled)
+    found = weight_at(squared_distances(points, centers, scale), unlabelled)
+    assert found == pytest.approx(expected, abs=1e-9)
 
 
 def test_one_step_is_the_weighted_mean_of_what_the_kernel_holds() -> None:
