@@ -1,28 +1,39 @@
-"""Templates of a target, learnt from a clip of it alone in a dark room (Jin & Qian 2008, section 3.2).
+"""Templates of a target, learnt from a clip of it in a dark room (Jin & Qian 2008, section 3.2).
 
-The frames are those of one camera; the target glows, moves and may be out of view in some of them.
+The frames are those of one camera; the target glows, moves and may be out of view in some of them; whoever
+carries it may be in view.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.components import above_local_peak, components
-from followspot_balls.hue import BINS, hue_bin, normalised
-from followspot_balls.strip import whole_strip
+from followspot_balls.glow import glowing
+from followspot_balls.hue import BINS, bhattacharyya, hue_bin, normalised
 
-CONTRAST = 40
-"""How much brighter than the room without it the target must be, grey levels."""
-SMALLEST = 4
-"""Area below which a bright spot is no target but noise, px."""
 COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 """Edge of a blob over its brightest pixel, as in the detectors."""
 VIVID = 80
 """Least saturation of a pixel that shows its hue."""
+ALIKE = 0.6
+"""Least similarity of a spot's hues with those of the whole clip; another colour is something else."""
+
+
+class ColorSpots(NamedTuple):
+    """A target in S frames of a clip: counts (S, 16) of coloured pixels by hue, area (S,) px."""
+
+    counts: Array
+    area: Array
+
+    @property
+    def extremes(self) -> tuple[float, float]:
+        """Smallest and largest area, px."""
+        return float(self.area.min()), float(self.area.max())
 
 
 def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
@@ -30,14 +41,32 @@ def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
 
     frames: BGR pictures (H, W, 3) u8. Raises ValueError where no target is seen.
     """
-    spots = find_spots([frame.max(axis=2) for frame in frames], COLOR_EDGE)
-    counts = np.zeros(BINS)
-    for number, inside in spots:
-        hsv = cv2.cvtColor(frames[number], cv2.COLOR_BGR2HSV_FULL)[inside]
-        counts += np.bincount(hue_bin(hsv[hsv[:, 1] >= VIVID, 0]), minlength=BINS)
+    spots = color_spots(frames)
+    return color_template(spots), spots.extremes
+
+
+def color_spots(frames: Sequence[Array]) -> ColorSpots:
+    """The target in each frame that shows it: spots of one colour. Raises ValueError where there are none."""
+    spots = glowing([frame.max(axis=2) for frame in frames], COLOR_EDGE)
+    counts = np.zeros((len(spots), BINS))
+    for number, spot in enumerate(spots):
+        hsv = cv2.cvtColor(frames[spot.frame], cv2.COLOR_BGR2HSV_FULL)[spot.inside]
+        counts[number] = np.bincount(hue_bin(hsv[hsv[:, 1] >= VIVID, 0]), minlength=BINS)
     if not counts.any():
         raise ValueError("the bright spot that moves has no colour; is it overexposed?")
-    return normalised(counts), area_range(spots)
+    # A spot without any hue is the overexposed target; the usual hue is that of the median spot, which
+    # no single large thing can change.
+    usual = normalised(np.median(normalised(counts[counts.any(axis=1)]), axis=0))
+    alike = ~counts.any(axis=1) | (bhattacharyya(normalised(counts), usual) >= ALIKE)
+    if not counts[alike].any():
+        raise ValueError("the bright spots that move have no colour in common; show the target alone")
+    area = np.array([spot.area for spot in spots])
+    return ColorSpots(counts[alike], area[alike])
+
+
+def color_template(spots: ColorSpots) -> Array:
+    """Hue histogram (16,) of all coloured pixels, normalised."""
+    return normalised(spots.counts.sum(axis=0))
 
 
 def learn_infrared(frames: Sequence[Array]) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -46,40 +75,8 @@ def learn_infrared(frames: Sequence[Array]) -> tuple[tuple[float, float], tuple[
     frames: pictures (H, W) or (H, W, channels) u8. Raises ValueError where no target is seen.
     """
     grays = [frame if frame.ndim == 2 else frame[..., 0] for frame in frames]
-    spots = find_spots(grays, INFRARED_EDGE)
-    lowest = min(float(grays[number][inside].min()) for number, inside in spots)
-    highest = max(float(grays[number][inside].max()) for number, inside in spots)
-    return (lowest, highest), area_range(spots)
-
-
-def area_range(spots: Sequence[tuple[int, Array]]) -> tuple[float, float]:
-    """Smallest and largest area, px."""
-    areas = [float(inside.sum()) for _, inside in spots]
-    return min(areas), max(areas)
-
-
-def find_spots(levels: Sequence[Array], edge: float) -> list[tuple[int, Array]]:
-    """The largest spot brighter than the room in each frame that has one: number of the frame, mask.
-
-    The room is the median frame, so that hot pixels and lamps are not taken for a target that moves.
-    """
-    if not levels:
-        raise ValueError("the clip has no frames")
-    stack = np.stack(levels)
-    if not np.ptp(stack, axis=0).any() and len(stack) > 1:
-        raise ValueError("nothing moves in this clip")
-    room = np.median(stack, axis=0) if len(stack) > 2 else np.zeros(stack.shape[1:])
-    spots = []
-    for number, level in enumerate(stack):
-        risen = np.where(level > room + CONTRAST, level, 0).astype(np.uint8)
-        found = components(above_local_peak(risen, edge), risen, whole_strip(risen.shape[1]))
-        if found.area.max(initial=0) >= SMALLEST:
-            inside = np.zeros(risen.shape, bool)
-            inside.reshape(-1)[found.pixels] = found.label == found.area.argmax()
-            spots.append((number, inside))
-    if not spots:
-        raise ValueError(
-            f"none of {len(stack)} frames shows a moving spot of at least {SMALLEST} px "
-            f"that is {CONTRAST} grey levels brighter than the room"
-        )
-    return spots
+    spots = glowing(grays, INFRARED_EDGE)
+    lowest = min(float(grays[spot.frame][spot.inside].min()) for spot in spots)
+    highest = max(float(grays[spot.frame][spot.inside].max()) for spot in spots)
+    area = [spot.area for spot in spots]
+    return (lowest, highest), (min(area), max(area))

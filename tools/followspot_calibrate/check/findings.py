@@ -96,7 +96,8 @@ class Findings:
     def verdict(self) -> str:
         """One line: "good: ...", or what to look at."""
         if self.blamed:
-            return f"look at {', '.join(self.blamed)}: {self.failures[0]}"
+            names = ", ".join(self.blamed)
+            return f"look at {names}: {self.failures[0].removeprefix(self.blamed[0] + ': ')}"
         if self.failures:
             return f"not good: {self.failures[0]}"
         measured = [one for one in (self.points, self.tracks) if one is not None]

@@ -13,8 +13,7 @@ from followspot.deploy.truth import TRACKS
 from followspot.errors import InputError, Mistake
 from followspot.geometry import Views
 from followspot.messages import Array
-from followspot_calibrate.clocks.moments import in_order, moments_at
-from followspot_calibrate.tracked import SIGHTINGS, Tracked, read_blobs
+from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, moments_at, read_blobs
 
 REACH = 0.03
 """Largest distance of a blob from its target's image over the longer side of the picture."""

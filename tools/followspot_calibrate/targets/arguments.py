@@ -12,9 +12,12 @@ RADIUS = 0.0762
 
 HELP = """Learn the targets' templates from clips and write them into the room file.
 
-Each target moves alone through the dark room: CLIPS/<target>/<camera>.mkv, any video or a folder of pictures.
-Colour cameras learn hue and size, infrared cameras grey level and size. Targets that the room has already
-and that have no clips stay as they are.
+Each target moves through the dark room in a clip of its own, and people may carry it: CLIPS/<target>/
+<camera>.mkv, any video or a folder of pictures. What glows is learnt, not what is lit: the brightest compact
+spot that is alike in all frames. Colour cameras learn hue and size, infrared cameras grey level and size.
+Targets that the room has already and that have no clips stay as they are.
+
+The table at the end says how well the colours are told apart; two targets that look alike are warned about.
 
   followspot calibrate targets --room room.yaml --clips templates
   followspot calibrate targets --room room.yaml --clips templates --radius 0.05 --json
@@ -37,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
     """Learn, write, report."""
     from followspot_calibrate.targets.command import calibrate_targets
 
-    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, as_json=args.json)
+    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, in_json=args.json)
 
 
 COMMAND = Command("targets", HELP, configure, run, parent="calibrate")

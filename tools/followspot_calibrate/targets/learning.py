@@ -1,4 +1,4 @@
-"""Templates of targets from clips: one target alone, seen by one camera after the other."""
+"""Templates of targets from clips: one target in each, seen by one camera after the other."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot import Camera, Context, Room, Target
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot import Camera, Room, Target
+from followspot.errors import FollowspotError
 from followspot.messages import Array
-from followspot_balls.template import learn_color, learn_infrared
-from followspot_cameras.images import Images
+from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
+from followspot_calibrate.clips import read_frames
 from followspot_cameras.recordings import find_recordings
-from followspot_cameras.video import Video
 
 MOST_FRAMES = 300
 """Of one clip; more teach nothing new and fill the memory."""
@@ -22,25 +21,18 @@ MOST_FRAMES = 300
 
 @dataclass(frozen=True)
 class Lesson:
-    """What one clip taught: the template's parts for this camera, or why there are none."""
+    """What one clip taught: the template's parts for this camera, or why there are none.
+
+    spots: the target in each frame, where the camera shows colour.
+    """
 
     camera: Camera
     frames: int
     hue_histogram: Array | None = None
     gray: tuple[float, float] | None = None
     area: tuple[float, float] | None = None
+    spots: ColorSpots | None = None
     problem: str = ""
-
-
-def clips_of(folder: Path) -> list[Path]:
-    """The targets' folders in the order of their names. Raises InputError where there is none."""
-    targets = sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else []
-    if not targets:
-        text = f"{folder} has no folder per target"
-        raise InputError(
-            [Mistake(None, text, "needs CLIPS/<target>/<camera>.mkv, for example clips/red/cam0.mkv")]
-        )
-    return targets
 
 
 def learn(clips: Path, room: Room) -> Iterator[Lesson]:
@@ -56,29 +48,18 @@ def learn(clips: Path, room: Room) -> Iterator[Lesson]:
 def learn_from(recording: Path, camera: Camera) -> Lesson:
     """What a clip teaches; the problem names the remedy where it teaches nothing."""
     try:
-        frames = read_frames(recording, camera)
+        frames = read_frames(recording, camera, MOST_FRAMES)
     except FollowspotError as error:
         return Lesson(camera, 0, problem=str(error))
     try:
         if camera.kind == "color":
-            histogram, area = learn_color(frames)
-            return Lesson(camera, len(frames), hue_histogram=np.round(histogram, 6), area=area)
+            spots = color_spots(frames)
+            histogram, area = np.round(color_template(spots), 6), spots.extremes
+            return Lesson(camera, len(frames), hue_histogram=histogram, area=area, spots=spots)
         gray, area = learn_infrared(frames)
         return Lesson(camera, len(frames), gray=gray, area=area)
     except ValueError as error:
         return Lesson(camera, len(frames), problem=f"{error}; move the target through the camera's view")
-
-
-def read_frames(recording: Path, camera: Camera) -> list[Array]:
-    """Pictures of the clip as the camera's frames. Raises InputError."""
-    stage = (Images if recording.is_dir() else Video)(
-        Context(name=str(recording), camera=camera), path=recording, frames=MOST_FRAMES
-    )
-    stage.setup()
-    try:
-        return [frame.pixels for frame in stage.process()]
-    finally:
-        stage.close()
 
 
 def taught(target: Target, radius: float | None, lessons: Sequence[Lesson]) -> Target:

@@ -1,0 +1,69 @@
+"""What was learnt, as tables and as JSON."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from followspot.cli.summary import table
+from followspot_calibrate.targets.learning import Lesson
+from followspot_calibrate.targets.separability import Separability, worst
+
+APART = "blobs of the target on the left that the template above accepts, in the worst camera"
+
+
+def summary(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
+    """A line per target and camera, then how well the targets are told apart."""
+    head = ("target", "camera", "frames", "area", "template")
+    lines = [head, *(_line(name, one) for name, lessons in report.items() for one in lessons)]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    rows = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
+    learnt = "\n".join("  ".join(row).rstrip() for row in rows)
+    return f"{learnt}\n\n{APART}\n{_matrix(worst(apart))}" if apart else learnt
+
+
+def as_json(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
+    """The same for scripts."""
+    return json.dumps(
+        {
+            "targets": {
+                name: {one.camera.name: _fields(one) for one in all_} for name, all_ in report.items()
+            },
+            "separability": {
+                one.camera: {
+                    "targets": one.targets,
+                    "similarity": np.round(one.similarity, 4).tolist(),
+                    "accepted": np.round(one.accepted, 4).tolist(),
+                }
+                for one in apart
+            },
+            "warnings": [text for one in apart for text in one.warnings],
+        }
+    )
+
+
+def _matrix(one: Separability) -> str:
+    rows = [
+        (name, *("" if i == j else f"{100 * share:.0f} %" for j, share in enumerate(one.accepted[i])))
+        for i, name in enumerate(one.targets)
+    ]
+    return table(("", *one.targets), rows)
+
+
+def _line(name: str, one: Lesson) -> Sequence[str]:
+    area = f"{one.area[0]:.0f}-{one.area[1]:.0f} px" if one.area else "-"
+    template = "nothing learnt"
+    if one.hue_histogram is not None:
+        template = f"hue {one.hue_histogram.argmax() * 360 // len(one.hue_histogram)} deg"
+    elif one.gray is not None:
+        template = f"gray {one.gray[0]:.0f}-{one.gray[1]:.0f}"
+    return name, one.camera.name, str(one.frames), area, template
+
+
+def _fields(one: Lesson) -> dict[str, Any]:
+    histogram = None if one.hue_histogram is None else one.hue_histogram.tolist()
+    found = {"hue_histogram": histogram, "gray": one.gray, "area": one.area}
+    return {"frames": one.frames, **found, "problem": one.problem}
