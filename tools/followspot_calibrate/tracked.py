@@ -21,10 +21,12 @@ from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.runtime.wiring import RunOptions
-from followspot.tracking import Blobs
+from followspot.tracking import TRACKED, Blobs
 
 SIGHTINGS = "sightings.csv"
 """Written by the stage that is added to the graph, in the run's output folder."""
+SAME = 1e-6
+"""Time stamps that differ by less are of one time, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,3 +103,31 @@ def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> Bl
     ]
     table = np.array(rows, float).reshape(-1, 5)
     return BlobTable(table[:, 2], table[:, 0].astype(int), table[:, 1].astype(int), table[:, 3:])
+
+
+def in_order(tracks: TrackTable) -> tuple[Array, Array, Array]:
+    """Time, target and place of what was measured, by target and time."""
+    measured = np.flatnonzero(tracks.state == TRACKED)
+    order = measured[np.lexsort([tracks.time[measured], tracks.target[measured]])]
+    return tracks.time[order], tracks.target[order], tracks.xyz[order]
+
+
+def moments_at(time: Array, target: Array, blobs: BlobTable) -> Array:
+    """The moment of each blob's target that its message was joined to: (M,), -1 where there is none.
+
+    Messages are joined to the earliest of them, within less than half a frame interval.
+    """
+    found = np.full(len(blobs.time), -1)
+    window = frame_interval(time, target) / 2
+    for number in np.unique(target):
+        rows, own = np.flatnonzero(target == number), np.flatnonzero(blobs.target == number)
+        place = np.searchsorted(time[rows], blobs.time[own] + SAME) - 1
+        near = (place >= 0) & (blobs.time[own] - time[rows[place]] < window)
+        found[own[near]] = rows[place[near]]
+    return found
+
+
+def frame_interval(time: Array, target: Array) -> float:
+    """Median time between two moments of a target, s; infinite where there are none."""
+    step = np.diff(time)[np.diff(target) == 0]
+    return float(np.median(step)) if len(step) else np.inf

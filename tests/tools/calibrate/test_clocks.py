@@ -130,6 +130,16 @@ def test_targets_at_rest_are_refused_by_the_name_of_every_camera(rng: np.random.
     assert len(str(caught.value).splitlines()) == len(P)
 
 
+def test_a_run_that_tracked_nothing_is_refused_like_one_without_motion() -> None:
+    nothing = np.zeros(0)
+    table = TrackTable(
+        tuple(ROOM.targets), nothing, nothing.astype(int), nothing.astype("u1"), np.zeros((0, 3))
+    )
+    blobs = BlobTable(nothing, nothing.astype(int), nothing.astype(int), np.zeros((0, 2)))
+    with pytest.raises(FollowspotError, match="cam5: 0 sightings"):
+        check(ROOM, found(Tracked(table, blobs)), 2e-3)
+
+
 def test_a_camera_that_saw_too_little_is_named(rng: np.random.Generator) -> None:
     tracked = filmed(rng)
     blobs = tracked.blobs

@@ -7,20 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Room
-from followspot.accuracy import TrackTable
 from followspot.geometry import undistort
 from followspot.messages import Array
-from followspot.tracking import TRACKED
-from followspot_calibrate.tracked import BlobTable, Tracked
+from followspot_calibrate.tracked import Tracked, frame_interval, in_order, moments_at
 
-REACH = 10.0
-"""Largest distance of a blob from the image of its target, px."""
+REACH = 0.03
+"""Largest distance of a blob from the image of its target over the longer side of the picture."""
 NEIGHBOURS = 2
 """Moments before and after one that its velocity is taken from."""
 GAP = 1.5
 """Frame intervals between two moments from which they are no neighbours."""
-SAME = 1e-6
-"""Time stamps that differ by less are of one time, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,41 +49,14 @@ def moments(tracked: Tracked, room: Room, offset: Array) -> Moments:
     P = np.array([c.projection for c in cameras])
     velocity = velocities(time, target, xyz)[moment]
     place = xyz[moment] + np.nan_to_num(velocity) * (late + offset[camera])[:, None]
+    reach = REACH * np.array([max(c.size) for c in cameras])[camera]
     apart = np.linalg.norm(images(P[camera], place) - pixel, axis=1)
     order = np.argsort(-apart, kind="stable")
-    order = order[apart[order] < REACH]  # the nearest is written last
+    order = order[apart[order] < reach[order]]  # the nearest is written last
     xy, delay = np.full((len(time), len(cameras), 2), np.nan), np.zeros((len(time), len(cameras)))
     xy[moment[order], camera[order]] = pixel[order]
     delay[moment[order], camera[order]] = late[order]
     return Moments(time, target, xyz, xy, delay)
-
-
-def in_order(tracks: TrackTable) -> tuple[Array, Array, Array]:
-    """Time, target and place of what was measured, by target and time."""
-    measured = np.flatnonzero(tracks.state == TRACKED)
-    order = measured[np.lexsort([tracks.time[measured], tracks.target[measured]])]
-    return tracks.time[order], tracks.target[order], tracks.xyz[order]
-
-
-def moments_at(time: Array, target: Array, blobs: BlobTable) -> Array:
-    """The moment of each blob's target that its message was joined to: (M,), -1 where there is none.
-
-    Messages are joined to the earliest of them, within less than half a frame interval.
-    """
-    found = np.full(len(blobs.time), -1)
-    window = frame_interval(time, target) / 2
-    for number in np.unique(target):
-        rows, own = np.flatnonzero(target == number), np.flatnonzero(blobs.target == number)
-        place = np.searchsorted(time[rows], blobs.time[own] + SAME) - 1
-        near = (place >= 0) & (blobs.time[own] - time[rows[place]] < window)
-        found[own[near]] = rows[place[near]]
-    return found
-
-
-def frame_interval(time: Array, target: Array) -> float:
-    """Median time between two moments of a target, s; infinite where there are none."""
-    step = np.diff(time)[np.diff(target) == 0]
-    return float(np.median(step)) if len(step) else np.inf
 
 
 def velocities(time: Array, target: Array, xyz: Array) -> Array:
