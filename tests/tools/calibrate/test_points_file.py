@@ -105,6 +105,13 @@ def test_keypoints_below_the_confidence_were_not_seen(tmp_path):
     assert found.sizes.tolist() == [[64, 48], [32, 24]]
 
 
+def test_pictures_of_another_size_than_the_rooms_are_told(tmp_path):
+    views = np.array([[0, 0, 64, 48]] * 2)
+    np.savez(tmp_path / "points.npz", keypoints=np.ones((2, 3, 1, 3), np.float32), views_xywh=views)
+    with pytest.raises(InputError, match="cam0 have 64x48 px, in the room"):
+        read_points(tmp_path / "points.npz", made_room(cameras=2).cameras)
+
+
 def test_pickles_wrong_shapes_and_other_files_are_refused(tmp_path):
     np.savez(tmp_path / "pickled.npz", keypoints=np.array([{}], dtype=object))
     np.savez(tmp_path / "flat.npz", keypoints=np.ones((2, 3)))

@@ -76,6 +76,18 @@ def test_a_new_room_comes_from_points_alone(points, tmp_path, capsys):
     assert np.mean(centers, axis=0) == pytest.approx(np.zeros(3), abs=1e-9)
 
 
+def test_cameras_found_from_nothing_keep_what_the_room_says_of_them(made, points, tmp_path):
+    cameras = {c.name: replace(c, host="left", clock_offset=0.004) for c in made.cameras}
+    cameras["cam1"] = replace(cameras["cam1"], kind="infrared")
+    save(Room("studio", cameras), tmp_path / "room.yaml")
+    arguments = ["--points", str(points), "--room", str(tmp_path / "room.yaml"), "--intrinsics", "free"]
+    assert main(["calibrate", "wand", *arguments]) == 0
+    found = load(tmp_path / "room.yaml").cameras
+    assert [camera.kind for camera in found.values()] == ["color", "infrared", "color", "color"]
+    assert {(camera.host, camera.clock_offset) for camera in found.values()} == {("left", 0.004)}
+    assert found["cam0"].matrix.tolist() != made.cameras[0].matrix.tolist()
+
+
 def test_a_marker_gives_the_frame(made, points, room, tmp_path, capsys):
     places = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.5, 0.5, 1]], float)
     lines = ["x,y,z,camera,u,v"]

@@ -44,11 +44,15 @@ def read_points(
         raise InputError(
             [Mistake(None, f"{path} is no file of points in a known format", f"known: {FORMATS}")]
         )
-    return _checked(path, found)
+    return _checked(path, found, cameras)
 
 
-def _checked(path: Path, found: Sightings) -> Sightings:
+def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightings:
     """The sightings, in pictures of the size they are said to have."""
+    for camera, size in zip(cameras, found.sizes.tolist(), strict=True) if cameras else ():
+        if camera.size != tuple(size):
+            text = f"{path}: pictures of {camera.name} have {size[0]}x{size[1]} px, in the room {camera.size}"
+            raise InputError([Mistake(None, text, "mend the size in the room file, or scale the points")])
     margin = FAR_OUTSIDE * found.sizes
     outside = np.any((found.pixel < -margin) | (found.pixel > found.sizes + margin), axis=2)
     for number, name in enumerate(found.cameras):

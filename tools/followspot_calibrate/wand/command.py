@@ -52,7 +52,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
         print("\r\x1b[K", end="", file=sys.stderr)
     alignment = aligned(args, solved, room)
     settled = solved.settled
-    own = (alignment.transform.camera(camera) for camera in settled.cameras)
+    own = [in_room(alignment.transform.camera(camera), room) for camera in settled.cameras]
     warnings = warnings_of(sightings, settled, focal=solved.intrinsics == "free")
     if alignment.method != "centers" and room is not None and room.planes:
         warnings.append("the room's frame of reference is new; its planes are not: calibrate planes again")
@@ -81,6 +81,20 @@ def aligned(args: argparse.Namespace, solved: Solved, room: Room | None) -> Alig
     if method == "centers":
         return onto_centers(cameras, centers, scaled=scaled)
     return onto_itself(cameras, metric=not scaled)
+
+
+def in_room(camera: Camera, room: Room | None) -> Camera:
+    """The camera of the room with this calibration; what else the room says of it stays."""
+    if room is None:
+        return camera
+    return replace(
+        room.cameras[camera.name],
+        model=camera.model,
+        matrix=camera.matrix,
+        distortion=camera.distortion,
+        rotation=camera.rotation,
+        translation=camera.translation,
+    )
 
 
 def write(cameras: Mapping[str, Camera], room: Room | None, source: Path | None, output: Path) -> None:

@@ -12,6 +12,8 @@ from followspot_calibrate.wand.growing import Beginning
 from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.rounds import Settled
 
+LEAST = 12
+"""Points that a camera must keep."""
 DEEP = 2.0
 """Ratio of the farthest to the nearest points below which they leave the focal length open (Svoboda 2005)."""
 MANY = 0.2
@@ -47,6 +49,17 @@ def require_placed(sightings: Sightings, begin: Beginning) -> None:
         )
     if absent:
         raise FollowspotError("\n".join(_unplaced(sightings, begin, camera) for camera in absent))
+
+
+def require_used(sightings: Sightings, settled: Settled) -> None:
+    """Raises FollowspotError where hardly a sighting of a camera fits in the end."""
+    counts = settled.used.sum(axis=0)
+    for name, count, seen in zip(sightings.cameras, counts, sightings.seen.sum(axis=0), strict=True):
+        if count < LEAST:
+            raise FollowspotError(
+                f"only {count} of {seen} points of {name} fit what the other cameras see, {LEAST} needed: "
+                "is it synchronised, and does the file say the right camera?"
+            )
 
 
 def warnings_of(sightings: Sightings, settled: Settled, *, focal: bool) -> list[str]:

@@ -13,7 +13,7 @@ from followspot.geometry import undistort
 from followspot_calibrate.adjust import Free, Middle, Progress, Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import Similarity
-from followspot_calibrate.wand.diagnosis import require_connected, require_placed, shallow
+from followspot_calibrate.wand.diagnosis import require_connected, require_placed, require_used, shallow
 from followspot_calibrate.wand.growing import Beginning, grow
 from followspot_calibrate.wand.guessing import guess
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
@@ -21,6 +21,7 @@ from followspot_calibrate.wand.rods import rods_of, scale_of
 from followspot_calibrate.wand.rounds import Settled, chosen, settle
 
 Intrinsics = Literal["known", "free", "auto"]
+Outcome = Literal["known", "refined", "free"]
 LIMIT = 0.01
 """Distance from an epipolar line of points that fit known intrinsics, over the longer side of the picture."""
 BETTER = 0.9
@@ -43,7 +44,7 @@ class Solved:
     sightings: Sightings
     pairs: Sequence[Pair]
     settled: Settled
-    intrinsics: Literal["known", "refined", "free"]
+    intrinsics: Outcome
     rods: Rods | None
 
 
@@ -62,26 +63,47 @@ def solve(
     Raises FollowspotError that names the cameras where the data do not tie them together.
     """
     rods = None if length is None else rods_of(sightings, length)
-    if known is None or intrinsics == "free":
+    own = None if intrinsics == "free" else known
+    if own is None:
         begin = guess(sightings, progress)
     else:
-        begin = _begin(sightings, known, [Free(), ROUGH] if intrinsics == "auto" else [Free()])
+        begin = _begin(sightings, own, [Free(), ROUGH] if intrinsics == "auto" else [Free()])
     require_connected(sightings, begin.pairs)
     require_placed(sightings, begin)
     cameras = [begin.placed[i] for i in range(len(sightings.cameras))]
-    middle = _middle(sightings, known if intrinsics == "auto" else None)
     if rods is not None:
         cameras = _scaled(cameras, sightings, rods)
-    if known is None or intrinsics == "free":
+    if own is None:
+        middle = _middle(sightings, None)
+        outcome: Outcome = "free"
         settled = settle(cameras, sightings.pixel, REFINED, rods, middle, progress)
-        return Solved(sightings, begin.pairs, settled, "free", rods)
+    else:
+        settled, outcome = _with_known(sightings, own, cameras, intrinsics == "auto", rods, progress)
+    require_used(sightings, settled)
+    return Solved(sightings, begin.pairs, settled, outcome, rods)
+
+
+def _with_known(
+    sightings: Sightings,
+    known: Sequence[Camera],
+    placed: Sequence[Camera],
+    may_refine: bool,
+    rods: Rods | None,
+    progress: Progress | None,
+) -> tuple[Settled, Outcome]:
+    """The placed cameras with known intrinsics, or with refined ones where those are clearly better."""
+    cameras = [
+        replace(camera, matrix=lens.matrix, distortion=lens.distortion)
+        for camera, lens in zip(placed, known, strict=True)
+    ]
     settled = settle(cameras, sightings.pixel, Free(), rods, progress=progress)
-    if intrinsics == "auto":
+    if may_refine:
         free = replace(REFINED, focal=not shallow(settled))
-        refined = settle(settled.cameras, sightings.pixel, free, rods, middle, progress)
+        start = placed if free.focal else settled.cameras
+        refined = settle(start, sightings.pixel, free, rods, _middle(sightings, known), progress)
         if refined.sigma < BETTER * settled.sigma:
-            return Solved(sightings, begin.pairs, refined, "refined", rods)
-    return Solved(sightings, begin.pairs, settled, "known", rods)
+            return refined, "refined"
+    return settled, "known"
 
 
 def _begin(sightings: Sightings, cameras: Sequence[Camera], attempts: Sequence[Free]) -> Beginning:
