@@ -60,6 +60,8 @@ class Pairs(Message):
     """Whether a colour camera takes part; infrared-infrared pairs are unlabelled."""
     confirmed: Array = column("N", dtype="?")
     """Whether the pair joins a colour and an infrared camera: evidence of a ball, not of light."""
+    evident: Array = column("N", dtype="?")
+    """Whether it is enough to find a ball by: confirmed, and no other colour camera shows it to be light."""
     targets: Array = column("N", "T", dtype="?")
 
 
@@ -76,6 +78,8 @@ class Candidates(Message):
     epipolar: Array = column("N", unit="px")
     labelled: Array = column("N", dtype="?")
     confirmed: Array = column("N", dtype="?")
+    evident: Array = column("N", dtype="?")
+    """Evident as a pair, and both blobs show enough of a ball at that distance."""
     targets: Array = column("N", "T", dtype="?")
 
 
@@ -90,8 +94,12 @@ class Positions(Message):
     """Number of candidates that the position rests on."""
     confirmed: Array = column("M", dtype="?")
     """Whether a colour-infrared pair is among them; a lost target is recovered only by such."""
+    evident: Array = column("M", dtype="?")
+    """Whether one of them would be enough by itself, seen a few frames in a row."""
     iterations: Array = column("M", dtype="i4")
     """Steps until convergence; 0 for direct methods."""
+    predicted: Array = column("M", dtype="?")
+    """Whether one view and the forecast or a plane had to do: no measurement of its own."""
 
 
 class Forecast(Message):

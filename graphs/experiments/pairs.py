@@ -30,4 +30,5 @@ class Choose(Stage):
             | (pairs.confirmed & p.color_infrared)
             | (~pairs.labelled & p.infrared_infrared)
         )
-        return replace(kept, confirmed=np.ones(len(kept.xy), bool)) if p.evident else kept
+        every = np.ones(len(kept.xy), bool)
+        return replace(kept, confirmed=every, evident=every) if p.evident else kept

@@ -168,7 +168,9 @@ class Bundle(Stage):
             covariance=fit.covariance,
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
+            evident=np.asarray((used & candidates.evident).any(axis=1)),
             iterations=np.full(len(target), STEPS, np.int32),
+            predicted=np.zeros(len(target), bool),
         )
         return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
 

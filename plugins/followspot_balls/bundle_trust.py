@@ -7,6 +7,7 @@ import numpy as np
 from followspot.geometry import back_projection
 from followspot.messages import Array
 from followspot.room import Room
+from followspot_balls.outline import unit_outline
 
 WHOLE = 1.2
 """Largest share of its outline that a blob alone shows; more is light of something else."""
@@ -18,8 +19,7 @@ class Outlines:
     def __init__(self, room: Room) -> None:
         cameras = list(room.cameras.values())
         self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
-        focal = np.array([c.matrix[0, 0] for c in cameras])
-        self.unit = np.pi * np.square(focal) * bright_part(room, focal)
+        self.unit = unit_outline(room)
 
     def at_unit_depth(self, xy: Array, area: Array) -> Array:
         """Blobs' sizes over those of balls of unit radius at unit depth: (C, K, 2), (C, K) px -> (C, K).
@@ -29,23 +29,6 @@ class Outlines:
         """
         rays = xy @ self.back[:, :, :2].swapaxes(1, 2) + self.back[:, None, :, 2]
         return np.asarray(area * np.square(rays).sum(axis=2) / self.unit[:, None])
-
-
-def bright_part(room: Room, focal: Array) -> Array:
-    """Part of a whole ball's outline that its blob fills in each camera: (C,), 1 where it was not learnt.
-
-    Reflective patches are dim towards the rim, so an infrared blob may show less of a ball than a
-    colour blob. The templates tell how large whole balls are, for cameras about equally far away.
-    """
-    sizes = np.full(len(focal), np.nan)
-    for number, name in enumerate(room.cameras):
-        learnt = [np.sqrt(t.area[name][0] * t.area[name][1]) for t in room.targets.values() if name in t.area]
-        if learnt:
-            sizes[number] = np.median(learnt) / focal[number] ** 2
-    color = sizes[[c.kind == "color" for c in room.cameras.values()]]
-    known = color[color > 0]
-    share = sizes / np.median(known) if len(known) else np.ones(len(sizes))
-    return np.where(share > 0, share, 1.0)
 
 
 def variance(share: Array, sigma: float, hidden: float, merged: float) -> Array:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
-from followspot.tracking import LOST, MISSING, TRACKED, Forecast, Positions, Tracks
+from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
 from followspot_balls.motion import Motion, manoeuvred, predict, started, update
 
@@ -45,14 +45,15 @@ class Kalman(Stage):
             3.0,
             gt=0,
             unit="1",
-            description="sigmas from the forecast at which a measurement means that the target bounced or was "
-            "hit; raising it smooths more and follows later",
+            description="sigmas from the forecast at which a measurement means that the target bounced or "
+            "was hit; raising it smooths more and follows later",
         )
         missing: int = Field(
             25,
             ge=0,
             unit="frames",
-            description="frames for which a target that is not seen is sought near its last place",
+            description="frames for which a target that is not seen, or by one camera only, is sought near "
+            "its last place",
         )
         support: int = Field(
             3,
@@ -62,7 +63,7 @@ class Kalman(Stage):
             "raising it avoids false recoveries",
         )
         frames: int = Field(
-            8,
+            3,
             ge=1,
             unit="frames",
             description="frames in a row after which fewer candidates of a lost target are believed; raising "
@@ -110,9 +111,10 @@ class Kalman(Stage):
             self.motion = update(motion, target[~new], xyz[~new], noise[~new])
         else:
             self.motion = update(motion, target, xyz, noise)
-        measured = np.zeros(len(life.status), bool)
-        measured[target] = True
-        self.life = aged(life, measured, p.missing)
+        measured, bridged = np.zeros((2, len(life.status)), bool)
+        measured[target] = ~positions.predicted[counted]
+        bridged[target] = positions.predicted[counted]
+        self.life = aged(life, measured, bridged, p.missing)
         self.remember(target, new)
         return Outputs(self.tracks(), self.forecast())
 
@@ -138,8 +140,8 @@ class Kalman(Stage):
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
 
     def tracks(self) -> Tracks:
-        """Rows of the targets that were measured in this frame."""
-        target = np.flatnonzero(self.life.status == TRACKED)
+        """Rows of the targets that were measured in this frame, or at least seen once."""
+        target = np.flatnonzero((self.life.status == TRACKED) | (self.life.status == PREDICTED))
         variance = np.diagonal(self.motion.covariance[target, :3, :3], axis1=1, axis2=2)
         return Tracks(
             target=target.astype(np.int32),

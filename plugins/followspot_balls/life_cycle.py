@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from followspot.messages import Array
-from followspot.tracking import LOST, MISSING, TRACKED, Positions
+from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class LifeCycle:
     """Of T targets."""
 
     status: Array
-    """(T,) u8: LOST, TRACKED or MISSING."""
+    """(T,) u8: LOST, TRACKED, MISSING or PREDICTED."""
     unseen: Array
     """(T,) frames since the target was last measured: the paper's missing-frame counter."""
     seen: Array
@@ -56,26 +56,29 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     """
     target, xyz = positions.target, positions.xyz
     status = life.status[target]
-    if (status == TRACKED).all():
+    known = (status == TRACKED) | (status == PREDICTED)
+    if known.all():
         return replace(life, streak=np.zeros_like(life.streak)), np.ones(len(target), bool)
-    possible = (positions.support > 0) & (positions.confirmed | (status != LOST))
+    possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
-    row = np.where(possible, np.where(near, life.streak[target], 0) + 1, 0)
+    row = np.where(possible, np.where(near, life.streak[target], 0) + positions.evident, 0)
     frames = np.where(status == LOST, evidence.frames, evidence.again)
-    strong = possible & ((positions.support >= evidence.support) | (row >= frames))
+    agreeing = positions.support >= np.where(positions.evident, 2, evidence.support)
+    strong = possible & (agreeing | (row >= frames))
     streak, place = np.zeros_like(life.streak), life.place.copy()
     streak[target], place[target] = row, xyz
-    return replace(life, streak=streak, place=place), (status == TRACKED) | strong
+    return replace(life, streak=streak, place=place), known | strong
 
 
-def aged(life: LifeCycle, measured: Array, patience: int) -> LifeCycle:
+def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> LifeCycle:
     """One frame later: measured targets are tracked, others missing, and lost after `patience` frames.
 
     A target that was seen in fewer frames than that is lost after as many: it may never have been there.
-    measured: (T,) bool.
+    measured, bridged: (T,) bool; a bridged target is predicted instead of missing.
     """
     seen = life.seen + measured
     unseen = np.where(measured, 0, life.unseen + 1)
     waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
-    status = np.where(measured, TRACKED, np.where(waiting, MISSING, LOST)).astype(np.uint8)
+    absent = np.where(waiting, np.where(bridged, PREDICTED, MISSING), LOST)
+    status = np.where(measured, TRACKED, absent).astype(np.uint8)
     return replace(life, status=status, unseen=unseen, seen=np.where(status == LOST, 0, seen))

@@ -24,5 +24,7 @@ class Mean(Stage):
             covariance=np.full((len(target), 3, 3), np.nan),
             support=support.astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
+            evident=np.asarray((used & candidates.evident).any(axis=1)),
             iterations=np.zeros(len(target), np.int32),
+            predicted=np.zeros(len(target), bool),
         )

@@ -92,7 +92,9 @@ class MeanShift(Stage):
             covariance=np.full((len(target), 3, 3), np.nan),
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
+            evident=np.asarray((used & candidates.evident).any(axis=1)),
             iterations=modes.steps.astype(np.int32),
+            predicted=np.zeros(len(target), bool),
         )
 
     def credit(self, xyz: Array, center: Array, confirmed: Array, lost: Array) -> Array:

@@ -6,7 +6,8 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
-from followspot.tracking import Candidates, Forecast, Pairs
+from followspot.tracking import TRACKED, Candidates, Forecast, Pairs
+from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, search_spheres, tracked_targets
 
 
@@ -19,6 +20,13 @@ class Triangulate(Stage):
         )
         scale: float = Field(2.0, gt=0, unit="1", description="radius of a sphere over the last displacement")
 
+        whole: float = Field(
+            0.4,
+            ge=0,
+            unit="1",
+            description="share of the target's outline that both blobs of an evident pair show; raising it "
+            "avoids false recoveries and delays those of balls hidden in part",
+        )
         smallest: float = Field(
             0.25,
             ge=0,
@@ -58,15 +66,18 @@ class Triangulate(Stage):
         self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
+        self.outline = unit_outline(self.room)
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back = self.back.take(pairs.view, axis=0)
         rays = np.einsum("nvij,nvj->nvi", back[..., :2], pairs.xy) + back[..., 2]
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
-        targets = pairs.targets & self.within(xyz, forecast) & self.plausible(xyz, pairs, forecast)
+        shares = self.shares(xyz, pairs)
+        targets = pairs.targets & self.within(xyz, pairs, forecast) & self.plausible(shares, forecast)
         targets &= self.above_planes(xyz)
         targets &= self.unclaimed(pairs, forecast)
+        evident = pairs.evident & (targets & (shares.min(axis=1) >= self.params.whole)).any(axis=1)
         keep = targets.any(axis=1)
         return Candidates(
             cameras=pairs.cameras,
@@ -78,19 +89,26 @@ class Triangulate(Stage):
             epipolar=pairs.epipolar[keep],
             labelled=pairs.labelled[keep],
             confirmed=pairs.confirmed[keep],
+            evident=evident[keep],
             targets=targets[keep],
         )
 
-    def within(self, xyz: Array, forecast: Forecast | None) -> Array:
-        """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room."""
+    def within(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
+        """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.
+
+        An unlabelled point may serve several targets, but not if it lies inside a ball that is tracked
+        and outside one's own: balls do not share their place.
+        """
         lost = lost_targets(forecast, len(self.sizes))
         real = ~np.isnan(xyz[:, :1])
         if forecast is None or lost.all():
             return np.asarray(real & lost)
         offset = xyz[:, None] - forecast.xyz
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
-        inside = np.einsum("nti,nti->nt", offset, offset) <= spheres * spheres
-        return np.asarray(real & (lost | inside))
+        distance2 = np.einsum("nti,nti->nt", offset, offset)
+        ball = (distance2 <= self.sizes**2) & ~lost
+        taken = ~pairs.labelled & (ball & (forecast.state == TRACKED)).any(axis=1)
+        return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken[:, None]))
 
     def above_planes(self, xyz: Array) -> Array:
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
@@ -114,19 +132,22 @@ class Triangulate(Stage):
         claimed = (inside.any(axis=2) & self.infrared[pairs.view]).any(axis=1)
         return np.asarray(~(claimed[:, None] & lost))
 
-    def plausible(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
-        """Which pairs are as large as the target would be there: (N, T) bool; all, for tracked targets.
+    def shares(self, xyz: Array, pairs: Pairs) -> Array:
+        """Share of each target's outline that both blobs would show if it were there: (N, 2, T)."""
+        offset = xyz[:, None] - self.centers[pairs.view]
+        distance2 = np.einsum("nvi,nvi->nv", offset, offset)
+        return np.asarray((pairs.area * distance2 / self.outline[pairs.view])[..., None] / self.sizes**2)
 
-        A tracked ball may be hidden in part; one that is still sought must show itself.
+    def plausible(self, shares: Array, forecast: Forecast | None) -> Array:
+        """Which pairs are as large as the target would be there: (N, 2, T) -> (N, T) bool.
+
+        All, for tracked targets: a tracked ball may be hidden in part; one that is still sought must
+        show itself.
         """
         tracked = tracked_targets(forecast, len(self.sizes))
         if tracked.all():
-            return np.ones(pairs.targets.shape, bool)
-        distance = np.linalg.norm(xyz[:, None] - self.centers[pairs.view], axis=2)
-        share = pairs.area / (np.pi * np.square(self.focal[pairs.view] / distance))
-        outline = np.square(self.sizes)
-        fits = share.min(axis=1)[:, None] >= self.params.smallest * outline
-        fits &= share.max(axis=1)[:, None] <= self.params.largest * outline
+            return np.ones((len(shares), len(tracked)), bool)
+        fits = (shares.min(axis=1) >= self.params.smallest) & (shares.max(axis=1) <= self.params.largest)
         return np.asarray(fits | tracked)
 
 

@@ -11,6 +11,10 @@ from followspot.geometry import epipolar_distance, fundamental_matrix, plane_hom
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
 
+SURE = 0.4
+"""Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,
+its centre a radius above it, satisfies the plane less exactly."""
+
 
 class VerifyPairs(Stage):
     """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes."""
@@ -63,9 +67,12 @@ class VerifyPairs(Stage):
         distance = epipolar_distance(F, xy.take(pair[:, 0], axis=0), xy.take(pair[:, 1], axis=0))
         near = distance < self.params.epipolar
         pair, distance = pair[near], distance[near]
-        keep = self.not_projections(pair, view, xy)
+        off_plane, keep = self.homography_test(pair, view, xy)
+        light = np.zeros(len(view), bool)
+        light[pair[~keep & (off_plane < SURE * self.params.homography)]] = True
         pair, distance = pair[keep], distance[keep]
         color = self.color[view[pair]]
+        confirmed = color[:, 0] != color[:, 1]
         return Pairs(
             cameras=self.cameras,
             view=view[pair].astype(np.int32),
@@ -74,7 +81,8 @@ class VerifyPairs(Stage):
             area=area[pair],
             epipolar=distance,
             labelled=color[:, 0] | color[:, 1],
-            confirmed=color[:, 0] != color[:, 1],
+            confirmed=confirmed,
+            evident=confirmed & ~light[pair].any(axis=1),
             targets=targets[pair[:, 0]] & targets[pair[:, 1]],
         )
 
@@ -92,14 +100,15 @@ class VerifyPairs(Stage):
         delay[numbers] = delays(blobs, self.clock_offset[numbers])
         return aligned(xy, view, targets, delay, self.P, forecast, self.params.reach)
 
-    def not_projections(self, pair: Array, view: Array, xy: Array) -> Array:
-        """The homography test on every plane: (M, 2) pairs of blobs -> (M,) bool."""
+    def homography_test(self, pair: Array, view: Array, xy: Array) -> tuple[Array, Array]:
+        """How far (M, 2) pairs of blobs are off a plane, (M,) px, and which are no projections, (M,) bool."""
         first, second = view[pair].T
         H = self.homography.take(first * len(self.cameras) + second, axis=1)
         offset = transfer(H, xy.take(pair[:, 0], axis=0)) - xy.take(pair[:, 1], axis=0)
-        on_plane = np.hypot(offset[..., 0], offset[..., 1]) < self.params.homography
+        distance = np.hypot(offset[..., 0], offset[..., 1])
+        on_plane = distance < self.params.homography
         color = self.color[view[pair]]
-        return homography_test(pair, color, on_plane, len(view))
+        return distance.min(axis=0, initial=np.inf), homography_test(pair, color, on_plane, len(view))
 
 
 def candidate_pairs(view: Array, targets: Array) -> Array:

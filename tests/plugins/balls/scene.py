@@ -98,7 +98,7 @@ def blobs_of(camera: Camera, places: list[tuple[float, float, float]], targets: 
             pixel=pixel,
             area=np.full(count, 28.0),
             similarity=np.ones(count),
-            targets=np.array(targets, bool).reshape(count, -1),
+            targets=np.array(targets, bool).reshape(count, 2),
         )
     )
 
@@ -122,6 +122,7 @@ def candidates_at(
             epipolar=np.array(epipolar or [0.0] * count, float),
             labelled=np.array([True] * count if labelled is None else labelled, bool),
             confirmed=np.array([True] * count if confirmed is None else confirmed, bool),
+            evident=np.array([True] * count if confirmed is None else confirmed, bool),
             targets=np.array([[True]] * count if targets is None else targets, bool).reshape(count, -1),
         )
     )
@@ -132,6 +133,8 @@ def positions_at(
     seconds: float,
     confirmed: bool = True,
     support: int = 6,
+    predicted: bool = False,
+    evident: bool = True,
 ) -> Positions:
     """One measurement for each of some targets, at a time."""
     count = len(places)
@@ -141,6 +144,8 @@ def positions_at(
         covariance=np.full((count, 3, 3), np.nan),
         support=np.full(count, support, np.int32),
         confirmed=np.full(count, confirmed),
+        evident=np.full(count, evident and confirmed),
         iterations=np.ones(count, np.int32),
+        predicted=np.full(count, predicted),
     )
     return seal(stamped(message, Header("test", 0, round(seconds * 1e9))))

@@ -70,6 +70,7 @@ def candidates(xy: list[Array], area: list[Array], targets: Labels, room: Room =
             epipolar=np.zeros(int(real.sum())),
             labelled=np.asarray(color.any(axis=1))[real],
             confirmed=(color[:, 0] ^ color[:, 1])[real],
+            evident=(color[:, 0] ^ color[:, 1])[real],
             targets=of[real],
         )
     )
@@ -235,6 +236,7 @@ def test_each_blob_is_collected_once_with_all_its_targets() -> None:
         epipolar=np.zeros(2),
         labelled=np.ones(2, bool),
         confirmed=np.ones(2, bool),
+        evident=np.ones(2, bool),
         targets=np.array([[True, False], [False, True]]),
     )
     table = sightings(message, 4)

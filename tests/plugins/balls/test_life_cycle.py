@@ -7,7 +7,7 @@ import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.stage import Context
-from followspot.tracking import LOST, MISSING, TRACKED
+from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
 from followspot_balls.kalman import Kalman, Outputs
 from followspot_balls.motion import Motion, predict, started, update
 
@@ -79,6 +79,44 @@ def test_a_missing_target_is_believed_sooner_than_a_lost_one() -> None:
     watch(stage, 5, first=10, seen=False)
     shown = [len(o.tracks.target) for o in watch(stage, 4, first=15, support=1)]
     assert shown == [0, 0, 1, 1]
+
+
+def test_a_pair_that_is_not_evident_is_not_believed_alone() -> None:
+    assert all(len(o.tracks.target) == 0 for o in watch(kalman(), 10, support=1, evident=False))
+    assert all(len(o.tracks.target) == 0 for o in watch(kalman(), 10, support=2, evident=False))
+
+
+def test_pairs_that_agree_are_believed_at_once() -> None:
+    assert len(watch(kalman(), 1, support=3, evident=False)[0].tracks.target) == 1
+    assert len(watch(kalman(), 1, support=2)[0].tracks.target) == 1
+
+
+def test_a_lost_target_is_recovered_within_3_frames_by_one_color_infrared_pair() -> None:
+    assert [len(o.tracks.target) for o in watch(kalman(), 3, support=1)] == [0, 0, 1]
+
+
+def test_a_tracked_target_that_one_view_sees_is_predicted_not_missing() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    outputs = watch(stage, 3, first=40, support=0, evident=False, predicted=True)
+    assert [STATES[o.tracks.state[0]] for o in outputs] == ["predicted"] * 3
+    assert outputs[-1].forecast.state[0] == PREDICTED
+    assert watch(stage, 1, first=43, support=1)[0].tracks.state.tolist() == [TRACKED]
+
+
+def test_prediction_ends_with_the_missing_frame_counter() -> None:
+    stage = kalman(missing=5)
+    watch(stage, 40)
+    outputs = watch(stage, 7, first=40, support=0, evident=False, predicted=True)
+    assert [o.forecast.state[0] for o in outputs] == [PREDICTED] * 5 + [LOST] * 2
+
+
+def test_one_view_finds_no_target_that_is_lost_or_missing() -> None:
+    stage = kalman()
+    assert not any(len(o.tracks.target) for o in watch(stage, 10, predicted=True))
+    watch(stage, 40, first=10)
+    watch(stage, 2, first=50, seen=False)
+    assert not any(len(o.tracks.target) for o in watch(stage, 5, first=52, predicted=True))
 
 
 def test_a_single_pair_that_jumps_is_a_coincidence() -> None:

@@ -159,9 +159,45 @@ def test_candidates_outside_the_sphere_are_rejected(distance: float, kept: int) 
 
 def test_an_unlabelled_candidate_serves_every_target_near_it() -> None:
     pairs = verify({"cam1": [BALL], "cam3": [BALL]})
-    near = (BALL[0] + 0.17, BALL[1], BALL[2])
-    assert candidates_for(pairs, forecast_at([BALL, near])).targets.tolist() == [[True, True]]
+    left, right = (BALL[0] + 0.1, BALL[1], BALL[2]), (BALL[0] - 0.1, BALL[1], BALL[2])
+    assert candidates_for(pairs, forecast_at([left, right])).targets.tolist() == [[True, True]]
     assert candidates_for(pairs, forecast_at([BALL, (2.0, 2.0, 1.0)])).targets.tolist() == [[True, False]]
+
+
+def test_two_balls_at_rest_17_cm_apart_keep_their_own_infrared_candidates() -> None:
+    near = (BALL[0] + 0.17, BALL[1], BALL[2])
+    both = verify({"cam1": [BALL, near], "cam3": [BALL, near]})
+    found = candidates_for(both, forecast_at([BALL, near]))
+    own = np.linalg.norm(found.xyz[:, None] - [BALL, near], axis=2) < 0.01
+    assert own.any(axis=0).all()
+    assert (found.targets[own.any(axis=1)] == own[own.any(axis=1)]).all()
+
+
+def test_a_labelled_candidate_may_be_any_target_s_of_its_colour_near_it() -> None:
+    pairs = verify({"cam0": [BALL], "cam1": [BALL]})
+    near = (BALL[0] + 0.17, BALL[1], BALL[2])
+    assert candidates_for(pairs, forecast_at([near, BALL])).targets[0, 0]
+
+
+@pytest.mark.parametrize(("share", "evident"), [(0.35, False), (0.45, True)])
+def test_a_pair_is_evident_where_both_blobs_show_two_fifths_of_the_ball(share: float, evident: bool) -> None:
+    pairs = verify({"cam0": [BALL], "cam1": [BALL]})
+    distance = np.array([np.linalg.norm(ROOM.cameras[n].center - BALL) for n in ("cam0", "cam1")])
+    whole = np.pi * (150 * RADIUS / distance) ** 2
+    for shares in ([share, 1.0], [1.0, share]):
+        resized = seal(Pairs(**{**vars(pairs), "area": (whole * shares)[None]}))
+        assert candidates_for(resized, None).evident.tolist() == [evident]
+
+
+def test_a_pair_is_not_evident_if_another_colour_camera_shows_its_blob_to_be_light() -> None:
+    spot, ball = (0.3, -0.2, 0.0), (0.3, -0.2, 0.0)
+    ray = np.array(spot) - ROOM.cameras["cam0"].center
+    behind = tuple(np.array(ball) - 0.3 * ray)  # on the same ray of cam0: the ball hides the spot there
+    alone = verify({"cam0": [behind], "cam1": [behind]})
+    lit = verify({"cam0": [behind], "cam1": [behind], "cam2": [spot]})
+    assert alone.evident.tolist() == [True]
+    assert lit.confirmed[(lit.view == [0, 1]).all(axis=1)].all()
+    assert not lit.evident.any()
 
 
 @pytest.mark.parametrize(("area", "kept"), [(2.0, 0), (28.0, 1), (120.0, 0)])

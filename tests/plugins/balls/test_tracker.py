@@ -16,6 +16,7 @@ from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.stage import Context, Stage
 from followspot.tracking import Blobs, Forecast, Frame
+from followspot_balls.bridge import Bridge
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.kalman import Kalman, Outputs
@@ -44,12 +45,13 @@ def track(
         n: ready(ColorBlobs if c.kind == "color" else IrBlobs, room, c) for n, c in room.cameras.items()
     }
     verify, triangulate = ready(VerifyPairs, room), ready(Triangulate, room)
-    fuse, kalman = ready(fusion, room), ready(Kalman, room)
+    fuse, bridge, kalman = ready(fusion, room), ready(Bridge, room), ready(Kalman, room)
     forecast = Forecast.empty()
     for number, pictures in enumerate(frames):
         blobs = tuple(seal(detectors[n].process(pictures[n], forecast)) for n in pictures)
         candidates = seal(triangulate.process(seal(verify.process(blobs)), forecast))
-        positions = stamped(fuse.process(candidates, forecast), Header("", number, number * FRAME_NS))
+        fused = seal(fuse.process(candidates, forecast))
+        positions = stamped(bridge.process(fused, blobs, forecast), Header("", number, number * FRAME_NS))
         outputs = kalman.process(seal(positions))
         forecast = seal(outputs.forecast)
         seal(outputs.tracks)

@@ -51,7 +51,9 @@ def test_unknown_numbers_become_null(tmp_path: Path) -> None:
         covariance=np.full((1, 3, 3), np.nan),
         support=np.array([1], "i4"),
         confirmed=np.array([False]),
+        evident=np.array([False]),
         iterations=np.array([0], "i4"),
+        predicted=np.array([False]),
     )
     empty, full = lines(tmp_path, positions, one)
     assert empty["xyz"] == []

@@ -1,0 +1,143 @@
+"""A target that one camera still sees keeps its place for a while, marked as predicted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Array, Field, Joined, Latest, Stage, StageParams
+from followspot.tracking import Blobs, Forecast, Positions
+from followspot_balls.alignment import delays
+from followspot_balls.outline import unit_outline
+from followspot_balls.search import lost_targets, tracked_targets
+from followspot_balls.single_view import Sight, images, misfit, resting, settled
+
+
+class Bridge(Stage):
+    """Add targets that the fusion could not place: from a single view and the forecast, or a plane."""
+
+    class Params(StageParams):
+        gate: float = Field(
+            3.0,
+            gt=0,
+            unit="1",
+            description="distance of a blob from the forecast's image, in sigmas, up to which it is the "
+            "target; raising it survives turns, and follows what is not the target",
+        )
+        sigma: float = Field(
+            0.7, gt=0, unit="px", description="one sigma of the place of a blob, which may be hidden in part"
+        )
+        smallest: float = Field(
+            0.2,
+            ge=0,
+            unit="1",
+            description="smallest blob over the target's outline; raising it bridges less",
+        )
+        largest: float = Field(
+            1.6, gt=0, unit="1", description="largest blob over the outline; lowering it bridges less"
+        )
+        lone: float = Field(0.01, gt=0, unit="m", description="one sigma of a position that a lone pair made")
+        jump: float = Field(
+            5.0,
+            gt=0,
+            unit="1",
+            description="distance from the forecast, in sigmas, beyond which a lone pair is believed less "
+            "than a single view at the forecast; raising it lets targets jump",
+        )
+        rest: float = Field(
+            0.03,
+            ge=0,
+            unit="m",
+            description="clearance from a plane up to which a target is taken to lie on it; 0: never",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        cameras = self.room.cameras.values()
+        self.number = {name: i for i, name in enumerate(self.room.cameras)}
+        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.centers = np.array([c.center for c in cameras]).reshape(-1, 1, 3)
+        self.clock_offset = np.array([c.clock_offset for c in cameras])
+        self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
+        self.radius = np.array([t.radius for t in self.room.targets.values()])
+        self.outline = unit_outline(self.room)
+
+    def process(
+        self, positions: Positions, blobs: Joined[Blobs], forecast: Latest[Forecast] = None
+    ) -> Positions:
+        wanting = tracked_targets(forecast, len(self.radius))
+        wanting[positions.target] &= self.doubtful(positions, forecast)
+        if forecast is None or not wanting.any() or not any(len(b.xy) for b in blobs):
+            return positions
+        target = np.flatnonzero(wanting)
+        sight, found = self.nearest(target, blobs, forecast)
+        target = target[found]
+        place, radius = forecast.xyz[target], self.radius[target]
+        lying = resting(place, radius, self.planes, self.params.rest)
+        return with_predicted(
+            positions, target, *settled(place, sight.where(found), lying, self.params.sigma)
+        )
+
+    def doubtful(self, positions: Positions, forecast: Forecast | None) -> Array:
+        """Positions that no pair supports, or a lone poor one far from the forecast: (M,) bool."""
+        poor = (positions.support == 1) & ~positions.evident
+        if forecast is None or not (poor | (positions.support == 0)).any():
+            return np.zeros(len(positions.target), bool)
+        known = np.where(
+            np.isfinite(positions.covariance), positions.covariance, self.params.lone**2 * np.eye(3)
+        )
+        spread = forecast.covariance[positions.target] + known
+        offset = positions.xyz - forecast.xyz[positions.target]
+        error = np.einsum("mi,mi->m", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+        far = error > self.params.jump**2
+        return np.asarray((positions.support == 0) | (poor & far))
+
+    def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
+        """Each target's blob that is nearest to its forecast in any view, and whether it may be the target.
+
+        target: (M,) numbers. Returns M sights and (M,) bool.
+        """
+        number = np.array([self.number[b.camera] for b in blobs])
+        delay = np.zeros(len(self.P))
+        delay[number] = delays(blobs, self.clock_offset[number])
+        place = forecast.xyz + delay[:, None, None] * forecast.velocity
+        pixel, slope = images(self.P, place)
+        view = np.repeat(number, [len(b.xy) for b in blobs])
+        sight = Sight(np.concatenate([b.xy for b in blobs])[:, None] - pixel[view], slope[view])
+        possible = self.possible(sight.offset, view, blobs, forecast)
+        error = np.where(possible, misfit(sight, forecast.covariance, self.params.sigma), np.inf)
+        blob = error[:, target].argmin(axis=0)
+        return sight.where((blob, target)), error[blob, target] <= self.params.gate**2
+
+    def possible(self, offset: Array, view: Array, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
+        """Which of N blobs may be which target, as they are as large, and nearer to no other: (N, T) bool.
+
+        offset: (N, T, 2) px from the targets' images; view: (N,).
+        """
+        away = forecast.xyz - self.centers
+        outline = self.outline[:, None] * self.radius**2 / np.einsum("cti,cti->ct", away, away)
+        share = np.concatenate([b.area for b in blobs])[:, None] / outline[view]
+        allowed = np.concatenate([b.targets for b in blobs]) & ~lost_targets(forecast, len(self.radius))
+        distance = np.where(allowed, np.hypot(offset[..., 0], offset[..., 1]), np.inf)
+        own = distance <= distance.min(axis=1, keepdims=True, initial=np.inf)
+        return np.asarray(allowed & own & (share >= self.params.smallest) & (share <= self.params.largest))
+
+
+def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: Array) -> Positions:
+    """The positions with those of M targets that a single view made: (M,), (M, 3) m, (M, 3, 3) m^2."""
+    count = len(target)
+    if not count:
+        return positions
+    positions = positions.where(~np.isin(positions.target, target))
+    return Positions(
+        target=np.concatenate([positions.target, target.astype(np.int32)]),
+        xyz=np.concatenate([positions.xyz, xyz]),
+        covariance=np.concatenate([positions.covariance, covariance]),
+        support=np.concatenate([positions.support, np.zeros(count, np.int32)]),
+        confirmed=np.concatenate([positions.confirmed, np.zeros(count, bool)]),
+        evident=np.concatenate([positions.evident, np.zeros(count, bool)]),
+        iterations=np.concatenate([positions.iterations, np.zeros(count, np.int32)]),
+        predicted=np.concatenate([positions.predicted, np.ones(count, bool)]),
+    )

@@ -1,0 +1,79 @@
+"""A place from one view: what the blob leaves open, the forecast or a plane settles."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from followspot.messages import Array
+
+OPEN = 1.0
+"""One sigma of the forecast, m: it settles what nothing else does, and the filter adds its own belief."""
+PLANE = 0.01
+"""One sigma of the height of a ball that lies on a plane, m."""
+
+
+class Sight(NamedTuple):
+    """Blobs as seen from the images of forecasts."""
+
+    offset: Array
+    """(..., 2) px, from the forecast's image to the blob."""
+    slope: Array
+    """(..., 2, 3) px/m, derivative of the image by the place."""
+
+    def where(self, rows: Any) -> Sight:
+        """Some of them, by mask or index."""
+        return Sight(self.offset[rows], self.slope[rows])
+
+
+def images(P: Array, place: Array) -> tuple[Array, Array]:
+    """Images of places in C views and their derivatives.
+
+    P: (C, 3, 4); place: (C, T, 3) m. Returns (C, T, 2) px, NaN behind the camera, and (C, T, 2, 3) px/m.
+    """
+    image = place @ P[:, :, :3].swapaxes(1, 2) + P[:, None, :, 3]
+    depth = np.where(image[..., 2:] > 0, image[..., 2:], np.nan)
+    pixel = image[..., :2] / depth
+    slope = P[:, None, :2, :3] - pixel[..., None] * P[:, None, 2:, :3]
+    return pixel, slope / depth[..., None]
+
+
+def misfit(sight: Sight, covariance: Array, sigma: float) -> Array:
+    """Squared Mahalanobis distances of blobs from forecasts: of (N, T) sights, NaN where there is no image.
+
+    covariance: (T, 3, 3) m^2, of the forecasts; sigma: of a blob's place, px.
+    """
+    spread = sight.slope @ covariance @ sight.slope.swapaxes(-1, -2) + np.eye(2) * sigma**2
+    a, b, d = spread[..., 0, 0], spread[..., 0, 1], spread[..., 1, 1]
+    x, y = sight.offset[..., 0], sight.offset[..., 1]
+    return np.asarray((d * x * x - 2 * b * x * y + a * y * y) / (a * d - b * b))
+
+
+def resting(place: Array, radius: Array, planes: Array, reach: float) -> tuple[Array, Array]:
+    """The nearest planes of balls that lie on one: normals (M, 3), zero for others, and clearances (M,) m.
+
+    place: (M, 3) m; radius: (M,) m; planes: (K, 4); reach: clearance up to which a ball lies on it, m.
+    """
+    if not len(planes):
+        return np.zeros(place.shape), np.zeros(len(place))
+    distance = place @ planes[:, :3].T + planes[:, 3]
+    nearest = np.abs(distance).argmin(axis=1)
+    above = distance[np.arange(len(place)), nearest]
+    clearance = np.abs(above) - radius
+    normal = planes[nearest, :3] * np.sign(above)[:, None]
+    return normal * (np.abs(clearance) <= reach)[:, None], clearance
+
+
+def settled(place: Array, sight: Sight, lying: tuple[Array, Array], sigma: float) -> tuple[Array, Array]:
+    """The most likely places of balls that one view sees, linearised at their forecasts.
+
+    place: (M, 3) m, forecasts; sight: M blobs; lying: normals and clearances of the planes that they lie
+    on, as of :func:`resting`; sigma: of a blob's place, px. Returns (M, 3) m and covariances (M, 3, 3) m^2.
+    """
+    normal, clearance = lying
+    design = np.concatenate([sight.slope / sigma, normal[:, None] / PLANE], axis=1)
+    wanted = np.concatenate([sight.offset / sigma, -clearance[:, None] / PLANE], axis=1)
+    across = design.swapaxes(1, 2)
+    covariance = np.linalg.inv(across @ design + np.eye(3) / OPEN**2)
+    return place + (covariance @ across @ wanted[..., None])[..., 0], covariance
