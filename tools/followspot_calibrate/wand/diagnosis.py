@@ -10,6 +10,7 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.growing import Beginning
 from followspot_calibrate.wand.pairs import FEWEST, Pair
+from followspot_calibrate.wand.placing import FEWEST as TIED
 from followspot_calibrate.wand.rounds import Settled
 
 LEAST = 12
@@ -117,9 +118,9 @@ def _unplaced(sightings: Sightings, begin: Beginning, camera: int) -> str:
     views = begin.trusted[:, placed].sum(axis=1)
     common = int((begin.trusted[:, camera] & (views >= 2)).sum())
     others = ", ".join(sightings.cameras[i] for i in placed)
-    if common < FEWEST:
+    if common < TIED:
         return (
-            f"{name} shares {common} points with two of {others} at once, {FEWEST} needed: "
+            f"{name} shares {common} points with two of {others} at once, {TIED} needed: "
             "wave where three cameras can see it"
         )
     return (

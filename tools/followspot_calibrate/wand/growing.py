@@ -70,17 +70,19 @@ def grow(
 
 
 def _begin(cameras: Sequence[Camera], pixel: Array, pairs: Sequence[Pair]) -> dict[int, Camera] | None:
-    """Two cameras with many shared points under wide angles."""
+    """Two cameras with many shared points under wide angles, of which many help to place a third."""
+    seen = np.isfinite(pixel[..., 0])
     worth, placed = 0.0, None
     for pair in sorted(pairs, key=lambda pair: -pair.shared)[:BEGINNINGS]:
         if pair.shared < FEWEST:
             break
         both = pair.first, pair.second
-        shared = pixel[:, both][np.isfinite(pixel[:, both]).all(axis=(1, 2))]
+        rows = seen[:, both].all(axis=1)
         first, second = cameras[pair.first], cameras[pair.second]
-        relation = relate(first, second, shared)
-        if relation is not None and relation.worth > worth:
-            worth = relation.worth
+        relation = relate(first, second, pixel[rows][:, both])
+        helpful = 1 + int((seen[rows].sum(axis=1) > len(both)).sum())
+        if relation is not None and relation.worth * helpful > worth:
+            worth = relation.worth * helpful
             placed = {
                 pair.first: replace(first, rotation=np.eye(3), translation=np.zeros(3)),
                 pair.second: replace(second, rotation=relation.rotation, translation=relation.translation),

@@ -12,8 +12,8 @@ from followspot.messages import Array
 
 WIDE_ENOUGH = np.radians(30)
 """Angle between two rays above which a wider baseline makes a point no more certain."""
-FEWEST = 12
-"""Points that a camera must agree with to be placed."""
+FEWEST = 8
+"""Points that a camera must agree with to be placed; three of them are enough for a guess."""
 SHARE = 0.01
 """Largest error of a point that agrees, over the longer side of the picture."""
 TRIALS = 500
