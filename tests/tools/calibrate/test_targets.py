@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import cv2
@@ -29,6 +30,7 @@ FRAMES = 24
 SHIRTS = {"red": (40, 40, 190), "blue": (190, 80, 50), "green": (60, 160, 60), "white": (150, 150, 150)}
 
 
+@cache
 def film(
     camera: str, target: str, *, people: int = 0, color: tuple[int, int, int] | None = None
 ) -> list[Array]:
