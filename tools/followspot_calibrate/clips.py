@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from followspot import Camera, Context
@@ -22,11 +23,17 @@ def folders_of(folder: Path, noun: str) -> list[Path]:
 
 def read_frames(recording: Path, camera: Camera, most: int) -> list[Array]:
     """The first pictures of a clip as the camera's frames, (H, W, channels) u8. Raises InputError."""
+    return list(frames_of(recording, camera, most))
+
+
+def frames_of(recording: Path, camera: Camera, most: int) -> Iterator[Array]:
+    """The same one by one, for clips that are too long to be held at once."""
     stage = (Images if recording.is_dir() else Video)(
         Context(name=str(recording), camera=camera), path=recording, frames=most
     )
     stage.setup()
     try:
-        return [frame.pixels for frame in stage.process()]
+        for frame in stage.process():
+            yield frame.pixels
     finally:
         stage.close()

@@ -18,6 +18,7 @@ from followspot.room_file import load, save, update
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.similarity import on_a_line
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
+from followspot_calibrate.wand.bulb import find_bulb
 from followspot_calibrate.wand.diagnosis import warnings_of
 from followspot_calibrate.wand.places import read_centers, read_marker
 from followspot_calibrate.wand.result import Calibrated, as_json, summary
@@ -46,8 +47,12 @@ def calibrate_wand(args: argparse.Namespace) -> int:
 def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     """The calibration from points to the room's frame; nothing is written."""
     known = None if room is None else list(room.cameras.values())
-    sightings = read_points(args.points, known or (), size=_size(args.size), confidence=args.confidence)
-    solved = solve(sightings, known, args.intrinsics, args.length, _told if sys.stderr.isatty() else None)
+    progress = _told if sys.stderr.isatty() else None
+    if args.clips is not None:
+        sightings = find_bulb(args.clips, known or (), progress)
+    else:
+        sightings = read_points(args.points, known or (), size=_size(args.size), confidence=args.confidence)
+    solved = solve(sightings, known, args.intrinsics, args.length, progress)
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     alignment = aligned(args, solved, room)
@@ -121,6 +126,8 @@ def _check(args: argparse.Namespace) -> None:
     mistakes = []
     if args.room is None and args.output is None:
         mistakes.append(Mistake(None, "there is no room file to write", "give -o ROOM, or --room ROOM"))
+    if args.room is None and args.clips is not None:
+        mistakes.append(Mistake(None, "--clips needs a room that names the cameras", "give --room ROOM"))
     if args.room is None and args.intrinsics == "known":
         mistakes.append(Mistake(None, "--intrinsics known needs a room that has them", "give --room ROOM"))
     if args.align == "marker" and args.marker is None:
