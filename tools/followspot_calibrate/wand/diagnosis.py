@@ -16,7 +16,7 @@ from followspot_calibrate.wand.rounds import Settled
 LEAST = 12
 """Points that a camera must keep."""
 DEEP = 2.0
-"""Ratio of the farthest to the nearest points below which they leave the focal length open (Svoboda 2005)."""
+"""Ratio of the farthest to the nearest points below which they leave the focal length open."""
 MANY = 0.2
 """Share of a camera's sightings that fit nothing from which on something is wrong with it."""
 
