@@ -39,7 +39,7 @@ class Bridge(Stage):
         )
         lone: float = Field(0.01, gt=0, unit="m", description="one sigma of a position that a lone pair made")
         jump: float = Field(
-            5.0,
+            3.0,
             gt=0,
             unit="1",
             description="distance from the forecast, in sigmas, beyond which a lone pair is believed less "

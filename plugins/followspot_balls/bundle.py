@@ -26,6 +26,7 @@ from followspot_balls.bundle_points import (
 )
 from followspot_balls.bundle_sightings import sightings
 from followspot_balls.bundle_trust import Outlines, variance
+from followspot_balls.evidence import recovery_credit
 from followspot_balls.search import lost_targets
 
 USED = 0.4
@@ -157,7 +158,7 @@ class Bundle(Stage):
         table = sightings(candidates, len(self.P))
         sizes = self.outlines.at_unit_depth(table.xy, table.area)
         claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
-        credit = seeds[target] * self.credit(candidates.xyz, target, claims.lost, forecast)
+        credit = seeds[target] * self.credit(candidates, target, claims.lost, forecast)
         start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
         fit = self.refined(start, claims, self.expectation(target, claims.lost, forecast))
         agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
@@ -174,12 +175,13 @@ class Bundle(Stage):
         )
         return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
 
-    def credit(self, xyz: Array, target: Array, lost: Array, forecast: Forecast | None) -> Array:
-        """Factor of the candidates' votes by their distance from the forecasts: (N, 3) m -> (M, N)."""
+    def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
+        """Factor of the candidates' votes, (M, N): by their distance from the forecast, or as evidence."""
+        evidence = np.broadcast_to(recovery_credit(candidates), (len(target), len(candidates.xyz)))
         if forecast is None or lost.all():
-            return np.ones((len(target), len(xyz)))
-        distance2 = np.square(xyz - forecast.xyz[target][:, None]).sum(axis=2)
-        return np.where(lost[:, None], 1.0, np.exp(-distance2 / (2 * self.params.prior**2)))
+            return evidence
+        distance2 = np.square(candidates.xyz - forecast.xyz[target][:, None]).sum(axis=2)
+        return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior**2)))
 
     def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
         """How well all views agree with each candidate, as a place of each target: (M, N).

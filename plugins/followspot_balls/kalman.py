@@ -55,12 +55,19 @@ class Kalman(Stage):
             description="frames for which a target that is not seen, or by one camera only, is sought near "
             "its last place",
         )
+        vague: float = Field(
+            0.1,
+            gt=0,
+            unit="m",
+            description="one sigma beyond which a target that one camera sees is missing; raising it bridges "
+            "longer gaps, and may follow something else",
+        )
         support: int = Field(
             3,
             ge=1,
             unit="1",
-            description="candidates that must agree for a target that is not tracked to be believed at once; "
-            "raising it avoids false recoveries",
+            description="candidates that must agree for a target that is not tracked to be believed at once, "
+            "or for one that is to have bounced; raising it avoids false recoveries",
         )
         frames: int = Field(
             3,
@@ -90,6 +97,7 @@ class Kalman(Stage):
 
     def setup(self) -> None:
         count = len(self.room.targets)
+        self.apart = min((t.radius for t in self.room.targets.values()), default=0.0)
         self.constant = np.eye(3) * self.params.measurement**2
         self.motion = Motion.zero(count)
         self.life = LifeCycle.lost(count)
@@ -99,13 +107,14 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        evidence = Evidence(p.support, p.frames, p.again, p.reach)
+        evidence = Evidence(p.support, p.frames, p.again, p.reach, self.apart)
         life, counted = believed(self.life, positions, evidence)
         target, xyz = positions.target[counted], positions.xyz[counted]
         noise = self.noise(positions.covariance[counted])
         new = life.status[target] == LOST
         motion = predict(self.motion, self.period, p.acceleration)
-        motion = manoeuvred(motion, target[~new], xyz[~new], noise[~new], self.period, p.gate)
+        sure = ~new & (positions.support >= p.support)[counted]
+        motion = manoeuvred(motion, target[sure], xyz[sure], noise[sure], self.period, p.gate)
         if new.any():
             motion = started(motion, target[new], xyz[new], noise[new], p.speed)
             self.motion = update(motion, target[~new], xyz[~new], noise[~new])
@@ -114,6 +123,7 @@ class Kalman(Stage):
         measured, bridged = np.zeros((2, len(life.status)), bool)
         measured[target] = ~positions.predicted[counted]
         bridged[target] = positions.predicted[counted]
+        bridged &= self.vagueness() <= p.vague
         self.life = aged(life, measured, bridged, p.missing)
         self.remember(target, new)
         return Outputs(self.tracks(), self.forecast())
@@ -123,6 +133,11 @@ class Kalman(Stage):
         if self.time >= 0 and time > self.time:
             self.period = (time - self.time) * NANOSECOND
         self.time = time
+
+    def vagueness(self) -> Array:
+        """One sigma of the targets' places along the axis where it is largest: (T,) m."""
+        variance = np.diagonal(self.motion.covariance[:, :3, :3], axis1=1, axis2=2)
+        return np.sqrt(variance.max(axis=1, initial=0.0))
 
     def noise(self, covariance: Array) -> Array:
         """Covariances of measurements, with the constant one where the fusion knows none."""

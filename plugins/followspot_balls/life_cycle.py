@@ -24,6 +24,8 @@ class Evidence:
     frames: int
     again: int
     reach: float
+    apart: float
+    """m, less than any two targets can be: what is nearer to another one is that one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +62,7 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     if known.all():
         return replace(life, streak=np.zeros_like(life.streak)), np.ones(len(target), bool)
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
+    possible &= ~occupied(xyz, known, evidence.apart)
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     row = np.where(possible, np.where(near, life.streak[target], 0) + positions.evident, 0)
     frames = np.where(status == LOST, evidence.frames, evidence.again)
@@ -68,6 +71,18 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     streak, place = np.zeros_like(life.streak), life.place.copy()
     streak[target], place[target] = row, xyz
     return replace(life, streak=streak, place=place), known | strong
+
+
+def occupied(xyz: Array, known: Array, apart: float) -> Array:
+    """Which targets that are not known seem to be where another one is, that is known or comes first.
+
+    xyz: (M, 3) m; known: (M,) bool; apart: m. Returns (M,) bool.
+    """
+    offset = xyz[:, None] - xyz
+    beside = np.einsum("mni,mni->mn", offset, offset) < apart * apart
+    first = known | np.tri(len(xyz), k=-1, dtype=bool)
+    np.fill_diagonal(first, False)
+    return np.asarray((beside & first).any(axis=1) & ~known)
 
 
 def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> LifeCycle:

@@ -8,6 +8,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.evidence import recovery_credit
 from followspot_balls.kernels import epipolar_weight
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.search import lost_targets
@@ -77,14 +78,14 @@ class MeanShift(Stage):
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
         weights = epipolar_weight(candidates.epipolar, self.params.epipolar) * candidates.targets.T
         lost = lost_targets(forecast, len(weights))
-        evident = (candidates.targets.T & candidates.confirmed).any(axis=1)
-        target = np.flatnonzero(weights.any(axis=1) & (evident | ~lost))
+        confirmed = (candidates.targets.T & candidates.confirmed).any(axis=1)
+        target = np.flatnonzero(weights.any(axis=1) & (confirmed | ~lost))
         weights, lost = weights[target], lost[target]
         center, sigma = expectation(forecast, target, lost)
         bandwidth = np.maximum(self.params.bandwidth * sigma, self.params.smallest)
         bandwidth[lost] = self.params.lost
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
-        modes = self.modes(sample, center, candidates.confirmed, lost)
+        modes = self.modes(sample, center, recovery_credit(candidates), lost)
         used = modes.held > self.params.used
         return Positions(
             target=target.astype(np.int32),
@@ -97,29 +98,29 @@ class MeanShift(Stage):
             predicted=np.zeros(len(target), bool),
         )
 
-    def credit(self, xyz: Array, center: Array, confirmed: Array, lost: Array) -> Array:
-        """Of candidates as the densest: by their distance from the forecast, or confirmed for lost targets.
+    def credit(self, xyz: Array, center: Array, recovery: Array, lost: Array) -> Array:
+        """Of candidates as the densest: by their distance from the forecast; for lost targets as evidence.
 
-        xyz: (N, 3) m; center: (M, 3) m; confirmed: (N,); lost: (M,). Returns (M, N).
+        xyz: (N, 3) m; center: (M, 3) m; recovery: (N,); lost: (M,). Returns (M, N).
         """
         offsets = xyz - center[:, None]
         near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior**2))
-        return np.where(lost[:, None], confirmed, np.maximum(near, FAINT))
+        return np.where(lost[:, None], recovery, np.maximum(near, FAINT))
 
-    def modes(self, sample: Sample, center: Array, confirmed: Array, lost: Array) -> Modes:
+    def modes(self, sample: Sample, center: Array, recovery: Array, lost: Array) -> Modes:
         """Modes from the initial centres; those that hold too little give way to the densest candidate."""
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.start == "mean" else center.copy()
         dense = lost | (p.start == "densest")
         if dense.any():
-            credit = self.credit(sample.xyz, center[dense], confirmed, lost[dense])
+            credit = self.credit(sample.xyz, center[dense], recovery, lost[dense])
             start[dense] = densest(sample.rows(dense), credit)
         first = seek_modes(start, sample, p.tolerance, p.steps)
         poor = ~dense & (first.held.sum(axis=1) <= p.held * sample.weights.sum(axis=1))
         if not poor.any():
             return first
         rest = sample.rows(poor)
-        credit = self.credit(sample.xyz, center[poor], confirmed, lost[poor])
+        credit = self.credit(sample.xyz, center[poor], recovery, lost[poor])
         second = seek_modes(densest(rest, credit), rest, p.tolerance, p.steps)
         for old, new in zip(first, second, strict=True):
             old[poor] = new

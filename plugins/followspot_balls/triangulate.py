@@ -7,8 +7,12 @@ import numpy as np
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import TRACKED, Candidates, Forecast, Pairs
+from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, search_spheres, tracked_targets
+
+SAME_COLOR = 0.8
+"""Bhattacharyya coefficient of two templates from which colour does not tell the targets apart (eq. 2)."""
 
 
 class Triangulate(Stage):
@@ -67,6 +71,7 @@ class Triangulate(Stage):
         self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
         self.outline = unit_outline(self.room)
+        self.alike = alike(self.room)
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back = self.back.take(pairs.view, axis=0)
@@ -97,7 +102,8 @@ class Triangulate(Stage):
         """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.
 
         An unlabelled point may serve several targets, but not if it lies inside a ball that is tracked
-        and outside one's own: balls do not share their place.
+        and outside one's own, for balls do not share their place; nor may one labelled with the colour
+        of both.
         """
         lost = lost_targets(forecast, len(self.sizes))
         real = ~np.isnan(xyz[:, :1])
@@ -107,8 +113,11 @@ class Triangulate(Stage):
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
         distance2 = np.einsum("nti,nti->nt", offset, offset)
         ball = (distance2 <= self.sizes**2) & ~lost
-        taken = ~pairs.labelled & (ball & (forecast.state == TRACKED)).any(axis=1)
-        return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken[:, None]))
+        tracked = ball & (forecast.state == TRACKED)
+        taken = (~pairs.labelled & tracked.any(axis=1))[:, None]
+        if self.alike.any():
+            taken = taken | (tracked @ self.alike)
+        return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))
 
     def above_planes(self, xyz: Array) -> Array:
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
@@ -149,6 +158,17 @@ class Triangulate(Stage):
             return np.ones((len(shares), len(tracked)), bool)
         fits = (shares.min(axis=1) >= self.params.smallest) & (shares.max(axis=1) <= self.params.largest)
         return np.asarray(fits | tracked)
+
+
+def alike(room: Room) -> Array:
+    """Which other targets have the same colour as each, in some camera: (T, T) bool."""
+    targets = list(room.targets.values())
+    same = np.zeros((len(targets), len(targets)), bool)
+    for name in room.cameras:
+        histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets]).reshape(-1, BINS)
+        same |= np.sqrt(histograms) @ np.sqrt(histograms).T > SAME_COLOR
+    np.fill_diagonal(same, False)
+    return same
 
 
 def facing_planes(room: Room, centers: Array) -> Array:

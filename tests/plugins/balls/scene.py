@@ -11,8 +11,8 @@ from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Pos
 
 RADIUS = 0.0762
 SIZE = (160, 120)
-HUES = {"red": 0, "green": 5}
-BGR = {"red": (0, 0, 255), "green": (0, 255, 0)}
+HUES = {"red": 0, "green": 5, "another red": 0}
+BGR = {"red": (0, 0, 255), "green": (0, 255, 0), "another red": (0, 0, 255)}
 
 
 def look_at(name: str, kind: Kind, center: tuple[float, float, float]) -> Camera:

@@ -17,6 +17,7 @@ from followspot.room import Camera, Room, Target
 from followspot.stage import Context, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge
+from followspot_balls.bundle import Bundle
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.kalman import Kalman, Outputs
@@ -84,6 +85,24 @@ def test_two_balls_are_tracked_to_a_few_millimetres_while_they_pass_each_other(f
         error = np.linalg.norm(output.tracks.xyz - expected, axis=1)
         if fusion is MeanShift and i > 3:
             assert (error < 0.012).all()
+
+
+@pytest.mark.parametrize("fusion", [MeanShift, Bundle])
+def test_two_targets_of_one_colour_are_told_apart_by_their_motion(fusion: type[Stage]) -> None:
+    room = make_room(("red", "another red"))
+    angle = np.linspace(0, 2 * np.pi, 40)
+    path = 0.13 * np.stack([np.cos(angle), np.sin(angle), 0.5 * np.cos(angle)], axis=1)
+    middle = np.array([0.0, 0.0, 1.0])
+    truth = np.stack([middle + path, middle - path], axis=1)  # once round each other, 26 cm apart
+    frames = [
+        {n: picture(c, {"red": a, "another red": b}) for n, c in room.cameras.items()} for a, b in truth
+    ]
+    outputs = list(track(room, frames, fusion))
+    found = np.array([o.tracks.xyz for o in outputs[5:]])
+    apart = np.linalg.norm(found[:, :, None] - truth[5:, None], axis=3)
+    own = apart[0].argmin(axis=1)
+    assert sorted(own.tolist()) == [0, 1]
+    assert (apart[:, [0, 1], own] < 0.05).all()
 
 
 def test_every_stage_leaves_nothing_alone() -> None:
