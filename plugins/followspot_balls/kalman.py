@@ -137,7 +137,7 @@ class Kalman(Stage):
     def vagueness(self) -> Array:
         """One sigma of the targets' places along the axis where it is largest: (T,) m."""
         variance = np.diagonal(self.motion.covariance[:, :3, :3], axis1=1, axis2=2)
-        return np.sqrt(variance.max(axis=1, initial=0.0))
+        return np.asarray(np.sqrt(variance.max(axis=1, initial=0.0)))
 
     def noise(self, covariance: Array) -> Array:
         """Covariances of measurements, with the constant one where the fusion knows none."""
