@@ -107,6 +107,15 @@ class Stage:
     per_camera: ClassVar[bool] = False
     """Whether an instance serves exactly one camera (`self.camera`)."""
 
+    process_together: ClassVar[Callable[..., Any] | None] = None
+    """Optional: what `process` of several stages would return, bit for bit, for less than one by one.
+
+    A classmethod `(stages, inputs) -> outputs`: stages of this class with the same parameters in one room,
+    the arguments that each one's `process` would get, and what each would return, in the same order. A worker
+    calls it where several are ready at once; it may not rely on who they are. Where it raises, `process` of
+    each is called, so it must leave the stages as they were.
+    """
+
     params: Any
     process: Callable[..., Any]
 

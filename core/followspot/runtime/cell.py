@@ -6,7 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import ErrorPolicy
@@ -40,6 +40,13 @@ class CellCount:
     skipped: int = 0
     restarts: int = 0
     busy_ns: int = 0
+
+
+class Firing(NamedTuple):
+    """What a stage is given, and the header of what it makes of that."""
+
+    arguments: Sequence[object]
+    header: Header
 
 
 class Cell:
@@ -97,21 +104,49 @@ class Cell:
 
     def step(self) -> None:
         """Fire as often as inputs and outputs allow. Raises StageError where the policy is `fail`."""
+        while (fire_at := self.due()) is not None:
+            firing = self.take(fire_at)
+            self.deliver(self.run(firing), firing.header)
+
+    def due(self) -> int | None:
+        """Capture time, ns, of the firing that inputs and outputs allow now; None where they allow none."""
         if self.done:
             self._discard_rest()
-            return
-        while not self.done:
-            overdue = self.deadline is not None and self._overdue(self.deadline)
-            fire_at = self.join.ready(overdue=overdue)
-            if fire_at is None:
-                self._idle()
-                if overdue:  # it waits for feedback, which no deadline cuts short
-                    self.overdue_at = None
-                return
-            self.blocked = not self.has_room()
-            if self.blocked:
-                return
-            self._fire(fire_at)
+            return None
+        overdue = self.deadline is not None and self._overdue(self.deadline)
+        fire_at = self.join.ready(overdue=overdue)
+        if fire_at is None:
+            self._idle()
+            if overdue:  # it waits for feedback, which no deadline cuts short
+                self.overdue_at = None
+            return None
+        self.blocked = not self.has_room()
+        return None if self.blocked else fire_at
+
+    def take(self, fire_at: int) -> Firing:
+        """Take the inputs of the firing that is due at this time."""
+        arguments, fired = self.join.take(fire_at)
+        self._passed = self.join.closed + 1
+        return Firing(arguments, _header(fired, fire_at))
+
+    def run(self, firing: Firing) -> Any:
+        """What the stage returns, None where it raised. Raises StageError where the policy is `fail`."""
+        started = time.monotonic_ns()
+        try:
+            result = self.stage.process(*firing.arguments)
+        except Exception as error:
+            self._recover(firing.header, error)
+            result = None
+        self.count.busy_ns += time.monotonic_ns() - started
+        return result
+
+    def deliver(self, result: Any, header: Header) -> None:
+        """The firing is over: hand out its result, or note how long it took to the end of the graph."""
+        self.count.fired += 1
+        if self.is_sink:
+            self._record(header, time.monotonic_ns())
+        else:
+            self.send(result, header)
 
     def has_room(self) -> bool:
         """Whether every output takes a message."""
@@ -145,24 +180,6 @@ class Cell:
         except Exception as error:
             if self.ready:  # else it is half set up, and why was said already
                 raise StageError(self.name, None, error) from error
-
-    def _fire(self, fire_at: int) -> None:
-        arguments, fired = self.join.take(fire_at)
-        self._passed = self.join.closed + 1
-        header = _header(fired, fire_at)
-        started = time.monotonic_ns()
-        try:
-            result = self.stage.process(*arguments)
-        except Exception as error:
-            self._recover(header, error)
-            result = None
-        now = time.monotonic_ns()
-        self.count.fired += 1
-        self.count.busy_ns += now - started
-        if self.is_sink:
-            self._record(header, now)
-        else:
-            self.send(result, header)
 
     def _discard_rest(self) -> None:
         """Feedback that comes after the last firing has no reader."""

@@ -20,6 +20,7 @@ from followspot.errors import FollowspotError
 from followspot.runtime.cell import Cell, StageError
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.source import LiveCell, SourceCell
+from followspot.runtime.team import teams
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import END
 
@@ -59,6 +60,11 @@ class Worker:
         self.live = tuple(cell for cell in self.sources if isinstance(cell, LiveCell))
         self.readers = tuple(readers)
         self.writers = tuple(writers)
+        self.teams = teams(cells, self.mark)
+        self._steps: list[Callable[[], None]] = [cell.step for cell in cells]
+        for team in self.teams:
+            for cell in team.cells:
+                self._steps[cell.rank] = partial(team.step, cell)
         self._ready: list[int] = []
         self._marked = [False] * len(cells)
         self._stopping = False
@@ -157,12 +163,12 @@ class Worker:
                 break
             rank = -heappop(self._ready)
             self._marked[rank] = False
-            self.cells[rank].step()
+            self._steps[rank]()
         if len(self._watched) > 1:
             self._receive(0)
         if self._stopping:
             self._stop_sources()
-        if self._ready or self._pull():
+        if self._ready or self._pull() or self._fire_waiting():
             return True
         if self._finished():
             return False
@@ -181,6 +187,14 @@ class Worker:
                 if source not in self.live:
                     break
         return pulled
+
+    def _fire_waiting(self) -> bool:
+        """Nothing else can go on: fire members of a team without those that are not ready."""
+        for team in self.teams:
+            if team.waiting:
+                team.fire()
+                return True
+        return False
 
     def _finished(self) -> bool:
         """Whether all is done, sent, and received: feedback to a stage that has ended is still counted."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import pytest
 
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.testing import check_stage, findings
-from followspot.tracking import Blobs
+from followspot.tracking import Blobs, Frame, ImageTracks
 
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
@@ -30,6 +33,19 @@ class NotYielding(Stage):
         return iter(())
 
 
+class Estranged(Stage):
+    """Says something else together than alone."""
+
+    per_camera = True
+
+    def process(self, frame: Frame) -> ImageTracks:
+        return ImageTracks.empty()
+
+    @classmethod
+    def process_together(cls, stages: Sequence[Stage], inputs: Sequence[object]) -> list[ImageTracks]:
+        return [replace(ImageTracks.empty(), camera=stage.camera.name) for stage in stages]
+
+
 def test_the_kit_names_each_broken_promise() -> None:
     broken = {finding.promise for finding in findings(Careless)}
     assert broken == {
@@ -39,5 +55,6 @@ def test_the_kit_names_each_broken_promise() -> None:
         "leaves empty inputs alone",
     }
     assert [f.promise for f in findings(NotYielding)] == ["has readable ports"]
+    assert {f.promise for f in findings(Estranged)} == {"does together what it does alone"}
     with pytest.raises(AssertionError, match="write a docstring"):
         check_stage(Careless)
