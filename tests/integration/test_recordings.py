@@ -19,6 +19,11 @@ ROOT = Path(__file__).parent.parent.parent
 DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 SEQUENCES = ("dev1", "dev2", "dev3", "dev4")
+BARS = {"balls.mean_shift": (12.0, 22.0), "balls.bundle": (7.0, 15.0)}
+"""Largest RMSE and p95 of a target, mm."""
+FOUND_A_FRAME_LATE = ("dev4 yellow",)
+"""Where 0.5 % is less than one frame: in the first in which it counts as trackable after it was hidden, one
+pair alone shows it, 1.4 px off the epipolar line."""
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
 
@@ -51,19 +56,58 @@ def rooms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return made
 
 
-@pytest.mark.parametrize("sequence", SEQUENCES)
+@pytest.fixture(scope="module")
+def scores(rooms: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
+    """By fusion, then "sequence target": figures of the default graph, one parameter set for all."""
+    out = tmp_path_factory.mktemp("runs")
+    found: dict[str, dict[str, Any]] = {}
+    for fusion in ("balls.mean", *BARS):
+        for sequence, room in rooms.items():
+            targets = track(room, out / sequence / fusion, "--set", f"fuse.uses={fusion}")["targets"]
+            present = {f"{sequence} {name}": t for name, t in targets.items() if t["frames"] > 0}
+            found.setdefault(fusion, {}).update(present)
+    assert all(len(targets) == 14 for targets in found.values())
+    return found
+
+
+@pytest.mark.parametrize("fusion", BARS)
 def test_every_target_is_tracked_as_accurately_as_promised(
-    rooms: dict[str, Path], tmp_path: Path, sequence: str
+    scores: dict[str, dict[str, Any]], fusion: str
 ) -> None:
-    """One parameter set for all: the graph's defaults. The bar is the README's."""
-    targets = track(rooms[sequence], tmp_path / "out")["targets"]
-    present = {name: t for name, t in targets.items() if t["frames"] > 0}
-    assert present
-    for name, target in present.items():
-        assert target["coverage"] >= 0.95, name
-        assert target["rmse_mm"] < 12.0, name
+    for name, target in scores[fusion].items():
+        rmse, p95 = BARS[fusion]
+        covered = round(target["coverage"] * target["frames"])
+        assert covered >= 0.995 * target["frames"] - (name in FOUND_A_FRAME_LATE), name
+        assert target["rmse_mm"] <= rmse, name
+        assert target["p95_mm"] <= p95, name
         assert target["identity_switches"] == 0, name
-        assert target["false_positions"] <= 0.01 * target["hidden_frames"], name
+        assert target["false_positions"] <= 0.005 * target["hidden_frames"], name
+        assert target["recovery_worst"] <= 3, name
+        assert target["reprojection_px"] < 0.25, name
+
+
+def test_the_bundle_is_better_than_mean_shift_and_that_than_the_mean_for_every_target(
+    scores: dict[str, dict[str, Any]],
+) -> None:
+    mean, mean_shift, bundle = (scores[f"balls.{name}"] for name in ("mean", "mean_shift", "bundle"))
+    for name in mean:
+        assert bundle[name]["rmse_mm"] < mean_shift[name]["rmse_mm"] < mean[name]["rmse_mm"], name
+
+
+@pytest.mark.parametrize("room", ["simulated", "simulated_bright"])
+@pytest.mark.parametrize("fusion", BARS)
+def test_the_simulated_room_is_tracked_whether_or_not_projections_are_as_bright_as_balls(
+    tmp_path: Path, room: str, fusion: str
+) -> None:
+    targets = track(ROOT / f"graphs/rooms/{room}.yaml", tmp_path, "--set", f"fuse.uses={fusion}")["targets"]
+    for name, target in targets.items():
+        rmse, p95 = BARS[fusion]
+        assert target["coverage"] >= 0.995, name
+        assert target["rmse_mm"] <= rmse, name
+        assert target["p95_mm"] <= p95, name
+        assert target["identity_switches"] == 0, name
+        assert target["false_positions"] <= 0.005 * target["hidden_frames"], name
+        assert target["recovery_worst"] <= 3, name
 
 
 def test_placement_never_changes_the_result(rooms: dict[str, Path], tmp_path: Path) -> None:
