@@ -13,6 +13,7 @@ from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
 from followspot_balls.motion import Motion, manoeuvred, predict, started, update
 
 NANOSECOND = 1e-9
+AXES = np.arange(3)
 DEFAULT_PERIOD = 1 / 30
 """Between frames, s, until two of them were seen."""
 
@@ -122,8 +123,7 @@ class Kalman(Stage):
             self.motion = update(motion, target, xyz, noise)
         measured, bridged = np.zeros((2, len(life.status)), bool)
         measured[target] = ~positions.predicted[counted]
-        bridged[target] = positions.predicted[counted]
-        bridged &= self.vagueness() <= p.vague
+        bridged[target] = positions.predicted[counted] & (self.vagueness(target) <= p.vague)
         self.life = aged(life, measured, bridged, p.missing)
         self.remember(target, new)
         return Outputs(self.tracks(), self.forecast())
@@ -134,10 +134,9 @@ class Kalman(Stage):
             self.period = (time - self.time) * NANOSECOND
         self.time = time
 
-    def vagueness(self) -> Array:
-        """One sigma of the targets' places along the axis where it is largest: (T,) m."""
-        variance = np.diagonal(self.motion.covariance[:, :3, :3], axis1=1, axis2=2)
-        return np.asarray(np.sqrt(variance.max(axis=1, initial=0.0)))
+    def vagueness(self, target: Array) -> Array:
+        """One sigma of some targets' places along the axis where it is largest: (M,) m."""
+        return np.asarray(np.sqrt(self.motion.covariance[target[:, None], AXES, AXES].max(axis=1)))
 
     def noise(self, covariance: Array) -> Array:
         """Covariances of measurements, with the constant one where the fusion knows none."""
@@ -157,13 +156,12 @@ class Kalman(Stage):
     def tracks(self) -> Tracks:
         """Rows of the targets that were measured in this frame, or at least seen once."""
         target = np.flatnonzero((self.life.status == TRACKED) | (self.life.status == PREDICTED))
-        variance = np.diagonal(self.motion.covariance[target, :3, :3], axis1=1, axis2=2)
         return Tracks(
             target=target.astype(np.int32),
             state=self.life.status[target],
             xyz=self.motion.xyz[target],
             velocity=self.motion.velocity[target],
-            sigma=np.sqrt(variance),
+            sigma=np.sqrt(self.motion.covariance[target[:, None], AXES, AXES]),
         )
 
     def forecast(self) -> Forecast:
