@@ -50,27 +50,23 @@ def started(motion: Motion, target: Array, xyz: Array, noise: Array, speed: floa
 def predict(motion: Motion, seconds: float, acceleration: float) -> Motion:
     """One step ahead: x' = F x, P' = F P F^T + Q, with Q of a piecewise constant acceleration.
 
-    F = [[I, dt I], [0, I]] adds the velocity's rows and columns to those of the place; acceleration: one
-    sigma, m/s^2.
+    acceleration: one sigma, m/s^2.
     """
-    state, covariance = motion.state.copy(), motion.covariance.copy()
-    state[:, :3] += seconds * state[:, 3:]
-    covariance[:, :3] += seconds * covariance[:, 3:]
-    covariance[:, :, :3] += seconds * covariance[:, :, 3:]
-    covariance += process_noise(seconds, acceleration)
-    return Motion(state, covariance)
+    F, Q = transition(seconds, acceleration)
+    return Motion(motion.state @ F.T, F @ motion.covariance @ F.T + Q)
 
 
 @lru_cache(maxsize=8)
-def process_noise(seconds: float, acceleration: float) -> Array:
-    """Q of one step, (6, 6)."""
+def transition(seconds: float, acceleration: float) -> tuple[Array, Array]:
+    """F and Q of one step, (6, 6) each."""
     place, rate = slice(0, 3), slice(3, 6)
-    Q = np.zeros((6, 6))
+    F, Q = np.eye(6), np.zeros((6, 6))
     variance = np.eye(3) * acceleration**2
+    F[place, rate] = np.eye(3) * seconds
     Q[place, place], Q[rate, rate] = variance * (seconds**4 / 4), variance * seconds**2
     Q[place, rate] = Q[rate, place] = variance * (seconds**3 / 2)
-    Q.flags.writeable = False
-    return Q
+    F.flags.writeable = Q.flags.writeable = False
+    return F, Q
 
 
 def manoeuvred(
