@@ -114,7 +114,8 @@ def test_eliminating_the_points_solves_the_whole_system():
     rods = Rods(np.array([0, 1, 2, 10, 20]), np.array([1, 2, 3, 11, 0]), np.full(5, 1.0), 0.01)
     free, groups = Free(focal=True), groups_of(30, rods)
     seen = [view_of(c, room.sightings.pixel[:, i], free)[1] for i, c in enumerate(room.cameras)]
-    normal = Problem(seen, rods, groups, 1.0, free.parameters).normal(State(room.cameras, room.points))
+    problem = Problem(seen, rods, groups, np.ones(30), free.parameters)
+    normal = problem.normal(State(room.cameras, room.points))
     by_camera, by_point = normal.solve(groups, 1e-3)
     whole = np.zeros((3 * 7 + 90, 3 * 7 + 90))
     for i, block in enumerate(normal.cameras):
@@ -141,6 +142,20 @@ def test_a_fisheye_camera_keeps_its_lens_and_finds_its_pose():
     assert np.nanmax(found.residual) < 1e-6
     assert found.cameras[0].model == "fisheye"
     assert found.cameras[0].distortion.tolist() == lens.tolist()
+
+
+def test_points_that_are_less_exact_count_less():
+    """Half of the points are 20 times as noisy: told so, the cameras come nearer to where they are."""
+    room = made_room(cameras=4, rows=200, outliers=0.0)
+    noise = np.repeat([0.1, 2.0], 100)
+    exact = np.stack([project(camera, room.points) for camera in room.cameras], axis=1)
+    pixel = exact + np.random.default_rng(2).normal(size=exact.shape) * noise[:, None, None]
+    away = {}
+    for name, scale in (("one scale", 2.0), ("own scales", 2.4 * noise)):
+        found = adjust(room.cameras, room.points, pixel, Free(), scale=scale)
+        moved = similarity(centers(found), centers(room))
+        away[name] = np.linalg.norm(moved[2] * centers(found) @ moved[0].T + moved[1] - centers(room))
+    assert away["own scales"] < away["one scale"] / 2
 
 
 @pytest.mark.parametrize(("count", "scale"), [(3, 1.0), (0, 0.0)])

@@ -42,25 +42,27 @@ def adjust(
     *,
     rods: Rods | None = None,
     middle: Middle | None = None,
-    scale: float = 1.0,
+    scale: float | Array = 1.0,
     progress: Progress | None = None,
 ) -> Adjusted:
     """Cameras and points with the smallest robust reprojection error (Cauchy loss of the distance in px).
 
-    points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, where
-    an error begins to count as an outlier. What is off by its sigma, a rod in length or a principal point
-    from its expected middle, costs about as much as a point that is off by `scale`. Rows seen by fewer than
-    two cameras, or without a start (NaN), take no part and stay. The frame of reference is left to the
-    start, but for rods, which set the length. A camera other than pinhole keeps its intrinsics.
+    points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, of
+    each point, (N,), or of all, where an error begins to count as an outlier. What is off by its sigma, a rod
+    in length or a principal point from its expected middle, costs about as much as a point off by `scale`.
+    Rows seen by fewer than two cameras, or without a start (NaN), take no part and stay. The frame of
+    reference is left to the start, but for rods, which set the length. A camera other than pinhole keeps its
+    intrinsics.
     Raises ValueError for a scale that is not positive.
     """
-    if not scale > 0:
+    if not np.all(np.asarray(scale) > 0):
         raise ValueError(f"scale is {scale}, it must be above 0 px")
     seen = np.isfinite(pixel).all(axis=2)
     usable = np.isfinite(points).all(axis=1) & (seen.sum(axis=1) >= 2)
     flat, views = zip(*(view_of(c, pixel[usable, i], free) for i, c in enumerate(cameras)), strict=True)
     tied = (rods or NO_RODS).within(usable)
-    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scale, free.parameters, middle)
+    scales = np.broadcast_to(scale, len(points))[usable]
+    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scales, free.parameters, middle)
     best, steps = _descend(problem, State(flat, points[usable]), progress)
     found = points.copy()
     found[usable] = best.points

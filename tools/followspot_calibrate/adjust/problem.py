@@ -52,15 +52,15 @@ class Middle:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Observations, known lengths and the error in px that begins to count as an outlier.
+    """Observations, known lengths and, for each point, the error in px that begins to count as an outlier.
 
-    parameters: the most that any camera has free; groups: the points as rods tie them.
+    scale: (N,) px; parameters: the most that any camera has free; groups: the points as rods tie them.
     """
 
     views: Sequence[View]
     rods: Rods
     groups: Sequence[Group]
-    scale: float
+    scale: Array
     parameters: int
     middle: Middle | None = None
 
@@ -68,7 +68,7 @@ class Problem:
         """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
         total = np.log1p(np.square(self.rods.errors(state.points)[0])).sum()
         for view, camera in zip(self.views, state.cameras, strict=True):
-            error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale
+            error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale[view.rows, None]
             total += np.log1p(np.square(error).sum(axis=1)).sum()
         return float(total + np.square(self._off_middle(state.cameras)).sum())
 
@@ -107,11 +107,12 @@ class Problem:
 
     def _add_view(self, normal: Normal, number: int, view: View, camera: Camera, points: Array) -> None:
         at, by_camera, by_point = linearise(camera, points[view.rows], view.free)
-        error = (view.pixel - at) / self.scale
-        root = (1 / np.sqrt(1 + np.square(error).sum(axis=1)))[:, None]
+        scale = self.scale[view.rows, None]
+        error = (view.pixel - at) / scale
+        root = 1 / np.sqrt(1 + np.square(error).sum(axis=1, keepdims=True))
         error *= root
-        by_camera *= root[..., None] / self.scale
-        by_point *= root[..., None] / self.scale
+        by_camera *= (root / scale)[..., None]
+        by_point *= (root / scale)[..., None]
         size = view.free.parameters
         flat = by_camera.reshape(2 * len(view.rows), size)
         normal.cameras[number, :size, :size] = flat.T @ flat

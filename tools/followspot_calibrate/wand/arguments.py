@@ -12,7 +12,8 @@ HELP = """Find poses and intrinsics of all cameras from one bright point waved t
 Points come from a CSV file frame,camera,u,v (camera: name or number; a column point tells the two bulbs of a
 wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), or an NPZ file of
 keypoints with confidence; or the bulb is found in recordings of the darkened room. Wave everywhere, near to
-and far from every camera, in the view of three at a time.
+and far from every camera, in the view of three at a time. With --targets the synchronised clips that
+`calibrate targets` learns from are used as well: few points, but far more exact ones.
 
 Intrinsics: known keeps those of the room, free finds them from the points, auto keeps those of the room
 unless others fit the points clearly better. The frame of reference: --centers camera,x,y,z, by default the
@@ -20,6 +21,7 @@ centres in the room file; or --marker x,y,z,camera,u,v, three or more points wit
 the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where one is infrared.
 
   followspot calibrate wand --points wand.csv --room room.yaml
+  followspot calibrate wand --points wand.csv --targets templates --room room.yaml
   followspot calibrate wand --clips recordings --room room.yaml
   followspot calibrate wand --points wand.csv --size 640x480 --length 0.5 -o room.yaml --json
 """
@@ -31,6 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     evidence.add_argument("--points", type=Path, help="file of points as the cameras saw them")
     evidence.add_argument(
         "--clips", type=Path, metavar="DIR", help="synchronised recordings, DIR/<camera>.mkv"
+    )
+    parser.add_argument(
+        "--targets", type=Path, metavar="DIR", help="clips of single targets, DIR/<target>/<camera>.mkv, too"
     )
     parser.add_argument("--room", type=Path, help="room file with the cameras; is updated without -o")
     parser.add_argument("-o", "--output", type=Path, metavar="ROOM", help="room file to write")

@@ -17,12 +17,14 @@ from followspot.room import StageUse
 from followspot.room_file import load, save, update
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.similarity import on_a_line
+from followspot_calibrate.targets.places import find_places
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
 from followspot_calibrate.wand.bulb import find_bulb
 from followspot_calibrate.wand.diagnosis import warnings_of
 from followspot_calibrate.wand.places import read_centers, read_marker
 from followspot_calibrate.wand.result import Calibrated, as_json, summary
 from followspot_calibrate.wand.solving import Solved, solve
+from followspot_calibrate.wand.targets import with_targets
 
 LARGEST = 1 << 15
 """Width or height of a picture, px."""
@@ -52,7 +54,10 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
         sightings = find_bulb(args.clips, known or (), progress)
     else:
         sightings = read_points(args.points, known or (), size=_size(args.size), confidence=args.confidence)
-    solved = solve(sightings, known, args.intrinsics, args.length, progress)
+    solved, targets = solve(sightings, known, args.intrinsics, args.length, progress), None
+    if args.targets is not None:
+        targets = with_targets(solved, find_places(args.targets, known or (), progress), progress)
+        solved = targets.solved
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     alignment = aligned(args, solved, room)
@@ -67,6 +72,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
         {camera.name: camera for camera in own},
         alignment.transform.points(settled.points),
         [*warnings, *alignment.warnings],
+        targets,
     )
 
 
@@ -128,6 +134,8 @@ def _check(args: argparse.Namespace) -> None:
         mistakes.append(Mistake(None, "there is no room file to write", "give -o ROOM, or --room ROOM"))
     if args.room is None and args.clips is not None:
         mistakes.append(Mistake(None, "--clips needs a room that names the cameras", "give --room ROOM"))
+    if args.room is None and args.targets is not None:
+        mistakes.append(Mistake(None, "--targets needs a room that names the cameras", "give --room ROOM"))
     if args.room is None and args.intrinsics == "known":
         mistakes.append(Mistake(None, "--intrinsics known needs a room that has them", "give --room ROOM"))
     if args.align == "marker" and args.marker is None:

@@ -15,13 +15,15 @@ from followspot.messages import Array
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rods import measured
 from followspot_calibrate.wand.solving import Solved
+from followspot_calibrate.wand.targets import Refined
 
 
 @dataclass(frozen=True, eq=False)
 class Calibrated:
     """Cameras and points in the frame of the room; warnings are sentences for the user.
 
-    cameras: by name; points: (N, 3) m, or in an arbitrary unit where the alignment is not metric.
+    cameras: by name; points: (N, 3) m, or in an arbitrary unit where the alignment is not metric; targets:
+    what clips of targets added, if there were any.
     """
 
     solved: Solved
@@ -29,6 +31,7 @@ class Calibrated:
     cameras: Mapping[str, Camera]
     points: Array
     warnings: Sequence[str]
+    targets: Refined | None = None
 
     @property
     def mean_px(self) -> float:
@@ -88,6 +91,9 @@ def as_json(result: Calibrated) -> str:
             "wand_mm": None
             if lengths is None
             else [1000 * float(lengths.mean()), 1000 * float(lengths.std())],
+            "targets": None
+            if result.targets is None
+            else {"points": result.targets.points, "mean_px": result.targets.mean_px},
             "warnings": list(result.warnings),
         }
     )
@@ -126,7 +132,11 @@ def _told(result: Calibrated) -> str:
         f"intrinsics: {intrinsics[result.solved.intrinsics]}",
         f"frame of reference: {frame}",
     ]
-    lengths = result.lengths
+    targets, lengths = result.targets, result.lengths
+    if targets is not None:
+        lines.append(
+            f"targets: {targets.points} places, {targets.sightings} sightings, mean {targets.mean_px:.3f} px"
+        )
     if lengths is not None:
         lines.append(f"wand: {1000 * lengths.mean():.2f} mm, sigma {1000 * lengths.std():.2f} mm")
     return "\n".join(lines)

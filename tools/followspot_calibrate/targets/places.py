@@ -1,0 +1,79 @@
+"""Where the cameras of a room see single targets in their clips: points for other calibrations."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+from followspot_balls.glow import Spot, glowing
+from followspot_balls.template import COLOR_EDGE, INFRARED_EDGE
+from followspot_calibrate.adjust import Progress
+from followspot_calibrate.clips import folders_of, read_frames
+from followspot_calibrate.targets.learning import MOST_FRAMES
+from followspot_cameras.recordings import find_recordings
+
+OFF_MIDDLE = 0.03
+"""How far the middle of what glows may be from the middle of the target, one sigma over its width.
+
+Lamps and reflective patches sit where they sit, and infrared cameras see other ones than colour cameras do.
+That shifts all sightings of a camera alike, so that many of them do not help: it is counted for each.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Targets at N moments as C cameras saw them.
+
+    pixel: (N, C, 2) px with lens distortion, NaN where not seen; sigma: (N,) px, of one coordinate.
+    """
+
+    pixel: Array
+    sigma: Array
+
+
+def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | None = None) -> Places:
+    """The target in CLIPS/<target>/<camera>.mkv; equal numbers of frames are equal moments.
+
+    A camera whose clip is absent or shows no target has no sightings. Raises FollowspotError where no moment
+    has two.
+    """
+    found = []
+    folders = folders_of(clips, "target")
+    for number, folder in enumerate(folders):
+        if progress is not None:
+            progress(f"target {folder.name}", number / len(folders))
+        found.append(_places(folder, cameras))
+    pixel, width = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    rows = np.isfinite(width).sum(axis=1) >= 2
+    if not rows.any():
+        raise FollowspotError(f"{clips}: no target is seen by two cameras at the same frame of their clips")
+    return Places(pixel[rows], OFF_MIDDLE * np.nanmean(width[rows], axis=1))
+
+
+def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array]:
+    """Of one target: (F, C, 2) px and its width in each picture, (F, C) px; NaN where it is not seen."""
+    pixel = np.full((MOST_FRAMES, len(cameras), 2), np.nan)
+    width = np.full((MOST_FRAMES, len(cameras)), np.nan)
+    recordings = find_recordings(folder, [camera.name for camera in cameras])
+    for number, camera in enumerate(cameras):
+        for spot in _spots(recordings[camera.name], camera) if camera.name in recordings else ():
+            rows, columns = np.nonzero(spot.inside)
+            pixel[spot.frame, number] = columns.mean(), rows.mean()
+            width[spot.frame, number] = np.sqrt(4 / np.pi * spot.area)
+    return pixel, width
+
+
+def _spots(recording: Path, camera: Camera) -> list[Spot]:
+    """The target in each frame that shows it; none where the clip shows none."""
+    frames = read_frames(recording, camera, MOST_FRAMES)
+    edge = COLOR_EDGE if camera.kind == "color" else INFRARED_EDGE
+    try:
+        return glowing([frame.max(axis=2) for frame in frames], edge)
+    except ValueError:
+        return []

@@ -1,0 +1,87 @@
+"""Targets shown alone, in the clips that templates are learnt from, as more points for the cameras.
+
+A ball is seen by all cameras at once and more exactly than a bulb, but in few places: the wand begins, the
+targets refine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot.errors import FollowspotError
+from followspot_calibrate.adjust import Free, Progress, adjust
+from followspot_calibrate.targets.places import Places
+from followspot_calibrate.triangulation import error, triangulate
+from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
+from followspot_calibrate.wand.solving import Solved
+
+ROUNDS = 3
+"""Of adjusting and of choosing the sightings that fit."""
+AGREEING = 0.5
+"""Share of the targets' sightings that must agree about them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Cameras that suit the targets, too.
+
+    points, sightings: how many of the targets' count; mean_px: mean reprojection error of these.
+    """
+
+    solved: Solved
+    points: int
+    sightings: int
+    mean_px: float
+
+
+def with_targets(solved: Solved, places: Places, progress: Progress | None = None) -> Refined:
+    """The cameras adjusted to wand and targets together; lenses stay as the wand has them.
+
+    Raises FollowspotError where the cameras do not see the targets in the same places.
+    """
+    pixel, settled = solved.sightings.pixel, solved.settled
+    shown = _shown(settled, places)
+    _require_agreement(shown, places)
+    for number in range(ROUNDS):
+        if progress is not None:
+            progress("adjust to targets", number / ROUNDS)
+        used = np.concatenate([settled.used, shown.used])
+        better = adjust(
+            settled.cameras,
+            np.concatenate([settled.points, shown.points]),
+            np.where(used[..., None], np.concatenate([pixel, places.pixel]), np.nan),
+            Free(),
+            rods=solved.rods,
+            scale=SCALE * np.concatenate([np.full(len(pixel), noise(settled)), places.sigma]),
+        )
+        settled = chosen(better.cameras, pixel)
+        shown = _shown(settled, places)
+    points, sightings = int(shown.used.any(axis=1).sum()), int(shown.used.sum())
+    return Refined(replace(solved, settled=settled), points, sightings, float(np.nanmean(shown.distance)))
+
+
+def noise(settled: Settled) -> float:
+    """Standard deviation of a coordinate, px: larger than that of residuals, for each point fits its own."""
+    sightings, points = settled.used.sum(), settled.used.any(axis=1).sum()
+    return float(settled.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
+
+
+def _shown(settled: Settled, places: Places) -> Settled:
+    """The targets as the cameras see them, and the sightings within `SIGMAS` of them."""
+    found = triangulate(settled.cameras, places.pixel)
+    limit = SIGMAS * np.hypot(places.sigma, settled.sigma)
+    used = found.used & (error(found.residual) < limit[:, None])
+    used &= used.sum(axis=1, keepdims=True) >= 2
+    return Settled(settled.cameras, found.points, used, found.residual, settled.sigma)
+
+
+def _require_agreement(shown: Settled, places: Places) -> None:
+    """Raises FollowspotError for clips that show something else in each camera."""
+    seen = int(np.isfinite(places.pixel[..., 0]).sum())
+    if shown.used.sum() < AGREEING * seen:
+        raise FollowspotError(
+            f"only {shown.used.sum()} of {seen} sightings of the targets fit the cameras that the wand gave: "
+            "clips must be synchronised and show one target each; leave --targets out if they are not"
+        )
