@@ -67,7 +67,8 @@ def summary(result: Calibrated) -> str:
         (name, *(shared.get((min(i, j), max(i, j)), "-") for j in range(len(names))))
         for i, name in enumerate(names)
     ]
-    parts = [table(head, rows), "points that pairs share\n" + table(("", *names), matrix), _told(result)]
+    parts = [table(head, rows), "points that pairs share\n" + table(("", *names), matrix)]
+    parts.append("\n".join(f"{what}: {value}" for what, value in told(result)))
     return "\n\n".join(parts)
 
 
@@ -85,6 +86,7 @@ def as_json(result: Calibrated) -> str:
             "mean_px": float(np.nanmean(distance)),
             "median_px": float(np.nanmedian(distance)),
             "intrinsics": result.solved.intrinsics,
+            "late_frames": dict(zip(names, result.solved.timed.late.tolist(), strict=True)),
             "align": result.alignment.method,
             "align_rms_mm": None if rms is None else 1000 * rms,
             "metric": result.alignment.metric,
@@ -116,8 +118,8 @@ def _figures(result: Calibrated) -> dict[str, dict[str, Any]]:
     return figures
 
 
-def _told(result: Calibrated) -> str:
-    """One line each on the errors, the intrinsics, the frame and the scale."""
+def told(result: Calibrated) -> list[tuple[str, str]]:
+    """What is said beside the tables, by subject: the errors, the intrinsics, the frame and the scale."""
     intrinsics = {
         "known": "kept as the room has them",
         "refined": "of the room, refined: they fit the points clearly better",
@@ -128,15 +130,14 @@ def _told(result: Calibrated) -> str:
     if alignment.rms is not None:
         frame = f"known {alignment.method} met within {1000 * alignment.rms:.1f} mm (RMS)"
     lines = [
-        f"reprojection: mean {np.nanmean(distance):.3f} px, median {np.nanmedian(distance):.3f} px",
-        f"intrinsics: {intrinsics[result.solved.intrinsics]}",
-        f"frame of reference: {frame}",
+        ("reprojection", f"mean {np.nanmean(distance):.3f} px, median {np.nanmedian(distance):.3f} px"),
+        ("intrinsics", intrinsics[result.solved.intrinsics]),
+        ("frame of reference", frame),
     ]
     targets, lengths = result.targets, result.lengths
     if targets is not None:
-        lines.append(
-            f"targets: {targets.points} places, {targets.sightings} sightings, mean {targets.mean_px:.3f} px"
-        )
+        seen = f"{targets.points} places, {targets.sightings} sightings, mean {targets.mean_px:.3f} px"
+        lines.append(("targets", seen))
     if lengths is not None:
-        lines.append(f"wand: {1000 * lengths.mean():.2f} mm, sigma {1000 * lengths.std():.2f} mm")
-    return "\n".join(lines)
+        lines.append(("wand", f"{1000 * lengths.mean():.2f} mm, sigma {1000 * lengths.std():.2f} mm"))
+    return lines
