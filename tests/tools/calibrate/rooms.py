@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,13 +43,74 @@ def made_room(
     ring = tuple(ring_camera(f"cam{i}", i / cameras, random, distortion) for i in range(cameras))
     points = random.uniform([-1.6, -1.6, 0.1], [1.6, 1.6, 2.0], (rows, 3))
     exact = np.stack([project(camera, points) for camera in ring], axis=1)
+    return _seen(ring, points, exact, random, missing, outliers, noise)
+
+
+def waved_room(
+    cameras: int = 5,
+    rows: int = 500,
+    *,
+    late: Mapping[int, float] | None = None,
+    height: tuple[float, float] = (0.1, 2.0),
+    missing: float = 0.0,
+    outliers: float = 0.0,
+    noise: float = 0.4,
+    seed: int = 0,
+) -> MadeRoom:
+    """The same room with one bulb on a smooth way through it, at up to 3 m/s and 30 pictures a second.
+
+    late: by how many frames cameras take their pictures after the others; height: of the way, m.
+    """
+    random = np.random.default_rng(seed)
+    lens = (-0.15, 0.03, 0.001, -0.0005, 0.0)
+    ring = tuple(ring_camera(f"cam{i}", i / cameras, random, lens) for i in range(cameras))
+    way = Way.through([-1.6, -1.6, height[0]], [1.6, 1.6, height[1]], random)
+    frames, late = np.arange(rows), late or {}
+    exact = np.stack([project(c, way.at(frames + late.get(i, 0.0))) for i, c in enumerate(ring)], axis=1)
+    return _seen(ring, way.at(frames), exact, random, missing, outliers, noise)
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A sum of two oscillations along each axis. middle, (3,) m; reach, turns and phase: (2, 3)."""
+
+    middle: Array
+    reach: Array
+    turns: Array
+    phase: Array
+
+    @classmethod
+    def through(cls, low: Sequence[float], high: Sequence[float], random: np.random.Generator) -> Way:
+        """One that fills a box between two corners, m."""
+        low, high = np.array(low), np.array(high)
+        reach = np.array([[0.6], [0.4]]) * (high - low) / 2
+        turns = random.uniform([[0.004], [0.008]], [[0.008], [0.014]], (2, 3))
+        return cls((low + high) / 2, reach, turns, random.uniform(0, 2 * np.pi, (2, 3)))
+
+    def at(self, frame: Array) -> Array:
+        """Places at moments that are counted in frames, (N,) -> (N, 3) m."""
+        angle = 2 * np.pi * self.turns * np.asarray(frame, float)[:, None, None] + self.phase
+        return np.asarray(self.middle + (self.reach * np.sin(angle)).sum(axis=1))
+
+
+def _seen(
+    ring: tuple[Camera, ...],
+    points: Array,
+    exact: Array,
+    random: np.random.Generator,
+    missing: float,
+    outliers: float,
+    noise: float,
+) -> MadeRoom:
+    """What cameras make of exact pixels, (N, C, 2): noise, reflections, and gaps."""
     pixel = exact + random.normal(0, 1, exact.shape) * noise
     outlier = random.random(pixel.shape[:2]) < outliers
     pixel[outlier] = random.uniform([0, 0], SIZE, (int(outlier.sum()), 2))
     unseen = (random.random(pixel.shape[:2]) < missing) | ((pixel < 0) | (pixel > SIZE)).any(axis=2)
     pixel[unseen] = np.nan
     names = tuple(camera.name for camera in ring)
-    sizes = np.tile(SIZE, (cameras, 1))
+    sizes = np.tile(SIZE, (len(ring), 1))
+    rows = len(points)
     sightings = Sightings(names, sizes, np.arange(rows), np.zeros(rows, int), pixel)
     return MadeRoom(ring, points, sightings, outlier & ~unseen)
 

@@ -13,6 +13,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.similarity import Similarity, agreeing, on_a_line, similarity, spread
 from followspot_calibrate.triangulation import triangulate
+from followspot_calibrate.wand.hazards.swapped import exchanged_places
 
 WRONG_SCALE = 0.02
 """Difference of a known wand from known places, over its length, that is told."""
@@ -46,7 +47,7 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
     """Camera centres to where they are known to be, m; cameras that were moved since are found and left out.
 
     scaled: whether they give the scale too; else it stays. Raises FollowspotError for fewer than three
-    centres or centres on a line.
+    centres or centres on a line, and where two cameras stand in each other's place.
     """
     named = [camera for camera in cameras if camera.name in known]
     source = np.array([camera.center for camera in named]).reshape(-1, 3)
@@ -55,6 +56,13 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
         raise FollowspotError(
             f"{len(named)} known camera centres do not give a frame of reference: "
             "three are needed that are not on a line; give them, a marker, or --align none"
+        )
+    swapped = exchanged_places(source, target)
+    if swapped is not None:
+        one, other = (named[number].name for number in swapped)
+        raise FollowspotError(
+            f"{one} and {other} are exchanged: each is where the other is known to be; "
+            "exchange their recordings, or their names in the room file, or give --align none"
         )
     agree = agreeing(source, target, scaled=True)
     found = _aligned("centers", source, target, agree, scaled)

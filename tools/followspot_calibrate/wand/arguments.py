@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
@@ -20,10 +21,14 @@ unless others fit the points clearly better. The frame of reference: --centers c
 centres in the room file; or --marker x,y,z,camera,u,v, three or more points with known places; --length sets
 the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where one is infrared.
 
+Cameras that are not synchronised are found from the motion and corrected, and --clock-offsets notes it in the
+room file. Mirrored, exchanged and moved cameras are named; --frames leaves out what was before a move.
+
   followspot calibrate wand --points wand.csv --room room.yaml
   followspot calibrate wand --points wand.csv --targets templates --room room.yaml
   followspot calibrate wand --clips recordings --room room.yaml
   followspot calibrate wand --points wand.csv --size 640x480 --length 0.5 -o room.yaml --json
+  followspot calibrate wand --points wand.csv --room room.yaml --frames 350- --fps 60 --clock-offsets
 """
 
 
@@ -55,7 +60,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--confidence", type=float, default=0.5, help="keypoints below it were not seen (default: 0.5)"
     )
+    parser.add_argument(
+        "--frames", type=frame_range, metavar="A-B", help="use only these, as 0-349 or 350- (default: all)"
+    )
+    parser.add_argument("--fps", type=float, help="frames a second, to tell clock offsets in ms")
+    parser.add_argument(
+        "--clock-offsets",
+        action="store_true",
+        help="write clock_offset of all cameras into the room file; needs --fps",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.wand.html)"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object with the result")
+
+
+def frame_range(text: str) -> tuple[int, int | None]:
+    """First and last frame; no last one means all the rest. Raises argparse.ArgumentTypeError."""
+    found = re.fullmatch(r"(\d{1,15})-(\d{1,15})?", text)
+    if found is None or (found[2] is not None and int(found[2]) < int(found[1])):
+        raise argparse.ArgumentTypeError(f"{text} are no frames; write 0-349 or 350-")
+    return int(found[1]), None if found[2] is None else int(found[2])
 
 
 def run(args: argparse.Namespace) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,16 +15,21 @@ from followspot import Camera, Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room import StageUse
 from followspot.room_file import load, save, update
+from followspot_calibrate.adjust import Progress
 from followspot_calibrate.points_file import read_points
+from followspot_calibrate.report import write_report
+from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import on_a_line
 from followspot_calibrate.targets.places import find_places
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
 from followspot_calibrate.wand.bulb import find_bulb
-from followspot_calibrate.wand.diagnosis import warnings_of
+from followspot_calibrate.wand.page import page_of
 from followspot_calibrate.wand.places import read_centers, read_marker
 from followspot_calibrate.wand.result import Calibrated, as_json, summary
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import with_targets
+from followspot_calibrate.wand.telling import warnings_of
+from followspot_calibrate.wand.timing import with_offsets
 
 LARGEST = 1 << 15
 """Width or height of a picture, px."""
@@ -36,13 +41,18 @@ def calibrate_wand(args: argparse.Namespace) -> int:
     room = None if args.room is None else load(args.room)
     result = calibrated(args, room)
     output = args.output or args.room
+    report = args.report or output.with_suffix(".wand.html")
     try:
         write(result.cameras, room, args.room, output)
+        write_report(report, page_of(room or Room(output.stem), result))
     except OSError as error:
-        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
+        raise FollowspotError(f"{error.filename or output} cannot be written: {error.strerror}") from None
     for text in result.warnings:
         print(f"warning: {text}", file=sys.stderr)
-    print(as_json(result) if args.json else f"{summary(result)}\nwritten to {output}")
+    if args.json:
+        print(as_json(result))
+    else:
+        print(f"{summary(result)}\nwritten to {output}; the page to look at: {report}")
     return 0
 
 
@@ -50,10 +60,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     """The calibration from points to the room's frame; nothing is written."""
     known = None if room is None else list(room.cameras.values())
     progress = _told if sys.stderr.isatty() else None
-    if args.clips is not None:
-        sightings = find_bulb(args.clips, known or (), progress)
-    else:
-        sightings = read_points(args.points, known or (), size=_size(args.size), confidence=args.confidence)
+    sightings = _sightings(args, known or (), progress)
     solved, targets = solve(sightings, known, args.intrinsics, args.length, progress), None
     if args.targets is not None:
         targets = with_targets(solved, find_places(args.targets, known or (), progress), progress)
@@ -61,19 +68,36 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     alignment = aligned(args, solved, room)
-    settled = solved.settled
-    own = [in_room(alignment.transform.camera(camera), room) for camera in settled.cameras]
-    warnings = warnings_of(sightings, settled, focal=solved.intrinsics == "free")
+    own = [in_room(alignment.transform.camera(camera), room) for camera in solved.settled.cameras]
+    if args.clock_offsets:
+        own = with_offsets(own, solved.timed, args.fps)
+    warnings = warnings_of(solved, alignment.transform.scale if alignment.metric else None, args.fps)
     if alignment.method != "centers" and room is not None and room.planes:
         warnings.append("the room's frame of reference is new; its planes are not: calibrate planes again")
     return Calibrated(
         solved,
         alignment,
         {camera.name: camera for camera in own},
-        alignment.transform.points(settled.points),
+        alignment.transform.points(solved.settled.points),
         [*warnings, *alignment.warnings],
         targets,
     )
+
+
+def _sightings(args: argparse.Namespace, known: Sequence[Camera], progress: Progress | None) -> Sightings:
+    """The points of the frames that were asked for. Raises InputError where there are none."""
+    if args.clips is not None:
+        found = find_bulb(args.clips, known, progress)
+    else:
+        found = read_points(args.points, known, size=_size(args.size), confidence=args.confidence)
+    if args.frames is None:
+        return found
+    first, last = args.frames
+    chosen = (found.frame >= first) & (found.frame <= (found.frame.max() if last is None else last))
+    if not chosen.any():
+        text = f"there are no points in the frames {first}-{'' if last is None else last}"
+        raise InputError([Mistake(None, text, f"there are {found.frame.min()}-{found.frame.max()}")])
+    return found.rows(chosen)
 
 
 def aligned(args: argparse.Namespace, solved: Solved, room: Room | None) -> Alignment:
@@ -140,6 +164,10 @@ def _check(args: argparse.Namespace) -> None:
         mistakes.append(Mistake(None, "--intrinsics known needs a room that has them", "give --room ROOM"))
     if args.align == "marker" and args.marker is None:
         mistakes.append(Mistake(None, "--align marker needs its points", "give --marker CSV"))
+    if args.fps is not None and not 0 < args.fps < np.inf:
+        mistakes.append(Mistake(None, f"--fps {args.fps:g} is no frame rate", "give frames a second, as 60"))
+    if args.clock_offsets and args.fps is None:
+        mistakes.append(Mistake(None, "--clock-offsets needs the frame rate", "give --fps, as 60"))
     if args.length is not None and not args.length > 0:
         mistakes.append(Mistake(None, f"--length {args.length:g} is not positive", "give metres, as 0.5"))
     if mistakes:

@@ -6,19 +6,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from followspot import Camera
 from followspot.errors import FollowspotError
+from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.growing import Beginning
+from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reason
+from followspot_calibrate.wand.hazards.planar import REMEDY
+from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
 from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.placing import FEWEST as TIED
 from followspot_calibrate.wand.rounds import Settled
 
+IN_A_PLANE = f"the points lie in one plane, which does not tell where all cameras are: {REMEDY}"
 LEAST = 12
 """Points that a camera must keep."""
 DEEP = 2.0
 """Ratio of the farthest to the nearest points below which they leave the focal length open."""
-MANY = 0.2
-"""Share of a camera's sightings that fit nothing from which on something is wrong with it."""
+MOST_OF = 0.7
+"""Share of a camera's points that fit, over that of the best camera, below which its place is in doubt."""
 
 
 def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
@@ -31,7 +37,10 @@ def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
     if len(set(group)) == 1:
         return
     apart = min(set(group), key=group.count)
-    lines = []
+    groups = [", ".join(names[i] for i, g in enumerate(group) if g == one) for one in dict.fromkeys(group)]
+    lines = [
+        f"the cameras fall into {len(groups)} groups without enough points in common: {'; '.join(groups)}"
+    ]
     for camera in (i for i, g in enumerate(group) if g == apart):
         across = [p for p in pairs if camera in (p.first, p.second) and group[p.first] != group[p.second]]
         best = max(across, key=lambda pair: pair.shared)
@@ -39,8 +48,13 @@ def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
     raise FollowspotError("\n".join(lines))
 
 
-def require_placed(sightings: Sightings, begin: Beginning) -> None:
-    """Raises FollowspotError that names the cameras that found no place among the others."""
+def require_placed(
+    sightings: Sightings, begin: Beginning, known: Sequence[Camera] | None, rods: Rods | None, *, planar: bool
+) -> None:
+    """Raises FollowspotError that names the cameras that found no place among the others, and why.
+
+    known: cameras with intrinsics, if there are any; planar: whether the points lie in a plane.
+    """
     names = sightings.cameras
     absent = [i for i in range(len(names)) if i not in begin.placed]
     if not begin.placed:
@@ -48,8 +62,26 @@ def require_placed(sightings: Sightings, begin: Beginning) -> None:
             "no two cameras see the points from places that are far enough apart; "
             "wave through the whole room, and see that the cameras are synchronised"
         )
+    if absent and planar:
+        raise FollowspotError(IN_A_PLANE)
     if absent:
-        raise FollowspotError("\n".join(_unplaced(sightings, begin, camera) for camera in absent))
+        agree = agreeing_cameras(sightings, begin.placed)
+        reasons = (reason(i, agree, sightings, known, rods) or _unplaced(sightings, begin, i) for i in absent)
+        raise FollowspotError("\n".join(dict.fromkeys(reasons)))
+
+
+def require_own_lenses(known: Sequence[Camera], settled: Settled, sightings: Sightings) -> None:
+    """Raises FollowspotError where two cameras see the points through the lens of the other."""
+    pairs = exchanged_lenses(known, settled.points, sightings.pixel)
+    if pairs:
+        raise FollowspotError("\n".join(exchanged(sightings.cameras, pair) for pair in pairs))
+
+
+def require_depth(sightings: Sightings, settled: Settled) -> None:
+    """Raises FollowspotError where points in a plane gave some cameras the wrong one of their two poses."""
+    share = settled.used.sum(axis=0) / np.maximum(1, sightings.seen.sum(axis=0))
+    if share.min() < MOST_OF * share.max():
+        raise FollowspotError(IN_A_PLANE)
 
 
 def require_used(sightings: Sightings, settled: Settled) -> None:
@@ -61,28 +93,6 @@ def require_used(sightings: Sightings, settled: Settled) -> None:
                 f"only {count} of {seen} points of {name} fit what the other cameras see, {LEAST} needed: "
                 "is it synchronised, and does the file say the right camera?"
             )
-
-
-def warnings_of(sightings: Sightings, settled: Settled, *, focal: bool) -> list[str]:
-    """What a user should know though the calibration came to an end; focal: whether it had to be found."""
-    found = []
-    for number, camera in enumerate(settled.cameras):
-        total, used = int(sightings.seen[:, number].sum()), int(settled.used[:, number].sum())
-        if used < FEWEST:
-            found.append(f"{camera.name} rests on {used} points, {FEWEST} needed: wave in its view")
-        elif used < (1 - MANY) * total:
-            found.append(
-                f"{100 * (1 - used / total):.0f} % of the points of {camera.name} fit no other camera: "
-                "look for reflections, or for a camera that is not synchronised or was moved"
-            )
-    flat = shallow(settled) if focal else {}
-    if flat:
-        ratios = ", ".join(f"{name} {ratio:.1f}" for name, ratio in flat.items())
-        found.append(
-            f"the depth of the points, farthest over nearest, is under {DEEP:g} ({ratios}): the focal length "
-            "is not well determined; wave nearer to the camera and farther off, or calibrate its intrinsics"
-        )
-    return found
 
 
 def shallow(settled: Settled) -> dict[str, float]:
@@ -106,6 +116,11 @@ def depths(settled: Settled, number: int) -> tuple[float, float]:
 
 
 def _shares(names: Sequence[str], pair: Pair) -> str:
+    if len(pair.rows) >= FEWEST:
+        return (
+            f"{names[pair.first]}-{names[pair.second]} see the points at the same {len(pair.rows)} moments, "
+            f"but only {pair.shared} of them fit together, {FEWEST} needed: are both of the same recording?"
+        )
     return (
         f"{names[pair.first]}-{names[pair.second]} share {pair.shared} points, {FEWEST} needed: "
         "wave where both can see it"
@@ -125,5 +140,5 @@ def _unplaced(sightings: Sightings, begin: Beginning, camera: int) -> str:
         )
     return (
         f"{name} shares {common} points with {others}, but sees them where no camera could: "
-        "is its picture mirrored, is it swapped with another camera or not synchronised?"
+        "are its points of the same recording, its lens as the room has it, its clock even?"
     )

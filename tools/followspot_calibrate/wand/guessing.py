@@ -9,10 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Camera
+from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Progress
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.growing import Beginning, Grown, grow
+from followspot_calibrate.wand.hazards.planar import REMEDY, in_a_plane
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 
 BENDS = (0.1, 0.05, 0.0, -0.05, -0.1, -0.15, -0.2, -0.25, -0.3, -0.4)
@@ -28,8 +30,13 @@ WELL = 0.3
 
 
 def guess(sightings: Sightings, progress: Progress | None = None) -> Beginning:
-    """Cameras from sightings alone."""
+    """Cameras from sightings alone. Raises FollowspotError where the points lie in a plane."""
     bend, pairs = best_bend(sightings)
+    if in_a_plane(straightened(sightings, bend), pairs, sightings.sizes):
+        raise FollowspotError(
+            f"the points lie in one plane, from which unknown lenses cannot be found: {REMEDY}, "
+            "or calibrate the intrinsics first"
+        )
     fits = trusted(pairs, sightings.seen.shape)
     rows = working_rows(pairs, fits)
     pixel = np.where(fits[rows, :, None], sightings.pixel[rows], np.nan)

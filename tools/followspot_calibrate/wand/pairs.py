@@ -48,7 +48,7 @@ def match(xy: Array, limit: Array) -> list[Pair]:
     pairs = []
     for a, b in combinations(range(xy.shape[1]), 2):
         rows = np.flatnonzero(seen[:, a] & seen[:, b])
-        agree = _agreeing(xy[rows, a], xy[rows, b], max(limit[a], limit[b]))
+        agree = agreeing(xy[rows, a], xy[rows, b], max(limit[a], limit[b]))
         pairs.append(Pair(a, b, rows, agree))
     return pairs
 
@@ -64,7 +64,7 @@ def trusted(pairs: list[Pair], shape: tuple[int, int]) -> Array:
     return np.asarray((2 * votes >= asked) & (votes > 0))
 
 
-def _agreeing(first: Array, second: Array, limit: float) -> Array:
+def agreeing(first: Array, second: Array, limit: float) -> Array:
     """Which points, (M, 2) px in each view, fit the fundamental matrix that most fit: (M,) bool."""
     import cv2
 

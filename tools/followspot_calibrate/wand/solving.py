@@ -10,15 +10,25 @@ import numpy as np
 
 from followspot import Camera
 from followspot.geometry import undistort
+from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Middle, Progress, Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import Similarity
-from followspot_calibrate.wand.diagnosis import require_connected, require_placed, require_used, shallow
+from followspot_calibrate.wand.diagnosis import (
+    require_connected,
+    require_depth,
+    require_own_lenses,
+    require_placed,
+    require_used,
+    shallow,
+)
 from followspot_calibrate.wand.growing import Beginning, grow
-from followspot_calibrate.wand.guessing import guess
-from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
+from followspot_calibrate.wand.guessing import guess, straightened
+from followspot_calibrate.wand.hazards.planar import in_a_plane
+from followspot_calibrate.wand.pairs import Pair, trusted, working_rows
 from followspot_calibrate.wand.rods import rods_of, scale_of
 from followspot_calibrate.wand.rounds import Settled, chosen, settle
+from followspot_calibrate.wand.timing import Timed, in_step, synchronised
 
 Intrinsics = Literal["known", "free", "auto"]
 Outcome = Literal["known", "refined", "free"]
@@ -38,14 +48,22 @@ class Solved:
     """Cameras from sightings, in a frame of their own.
 
     intrinsics: "known" as they were given, "refined" from those, or "free", found from nothing; rods: the
-    wand, None where it has one bulb or no known length; then the unit of length is arbitrary.
+    wand, None where it has one bulb or no known length; then the unit of length is arbitrary. timed: the
+    sightings as if all cameras had been synchronised, and by how much they were not; planar: whether known
+    lenses saw points in a plane.
     """
 
-    sightings: Sightings
+    timed: Timed
     pairs: Sequence[Pair]
     settled: Settled
     intrinsics: Outcome
     rods: Rods | None
+    planar: bool
+
+    @property
+    def sightings(self) -> Sightings:
+        """What the cameras are adjusted to."""
+        return self.timed.sightings
 
 
 def solve(
@@ -64,23 +82,39 @@ def solve(
     """
     rods = None if length is None else rods_of(sightings, length)
     own = None if intrinsics == "free" else known
-    if own is None:
-        begin = guess(sightings, progress)
-    else:
-        begin = _begin(sightings, own, [Free(), ROUGH] if intrinsics == "auto" else [Free()])
-    require_connected(sightings, begin.pairs)
-    require_placed(sightings, begin)
+    timed, begin = _begun(sightings, own, intrinsics, progress)
+    require_connected(timed.sightings, begin.pairs)
+    planar = own is not None and in_a_plane(_straight(timed.sightings, own), begin.pairs, sightings.sizes)
+    require_placed(timed.sightings, begin, own, rods, planar=planar)
     cameras = [begin.placed[i] for i in range(len(sightings.cameras))]
     if rods is not None:
-        cameras = _scaled(cameras, sightings, rods)
+        cameras = _scaled(cameras, timed.sightings, rods)
+    free = REFINED if own is None else Free()
+    middle = _middle(sightings, own)
+    timed = synchronised(cameras, sightings, timed, lambda c, pixel: settle(c, pixel, free, rods, middle))
     if own is None:
-        middle = _middle(sightings, None)
         outcome: Outcome = "free"
-        settled = settle(cameras, sightings.pixel, REFINED, rods, middle, progress)
+        settled = settle(cameras, timed.sightings.pixel, REFINED, rods, middle, progress)
     else:
-        settled, outcome = _with_known(sightings, own, cameras, intrinsics == "auto", rods, progress)
-    require_used(sightings, settled)
-    return Solved(sightings, begin.pairs, settled, outcome, rods)
+        settled, outcome = _with_known(timed.sightings, own, cameras, intrinsics == "auto", rods, progress)
+        if planar:
+            require_depth(timed.sightings, settled)
+        require_own_lenses(own, settled, timed.sightings)
+    require_used(timed.sightings, settled)
+    return Solved(timed, begin.pairs, settled, outcome, rods, planar)
+
+
+def _begun(
+    sightings: Sightings, own: Sequence[Camera] | None, intrinsics: Intrinsics, progress: Progress | None
+) -> tuple[Timed, Beginning]:
+    """The sightings in step, and the first idea of a room that they give."""
+    limit = LIMIT * sightings.sizes.max(axis=1)
+    if own is None:
+        timed, _ = in_step(sightings, lambda now: straightened(now, 0.0), limit, progress)
+        return timed, guess(timed.sightings, progress)
+    timed, pairs = in_step(sightings, lambda now: _straight(now, own), limit, progress)
+    attempts = [Free(), ROUGH] if intrinsics == "auto" else [Free()]
+    return timed, _begin(timed.sightings, own, pairs, attempts)
 
 
 def _with_known(
@@ -106,10 +140,15 @@ def _with_known(
     return settled, "known"
 
 
-def _begin(sightings: Sightings, cameras: Sequence[Camera], attempts: Sequence[Free]) -> Beginning:
+def _straight(sightings: Sightings, cameras: Sequence[Camera]) -> Array:
+    """Pixels without the distortion of known lenses: (N, C, 2) px."""
+    return np.stack([undistort(c, sightings.pixel[:, i]) for i, c in enumerate(cameras)], axis=1)
+
+
+def _begin(
+    sightings: Sightings, cameras: Sequence[Camera], pairs: list[Pair], attempts: Sequence[Free]
+) -> Beginning:
     """The cameras with their own intrinsics, placed by the first attempt that places all, or the best."""
-    straight = np.stack([undistort(c, sightings.pixel[:, i]) for i, c in enumerate(cameras)], axis=1)
-    pairs = match(straight, LIMIT * sightings.sizes.max(axis=1))
     fits = trusted(pairs, sightings.seen.shape)
     rows = working_rows(pairs, fits)
     pixel = np.where(fits[rows, :, None], sightings.pixel[rows], np.nan)

@@ -1,0 +1,85 @@
+"""The two bulbs of a wand: taken for each other in one camera, or not as far apart as they are said to be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Camera
+from followspot.geometry import project
+from followspot.messages import Array
+from followspot_calibrate.adjust import Rods
+from followspot_calibrate.similarity import spread
+from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
+from followspot_calibrate.wand.rods import measured
+from followspot_calibrate.wand.rounds import SIGMAS, Settled
+
+SCATTER = 0.03
+"""Spread of the measured lengths over the length of the wand that is told."""
+ROOM = (0.3, 100.0)
+"""Smallest and largest distance of cameras from their middle that a length in metres gives, m."""
+CONFUSED = 0.05
+"""Share of a camera's points that are the other bulb, which is told."""
+
+
+def confused(camera: Camera, points: Array, pixel: Array, other: Array) -> str | None:
+    """What is wrong if a camera without a place has the bulbs the wrong way round; None where it does not.
+
+    points: (N, 3); pixel: (N, 2) px of this camera; other: (N,) the row of the other bulb, -1 without one.
+    """
+    rows = np.flatnonzero(other >= 0)
+    turned = support(camera, points[rows], pixel[other[rows]])
+    if turned.share < max(ENOUGH, CLEARLY * support(camera, points, pixel).share):
+        return None
+    return (
+        f"{camera.name} takes the two bulbs of the wand for each other: exchanged, "
+        f"{100 * turned.share:.0f} % of its points fit; exchange 0 and 1 of the column point for it"
+    )
+
+
+def others(rods: Rods, rows: int) -> Array:
+    """The row of the other bulb at the same moment, (N,); -1 without one."""
+    other = np.full(rows, -1)
+    other[rods.first], other[rods.second] = rods.second, rods.first
+    return other
+
+
+def length_warnings(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
+    """What the measured lengths say of the wand. settled: in m, as the length has it; pixel: (N, C, 2) px."""
+    return [*_taken_for_each_other(settled, rods, pixel), *_unlikely(settled.cameras, settled.points, rods)]
+
+
+def _taken_for_each_other(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
+    """Cameras that now and then see one bulb where the other is."""
+    other, told = others(rods, len(pixel)), []
+    rows = np.flatnonzero(other >= 0)
+    for number, camera in enumerate(settled.cameras):
+        away = np.linalg.norm(project(camera, settled.points[other[rows]]) - pixel[rows, number], axis=1)
+        wrong = ~settled.used[rows, number] & (away < SIGMAS * settled.sigma)
+        share = wrong.sum() / max(1, np.isfinite(pixel[rows, number, 0]).sum())
+        if share > CONFUSED:
+            told.append(
+                f"{camera.name} takes the bulbs of the wand for each other in {100 * share:.0f} % of its "
+                "points, which were left out: use bulbs of two colours or sizes"
+            )
+    return told
+
+
+def _unlikely(cameras: Sequence[Camera], points: Array, rods: Rods) -> list[str]:
+    """A wand that is not rigid, or a room that is too large or too small."""
+    lengths, told = measured(points, rods), []
+    length = float(np.max(rods.length))
+    scatter = float(np.nanpercentile(np.abs(lengths - length), 68)) if np.isfinite(lengths).any() else 0.0
+    if scatter > SCATTER * length:
+        told.append(
+            f"the wand is {1000 * length:.0f} mm long, but measured that within {1000 * scatter:.0f} mm "
+            "only: are its bulbs fixed, and told apart in every camera?"
+        )
+    size = spread([camera.center for camera in cameras])
+    if not ROOM[0] < size < ROOM[1]:
+        told.append(
+            f"by the length of the wand the cameras are {size:.3g} m from their middle: "
+            "is --length in metres?"
+        )
+    return told

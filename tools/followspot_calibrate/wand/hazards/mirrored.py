@@ -1,0 +1,34 @@
+"""Pictures that are flipped: a mirror image has perfect epipolar lines, and no place for its camera."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Camera
+from followspot.messages import Array
+from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
+
+
+def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camera]) -> str | None:
+    """What is wrong if a camera sees the points of the others only in the mirror; None where it is not that.
+
+    points: (N, 3); pixel: (N, 2) px of this camera, which has its lens and no place yet. Left-right and
+    up-down differ by half a turn of the camera: the flip that leaves it upright as the others is named.
+    """
+    flipped = support(camera, points, left_right(camera, pixel))
+    plain = support(camera, points, pixel)
+    if flipped.camera is None or flipped.share < max(ENOUGH, CLEARLY * plain.share):
+        return None
+    down = np.mean([other.rotation[1] for other in others], axis=0)
+    way = "left-right" if flipped.camera.rotation[1] @ down > 0 else "up-down"
+    return (
+        f"the picture of {camera.name} is mirrored {way}: flipped back, {100 * flipped.share:.0f} % of its "
+        "points fit the other cameras; switch mirroring off in the camera or its driver, and record again"
+    )
+
+
+def left_right(camera: Camera, pixel: Array) -> Array:
+    """The pixels of a picture that is flipped left to right: (N, 2) px."""
+    return np.column_stack([camera.size[0] - 1 - pixel[:, 0], pixel[:, 1]])

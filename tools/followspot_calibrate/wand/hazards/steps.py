@@ -1,0 +1,104 @@
+"""Cameras that are whole frames out of step: found from pairs alone, before any camera has a place.
+
+A pair in step agrees on one epipolar geometry. One that is not agrees on it best once one of the tracks is
+shifted by as many frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot_calibrate.adjust import Progress
+from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
+from followspot_calibrate.wand.pairs import FEWEST, Pair, agreeing
+
+REACH = 100
+"""Steps that a camera may be early or late."""
+IN_STEP = 0.85
+"""Share of agreeing points over that of the best pair from which on a pair is in step."""
+AGREE = 0.35
+"""Share of points that must agree at the right shift; with 30 % of reflections in both views half do."""
+BETTER = 1.25
+"""Agreement at the right shift over that without one."""
+PARTNERS = 2
+"""Cameras in step with which a further one is compared before it is given up."""
+
+
+def steps_late(
+    sightings: Sightings, straight: Array, pairs: Sequence[Pair], limit: Array, progress: Progress | None
+) -> Array:
+    """By how many whole frames each camera is late, relative to most of them: (C,), 0 where none is found.
+
+    straight: (N, C, 2) px without distortion; pairs: what agrees as it is; limit: (C,) px.
+    """
+    share = shares(pairs, len(sightings.cameras))
+    late = np.zeros(len(sightings.cameras))
+    joined = _in_step(share)
+    seen = np.isfinite(straight[..., 0]).sum(axis=0)
+    waiting = sorted(set(range(len(late))) - joined, key=lambda camera: -seen[camera])
+    tracks = Sightings(sightings.cameras, sightings.sizes, sightings.frame, sightings.label, straight)
+    for number, camera in enumerate(waiting):
+        if progress is not None:
+            progress(f"is {sightings.cameras[camera]} in step", number / len(waiting))
+        found = _shift(tracks, camera, sorted(joined), late, share, limit)
+        if found is not None:
+            late[camera] = found
+            joined.add(camera)
+    values, counts = np.unique(late, return_counts=True)
+    return np.asarray(late - values[counts.argmax()])
+
+
+def shares(pairs: Sequence[Pair], cameras: int) -> Array:
+    """Share of the points of each pair that agree, (C, C); NaN where too few are shared."""
+    share = np.full((cameras, cameras), np.nan)
+    for pair in pairs:
+        if len(pair.rows) >= FEWEST:
+            share[pair.first, pair.second] = share[pair.second, pair.first] = pair.agree.mean()
+    return share
+
+
+def _in_step(share: Array) -> set[int]:
+    """The largest set of cameras that are in step with each other as they are; at least one."""
+    best = np.nan_to_num(share).max(initial=0.0)
+    near = share >= max(IN_STEP * best, AGREE)
+    sets = [_reached(near, camera) for camera in range(len(share))]
+    return max(sets, key=len)
+
+
+def _reached(near: Array, start: int) -> set[int]:
+    reached, fresh = {start}, [start]
+    while fresh:
+        others = set(np.flatnonzero(near[fresh.pop()]).tolist()) - reached
+        reached |= others
+        fresh += sorted(others)
+    return reached
+
+
+def _shift(
+    tracks: Sightings, camera: int, joined: Sequence[int], late: Array, share: Array, limit: Array
+) -> float | None:
+    """The shift at which a camera agrees with those that are in step; None where there is none."""
+    common = {other: int((tracks.seen[:, other] & tracks.seen[:, camera]).sum()) for other in joined}
+    for other in sorted(joined, key=lambda one: -common[one])[:PARTNERS]:
+        trial = np.zeros(len(late))
+        trial[other] = late[other]
+        fixed = resampled(tracks, trial)[:, other]
+        shifts = late[other] + frame_step(tracks) * np.arange(-REACH, REACH + 1)
+        agree = [_agreement(tracks, camera, shift, fixed, max(limit[[camera, other]])) for shift in shifts]
+        best = int(np.argmax(agree))
+        if agree[best] >= max(AGREE, BETTER * np.nan_to_num(share[camera, other])):
+            return float(shifts[best])
+    return None
+
+
+def _agreement(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float) -> float:
+    """Share of the points of a shifted track that fit one epipolar geometry with a fixed one."""
+    trial = np.zeros(len(tracks.cameras))
+    trial[camera] = shift
+    moved = resampled(tracks, trial)[:, camera]
+    both = np.isfinite(moved[:, 0]) & np.isfinite(fixed[:, 0])
+    return float(agreeing(fixed[both], moved[both], limit).mean()) if both.sum() >= FEWEST else 0.0
