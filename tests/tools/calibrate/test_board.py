@@ -255,6 +255,17 @@ def test_command_writes_the_poses(room: Path, capsys: pytest.CaptureFixture[str]
     assert answer["rigidity_rmse_mm"] < 1.0
     assert answer["pairs"][0]["shared"] == 6
     assert any("linked by 6 moments only" in note for note in answer["warnings"])
+    page = (room / "room.board.html").read_text()
+    assert "left – right" in page
+    assert "linked by 6 moments only" in page
+
+
+def test_the_page_goes_where_it_is_asked_to(room: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = room / "looked_at.html"
+    assert calibrate(room, "--report", str(page)) == 0
+    assert f"the page to look at: {page}" in capsys.readouterr().out
+    assert "arrows ×" in page.read_text()
+    assert not (room / "room.board.html").exists()
 
 
 def test_camera_without_a_recording_keeps_its_pose(room: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -258,7 +258,12 @@ def test_command_replaces_the_lens_and_nothing_else(boards: Path, capsys: pytest
     np.testing.assert_array_equal(after["cam1"].matrix, lens().matrix)
     assert (after["cam0"].kind, after["cam0"].host, after["cam0"].size) == ("infrared", "pc", SIZE)
     assert (boards / "room.yaml").read_text().startswith("# mine\n")
-    assert "cam0: its pose was found with another lens" in capsys.readouterr().err
+    told = capsys.readouterr()
+    assert "cam0: its pose was found with another lens" in told.err
+    assert f"the page to look at: {boards / 'room.intrinsics.html'}" in told.out
+    page = (boards / "room.intrinsics.html").read_text()
+    assert "cam0: its pose was found with another lens" in page
+    assert "10 of 10" in page
 
 
 def test_command_names_the_camera_without_a_board(boards: Path, capsys: pytest.CaptureFixture[str]) -> None:

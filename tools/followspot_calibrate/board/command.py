@@ -12,11 +12,13 @@ from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.board.looking import clear_progress, find, show_progress
+from followspot_calibrate.board.page import page_of
 from followspot_calibrate.board.solving import BoardCalibration, solve
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.board.verdict import as_json, summary, warnings_of
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.pictures import recordings
+from followspot_calibrate.report import Page, write_report
 
 TIMESTAMPS = "timestamps.csv"
 
@@ -42,12 +44,16 @@ def calibrate_board(args: argparse.Namespace) -> int:
     views = find(cameras, paths, board, moments, args.pictures)
     found = solve(cameras, views, board, args.floor, show_progress if sys.stderr.isatty() else None)
     clear_progress()
-    write(args.room, room, found)
     still = [name for name in room.cameras if name not in paths]
     notes = [*warnings_of(found), *(f"{name} has no recording and keeps its pose" for name in still)]
+    report = args.report or args.room.with_suffix(".board.html")
+    page = page_of(room.name, found, room.planes if args.floor is None else {}, notes)
+    write(args.room, room, found, report, page)
     for note in notes:
         print(f"warning: {note}", file=sys.stderr)
     print(as_json(found, notes) if args.json else summary(found))
+    if not args.json:
+        print(f"written to {args.room}; the page to look at: {report}")
     return 0
 
 
@@ -57,13 +63,14 @@ def _moments(args: argparse.Namespace, names: Sequence[str]) -> Mapping[str, Map
     return read_timestamps(path, names) if path and (args.timestamps or path.is_file()) else None
 
 
-def write(path: Path, room: Room, found: BoardCalibration) -> None:
-    """Put the poses into the room file. Raises FollowspotError."""
+def write(path: Path, room: Room, found: BoardCalibration, report: Path, page: Page) -> None:
+    """Put the poses into the room file, write the page. Raises FollowspotError."""
     placed = {
         c.name: replace(room.cameras[c.name], rotation=c.rotation, translation=c.translation)
         for c in found.cameras
     }
     try:
         update(path, cameras={**room.cameras, **placed})
+        write_report(report, page)
     except OSError as error:
-        raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+        raise FollowspotError(f"{error.filename or path} cannot be written: {error.strerror}") from None

@@ -36,6 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--camera", nargs="+", default=[], metavar="NAME", help="only these cameras")
     add("--model", choices=("pinhole", "fisheye"), default="pinhole", help="of the lens (default: pinhole)")
     add("--pictures", type=int, default=300, metavar="N", help="most pictures to search (default: 300)")
+    add("--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.intrinsics.html)")
     add("--json", action="store_true", help="print one JSON object with the lenses")
 
 

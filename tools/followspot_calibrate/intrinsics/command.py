@@ -16,7 +16,9 @@ from followspot_calibrate.boards.detection import Detector
 from followspot_calibrate.intrinsics.calibration import LensCalibration, calibrate_lens
 from followspot_calibrate.intrinsics.fitting import NoFit
 from followspot_calibrate.intrinsics.looking import blank, live_cameras, look
+from followspot_calibrate.intrinsics.page import page_of
 from followspot_calibrate.intrinsics.verdict import as_json, summary
+from followspot_calibrate.report import write_report
 
 
 def calibrate_intrinsics(args: argparse.Namespace) -> int:
@@ -39,8 +41,11 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
             done[name] = calibrate_lens(name, collected.views, board, collected.size, args.model)
         except NoFit as error:
             failed[name] = f"{name}: {error} ({collected.looked_at} pictures searched)"
-    notes = write(args.room, room, live, done) if done else {}
+    report = args.report or args.room.with_suffix(".intrinsics.html")
+    notes = write(args.room, room, live, done, report) if done else {}
     print(as_json(done, notes) if args.json else summary(done))
+    if done and not args.json:
+        print(f"written to {args.room}; the page to look at: {report}")
     if failed:
         remedy = f"\n    is --board {args.board} right? Hold the whole board still, in good light"
         raise FollowspotError("\n".join(failed.values()) + remedy)
@@ -48,9 +53,9 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
 
 
 def write(
-    path: Path, room: Room, live: Mapping[str, Camera], done: Mapping[str, LensCalibration]
+    path: Path, room: Room, live: Mapping[str, Camera], done: Mapping[str, LensCalibration], report: Path
 ) -> dict[str, list[str]]:
-    """Put the lenses into the room file; returns what else the user should know of each camera.
+    """Put the lenses into the room file, write the page; returns what else to know of each camera.
 
     A new camera is a colour camera at the origin, with its device as source where it was live.
     Raises FollowspotError.
@@ -70,8 +75,9 @@ def write(
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
             save(replace(room, cameras=cameras), path)
+        write_report(report, page_of(room.name, done, notes))
     except OSError as error:
-        raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+        raise FollowspotError(f"{error.filename or path} cannot be written: {error.strerror}") from None
     for name, texts in notes.items():
         for text in texts:
             print(f"warning: {name}: {text}", file=sys.stderr)

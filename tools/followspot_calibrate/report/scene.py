@@ -48,10 +48,11 @@ def poses(
         patch = plane_patch(plane, center, radius * 0.5)
         shapes += [view.path([patch], PLANE_INK, 1.5), view.label(patch[number % 4], name, PLANE_INK)]
     shapes.append(view.path(list(sampled[:, None]), "#7b8896", 3))
-    for camera in cameras:
-        ink = MARKED if camera.name in marked else INK[camera.kind]
+    inks = [MARKED if camera.name in marked else INK[camera.kind] for camera in cameras]
+    for camera, ink in zip(cameras, inks, strict=True):
         shapes.append(view.path(frustum(camera, FRUSTUM * radius), ink, 1.5))
-        shapes.append(view.label(camera.center, camera.name, ink))
+    # Names last, so that no line runs through them.
+    shapes += [view.label(c.center, c.name, ink) for c, ink in zip(cameras, inks, strict=True)]
     picture = element(
         "svg",
         *shapes,
@@ -102,7 +103,7 @@ class View:
         ((x, y),) = self.place(point[None])
         style = f"fill:{ink}"
         return element(
-            "text", text, x=f"{x:.1f}", y=f"{y:.1f}", dx=7, dy=-7, style=style, data_p=_triple(point)
+            "text", text, x=f"{x:.1f}", y=f"{y:.1f}", dx=8, dy=-10, style=style, data_p=_triple(point)
         )
 
 
