@@ -130,8 +130,9 @@ def measure(
 
 
 def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
-    """Add up the CPU time of a stage, ns."""
-    process: Callable[..., Any] = cell.stage.process
+    """Add up the CPU time of a stage, ns; where several work together, their `process` does too."""
+    work = "process" if cell.stage.process_together is None else "process_together"
+    process: Callable[..., Any] = getattr(cell.stage, work)
 
     def clocked(*arguments: Any) -> Any:
         started = time.process_time_ns()
@@ -139,7 +140,7 @@ def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
         busy[name] += time.process_time_ns() - started
         return result
 
-    cell.stage.process = clocked
+    setattr(cell.stage, work, clocked)
 
 
 def _counted(cell: Cell, tracked: list[int]) -> None:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
-from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows, packed
+from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
-from followspot_balls.search import Regions, in_plane, search_regions
-from followspot_balls.strip import window_border
+from followspot_balls.search import Regions, search_regions, side_by_side
+from followspot_balls.strip import at_border
 from followspot_balls.votes import disc_centers
 
 SMALL = 12.0
@@ -26,10 +27,22 @@ class Found(NamedTuple):
     pixel: Array
     area: Array
     similarity: Array
-    target: Array
+    owner: Array
+    """(N,) row of the target among those of all views."""
 
 
 NOTHING = Found(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0, int))
+
+
+class Templates(NamedTuple):
+    """What targets look like in some views: a row for each target of each view in turn."""
+
+    histograms: Array
+    """(rows, 16) hue, normalised."""
+    member: Array
+    """(rows, 256) bool, hues of the target."""
+    area: Array
+    """(rows, 2) smallest and largest, px."""
 
 
 class ColorBlobs(Stage):
@@ -122,65 +135,91 @@ class ColorBlobs(Stage):
     params: Params
 
     def setup(self) -> None:
-        name = self.camera.name
+        name, p = self.camera.name, self.params
         targets = self.room.targets.values()
-        self.sizes = np.array([t.radius for t in targets])
-        self.histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets])
-        self.histograms = self.histograms.reshape(-1, BINS)
-        self.member = membership(self.histograms, self.params.hue_share)
+        histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets]).reshape(-1, BINS)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
-        self.tables = packed(self.member)
-        self.numbers = np.arange(len(self.sizes))
-        self.limits = Limits(self.params.saturation, self.params.value, self.params.white)
-        self.area = np.ascontiguousarray((area * [self.params.smallest, self.params.largest]).T)
+        member = membership(histograms, p.hue_share)
+        self.templates = Templates(histograms, member, area * [p.smallest, p.largest])
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
-        p = self.params
-        regions = search_regions(self.room, forecast, p.radius, p.scale)[self.camera.name]
-        found = [NOTHING]
-        if len(regions.near):
-            sought = in_windows(frame.pixels, regions, self.tables, self.limits)
-            found.append(self.measured(sought, regions))
-        if regions.circles.lost.any():
-            lost = regions.circles.lost.nonzero()[0]
-            smallest = self.area[0, lost]
-            found.append(self.measured(in_picture(frame.pixels, lost, self.member, self.limits, smallest)))
-        blobs = found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
+        return self.process_together([self], [(frame, forecast)])[0]
+
+    @classmethod
+    def process_together(
+        cls, stages: Sequence[Self], inputs: Sequence[tuple[Frame, Forecast | None]]
+    ) -> list[Blobs]:
+        p, count = stages[0].params, len(stages[0].room.targets)
+        regions = side_by_side(
+            [
+                search_regions(stage.room, forecast, p.radius, p.scale)[stage.camera.name]
+                for stage, (_, forecast) in zip(stages, inputs, strict=True)
+            ]
+        )
+        templates = Templates(*map(np.concatenate, zip(*(s.templates for s in stages), strict=True)))
+        found = blobs_of([frame.pixels for frame, _ in inputs], regions, templates, p)
+        view = found.owner // max(count, 1)
+        return [stage.labelled(found, np.flatnonzero(view == number)) for number, stage in enumerate(stages)]
+
+    def labelled(self, found: Found, rows: Array) -> Blobs:
+        """The message of what was found in this camera's view."""
+        pixel = found.pixel.take(rows, axis=0)
+        numbers = np.arange(len(self.room.targets))
         return Blobs(
             camera=self.camera.name,
-            xy=undistort(self.camera, blobs.pixel),
-            pixel=blobs.pixel,
-            area=blobs.area,
-            similarity=blobs.similarity,
-            targets=blobs.target[:, None] == self.numbers,
+            xy=undistort(self.camera, pixel),
+            pixel=pixel,
+            area=found.area.take(rows),
+            similarity=found.similarity.take(rows),
+            targets=found.owner.take(rows)[:, None] % max(len(numbers), 1) == numbers,
         )
 
-    def measured(self, sought: Sought, regions: Regions | None = None) -> Found:
-        """Blobs of the targets that a strip is searched for.
 
-        regions: where the parts are their windows.
-        """
-        p = self.params
-        level, target = sought.level, sought.target
-        blobs = components(above_local_peak(level, p.edge), level, sought.strip)
-        owner = target.take(blobs.part)
-        smallest, largest = self.area.take(owner, axis=1)
-        keep = of_size(blobs.area, smallest, largest)
-        histograms = component_histograms(blobs, sought.hue, sought.colored)
-        similarity = bhattacharyya(histograms, self.histograms.take(owner, axis=0))
-        keep &= similarity > p.similarity
-        pixel = sought.strip.shift.take(blobs.part, axis=0)
-        if regions is None:
-            pixel = pixel + blobs.center
-        else:
-            circles, ball = regions.circles, regions.circles.ball.take(owner)
-            keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
-            keep &= ~clipped(blobs, window_border(len(target), regions.side))
-            pixel = pixel + disc_centers(level, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
-            offset = in_plane(pixel - circles.center.take(owner, axis=0))
-            keep &= np.abs(offset) <= circles.radius.take(owner)
-        rows = keep.nonzero()[0]
-        return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))
+def blobs_of(
+    pictures: Sequence[Array], regions: Regions, templates: Templates, p: ColorBlobs.Params
+) -> Found:
+    """Blobs of targets in their windows, of all views at once; of lost ones in whole pictures, one by one."""
+    limits = Limits(p.saturation, p.value, p.white)
+    count = len(regions.circles.lost) // len(pictures)
+    found = [NOTHING]
+    if len(regions.near):
+        shown = [pictures[number] for number in (regions.near // count).tolist()]
+        sought = in_windows(shown, regions, templates.member, limits)
+        found.append(measured(sought, templates, p, count, regions))
+    lost = regions.circles.lost.reshape(len(pictures), count)
+    for number in np.flatnonzero(lost.any(axis=1)).tolist():
+        rows = np.flatnonzero(lost[number]) + number * count
+        smallest = templates.area[rows, 0]
+        sought = in_picture(pictures[number], rows, templates.member, limits, smallest)
+        found.append(measured(sought, templates, p, count))
+    return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
+
+
+def measured(
+    sought: Sought, templates: Templates, p: ColorBlobs.Params, count: int, regions: Regions | None = None
+) -> Found:
+    """Blobs of the targets that the parts of a strip are searched for.
+
+    count: targets of each view; regions: where the parts are their windows.
+    """
+    level, strip = sought.level, sought.strip
+    blobs = components(above_local_peak(level, p.edge), level, strip)
+    owner = sought.owner.take(blobs.part)
+    smallest, largest = templates.area.take(owner, axis=0).T
+    keep = of_size(blobs.area, smallest, largest, owner // max(count, 1))
+    histograms = component_histograms(blobs, sought.hue, sought.colored)
+    similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
+    keep &= similarity > p.similarity
+    pixel = blobs.center
+    if regions is not None:
+        circles, ball = regions.circles, regions.circles.ball.take(owner)
+        keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
+        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, regions.sides))
+        pixel = disc_centers(level, strip, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
+        right, down = (pixel - circles.center.take(owner, axis=0)).T
+        keep &= np.hypot(right, down) <= circles.radius.take(owner)
+    rows = keep.nonzero()[0]
+    return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))
 
 
 def component_histograms(blobs: Components, hue: Array, colored: Array) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import reduce
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -11,6 +11,9 @@ import numpy as np
 from followspot.messages import Array
 from followspot_balls.search import Regions
 from followspot_balls.strip import Strip, clusters, cut, scattered, window_strip
+
+HUES = 256
+"""Values of OpenCV's full-range hue."""
 
 
 class Limits(NamedTuple):
@@ -25,8 +28,8 @@ class Sought(NamedTuple):
     """A strip of what may show the targets."""
 
     strip: Strip
-    target: Array
-    """(N,) target that each part is searched for."""
+    owner: Array
+    """(N,) row of the target that each part is searched for, among those of all views."""
     level: Array
     """(H, W) u8, brightness of the pixels that may show it, 0 elsewhere."""
     hue: Array
@@ -35,35 +38,36 @@ class Sought(NamedTuple):
     """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
 
 
-def in_windows(pixels: Array, regions: Regions, tables: tuple[Array, Array], limits: Limits) -> Sought:
+def in_windows(pictures: Sequence[Array], regions: Regions, member: Array, limits: Limits) -> Sought:
     """What may show each target in its window.
 
-    pixels: (H, W, 3) BGR; tables: packed hues of the targets.
+    pictures: (H, W, 3) BGR, one for each window; member: (rows, 256) bool, hues of the targets of all views.
     """
-    tiles, strip = cut(pixels, regions.corners, regions.side), window_strip(regions.corners, regions.side)
+    strip = window_strip(regions.corners, regions.sides)
+    tiles = cut(pictures, regions.corners, regions.sides)
     hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
     colored, core = saturated(saturation, value, limits)
-    colored &= hue_pixels(hue, tables, regions.near.take(strip.part))
+    colored &= member.reshape(-1).take(hue + HUES * regions.near.take(strip.part))
     return Sought(strip, regions.near, (colored | core).view(np.uint8) * value, hue, colored)
 
 
-def in_picture(pixels: Array, target: Array, member: Array, limits: Limits, smallest: Array) -> Sought:
-    """What may show some targets anywhere.
+def in_picture(pixels: Array, owner: Array, member: Array, limits: Limits, smallest: Array) -> Sought:
+    """What may show some targets of one view anywhere in its picture.
 
-    member: (T, 256) bool, hues of the targets; smallest: (N,) area, px; others as above.
+    owner: (N,) rows of the targets; smallest: (N,) area, px; others as above.
     """
     height, width = pixels.shape[:2]
     hue, saturation, value = (plane.reshape(-1) for plane in hsv(pixels))
     colored, core = saturated(saturation, value, limits)
     index = np.flatnonzero(colored | core)
     core, hue, value = core.take(index), hue.take(index), value.take(index)
-    shown = member.take(target, axis=0).take(hue, axis=1) & ~core
+    shown = member.take(owner, axis=0).take(hue, axis=1) & ~core
     layer, entry = np.divmod(np.flatnonzero(shown | core), max(len(index), 1))
     y, x = np.divmod(index.take(entry), width)
-    found = clusters(layer, y, x, (len(target), height, width), smallest)
+    found = clusters(layer, y, x, (len(owner), height, width), smallest)
     entry = entry.take(found.entry)
     planes = (value.take(entry), hue.take(entry), ~core.take(entry))
-    return Sought(found.strip, target.take(found.layer), *(scattered(found, plane) for plane in planes))
+    return Sought(found.strip, owner.take(found.layer), *(scattered(found, plane) for plane in planes))
 
 
 def hsv(pixels: Array) -> tuple[Array, ...]:
@@ -79,20 +83,3 @@ def saturated(saturation: Array, value: Array, limits: Limits) -> tuple[Array, A
     """
     pale = saturation < limits.saturation
     return (value >= limits.value) > pale, (value >= limits.white) & pale
-
-
-def packed(member: Array) -> tuple[Array, Array]:
-    """Hues of targets as bits, eight targets to a group, for `hue_pixels`.
-
-    member: (T, 256) bool. Returns (groups, 256) and (groups, T) u8: the bits of each hue, and of each target.
-    """
-    return np.packbits(member, axis=0), np.packbits(np.eye(len(member), dtype=bool), axis=0)
-
-
-def hue_pixels(hue: Array, tables: tuple[Array, Array], target: Array) -> Array:
-    """Pixels whose hue belongs to the target that their column is searched for: (H, W) u8 -> bool.
-
-    tables: packed; target: (W,).
-    """
-    groups = (np.asarray(cv2.LUT(hue, table)) & bit.take(target) for table, bit in zip(*tables, strict=True))
-    return np.asarray(reduce(np.bitwise_or, groups) > 0)

@@ -22,7 +22,7 @@ class Components:
     part: Array
     """(N,) part of the strip that it lies in."""
     center: Array
-    """(N, 2) px, x and y of the weighted centroid in the strip."""
+    """(N, 2) px, x and y of the weighted centroid in the picture."""
     area: Array
     """(N,) px."""
     peak: Array
@@ -52,12 +52,13 @@ def above_local_peak(level: Array, fraction: float) -> Array:
 def components(mask: Array, level: Array, strip: Strip) -> Components:
     """Connected components (8 neighbours), with centroids weighted by `level`.
 
+    They are in the order of their first pixels, row by row: that of a part does not depend on the others.
     mask: (H, W) bool, empty between the parts; level: (H, W), positive inside the mask.
     """
     pixels = mask.reshape(-1).nonzero()[0]
     if not len(pixels):
         return NOTHING
-    count, labels = cv2.connectedComponents(mask.view(np.uint8), connectivity=8, ltype=cv2.CV_32S)
+    count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_SAUF)
     count -= 1  # the background
     label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
     y, x = np.divmod(pixels, mask.shape[1])
@@ -66,26 +67,29 @@ def components(mask: Array, level: Array, strip: Strip) -> Components:
     center = np.empty((count, 2))
     center[:, 0] = np.bincount(label, weight * x, count)
     center[:, 1] = np.bincount(label, weight * y, count)
+    part = strip.part.take((center[:, 0] / total).astype(np.intp))
+    center += total[:, None] * strip.shift.take(part, axis=0)  # sums of whole numbers: exact
     center /= total[:, None]
     peak = np.zeros(count)
     np.maximum.at(peak, label, weight)
     area = np.bincount(label, minlength=count).astype(float)
-    part = strip.part.take(center[:, 0].astype(np.intp))
     return Components(part, center, area, peak, pixels, label)
 
 
-def of_size(area: Array, smallest: Array, largest: Array) -> Array:
-    """Which components have an allowed size, at most MOST: (N,) bool.
+def of_size(area: Array, smallest: Array, largest: Array, view: Array) -> Array:
+    """Which components have an allowed size, at most MOST of each view: (N,) bool.
 
-    area: (N,) px; smallest, largest: (N,) or one for all, px.
+    area: (N,) px; smallest, largest: (N,) px; view: (N,) number of the picture that each is seen in.
     """
     fits = (area >= smallest) & (area <= largest)
     if np.count_nonzero(fits) > MOST:
-        size = np.where(fits, area, 0)
-        fits[np.argsort(-size, kind="stable")[MOST:]] = False
+        rows = fits.nonzero()[0]
+        rows = rows[np.lexsort((-area[rows], view[rows]))]
+        first = np.searchsorted(view[rows], view[rows])
+        fits[rows[np.arange(len(rows)) - first >= MOST]] = False
     return np.asarray(fits)
 
 
 def clipped(blobs: Components, border: Array) -> Array:
-    """Which components touch the border of their window, (N,) bool; border: (H * W,) bool, of all windows."""
-    return np.asarray(np.bincount(blobs.label, border.take(blobs.pixels), len(blobs.area)) > 0)
+    """Which components touch the border of their window, (N,) bool; border: (P,) bool, of their pixels."""
+    return np.asarray(np.bincount(blobs.label, border, len(blobs.area)) > 0)

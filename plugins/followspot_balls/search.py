@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -41,8 +42,8 @@ class Regions(NamedTuple):
     """(M,) numbers of the targets that have a window."""
     corners: Array
     """(M, 2) int px, upper left corners of the windows."""
-    side: int
-    """Of each window, px."""
+    sides: Array
+    """(M,) int px, of the windows."""
 
 
 class Images(NamedTuple):
@@ -96,18 +97,29 @@ def search_regions(room: Room, forecast: Forecast | None, minimum: float, scale:
     if forecast is None or lost.all():
         nowhere = np.full((count, 2), np.nan)
         circles = Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
-        return dict.fromkeys(room.cameras, Regions(circles, NOBODY, np.empty((0, 2), int), 0))
+        return dict.fromkeys(room.cameras, Regions(circles, NOBODY, NOBODY.reshape(0, 2), NOBODY))
     images = forecast_images(room, forecast)
     radius = search_radius(images.travel, minimum, scale)
     size = np.array([camera.size for camera in room.cameras.values()])
     inside = reaching(images.center, radius, size)
     corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
     return {
-        camera: Regions(Circles(center, around, ball, lost), near.nonzero()[0], corner[near], side)
+        camera: Regions(Circles(center, around, ball, lost), near.nonzero()[0], corner[near], side[near])
         for camera, center, around, ball, near, corner, side in zip(
-            room.cameras, images.center, radius, images.ball, inside, corners, sides.tolist(), strict=True
+            room.cameras, images.center, radius, images.ball, inside, corners, sides, strict=True
         )
     }
+
+
+def side_by_side(views: Sequence[Regions]) -> Regions:
+    """The regions of several views as those of one, whose rows are the targets of each view in turn."""
+    if len(views) == 1:
+        return views[0]
+    circles = Circles(*map(np.concatenate, zip(*(view.circles for view in views), strict=True)))
+    count = len(views[0].circles.lost)
+    near = np.concatenate([view.near + number * count for number, view in enumerate(views)])
+    corners = np.concatenate([view.corners for view in views])
+    return Regions(circles, near, corners, np.concatenate([view.sides for view in views]))
 
 
 @lru_cache(maxsize=8)
@@ -146,13 +158,9 @@ def elongation(local: Array) -> Array:
 
 
 def distances(points: Array, centers: Array) -> Array:
-    """Between all of both: (N, 2) and (T, 2) px -> (N, T); as between complex numbers, in one subtraction."""
-    return np.asarray(np.abs(in_plane(points)[:, None] - in_plane(centers)))
-
-
-def in_plane(points: Array) -> Array:
-    """Points (N, 2) as complex numbers x + iy: (N,)."""
-    return np.ascontiguousarray(points).view(complex).reshape(-1)
+    """Between all of both: (N, 2) and (T, 2) or (N, T, 2) px -> (N, T)."""
+    offset = points[:, None] - centers
+    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]))
 
 
 def within(circles: Circles, pixel: Array) -> Array:
@@ -176,13 +184,13 @@ def windows(center: Array, reach: Array, inside: Array, size: Array) -> tuple[Ar
     """Squares around search regions, so large that a ball on the circle is whole in them.
 
     center: (C, T, 2) px; reach: (C, T) px; inside: (C, T) bool, which have a window; size: (C, 2) px.
-    Returns the upper left corners, (C, T, 2) int px, and the sides, (C,) px: that of the view's
-    largest, but no window exceeds twice the picture.
+    Returns the upper left corners, (C, T, 2) int px, and the sides, (C, T) int px; none exceeds twice the
+    picture.
     """
-    largest = np.where(inside, reach, 0).max(axis=1, initial=0)
-    half = np.minimum(largest, size.max(axis=1)).astype(int) + 3
+    largest = size.max(axis=1, keepdims=True)
+    half = np.minimum(np.where(inside, reach, 0), largest).astype(int) + 3
     nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
-    return nearest - half[:, None, None], 2 * half + 1
+    return nearest - half[..., None], 2 * half + 1
 
 
 def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:

@@ -1,12 +1,13 @@
-"""Many small parts of a picture side by side in one strip, so that one call treats them all.
+"""Many small parts of pictures side by side in one strip, so that one call treats them all.
 
-The parts are search windows of one size, or the clusters in which sought pixels of a whole picture lie.
-Empty columns between them are so wide that no part bears upon its neighbour.
+The parts are search windows, of one picture or several, or the clusters in which sought pixels of a whole
+picture lie. Empty columns between them are so wide that no part bears upon its neighbour: what is found in
+a part does not depend on what else is in the strip.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import cv2
@@ -18,6 +19,8 @@ REACH = 9
 """Side of the square in which the local peak is sought, px: a ball is 5 to 9 px wide."""
 GAP = REACH // 2
 """Empty columns after each part, px."""
+RIM = 1
+"""Empty rows above and below the parts, px, for the edges of what touches them."""
 BLOCK = 4
 """Side of the blocks that clusters consist of, px. Clusters are a whole block or more apart, which is out of
 each other's reach."""
@@ -46,32 +49,18 @@ class Clusters(NamedTuple):
     """(E,) flat index in the strip of each of these."""
 
 
-def window_strip(corners: Array, side: int) -> Strip:
-    """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; side: px."""
-    count, wide = len(corners), side + GAP
-    shift = corners.copy()
-    shift[:, 0] -= np.arange(0, count * wide, wide)
-    return Strip(window_columns(count, wide), shift)
+def adjoined(left: Array, top: Array, wide: Array) -> Strip:
+    """Parts next to each other.
+
+    left, top: (N,) int, the first column and row of each in its picture; wide: (N,) columns of the strip.
+    """
+    start = np.cumsum(wide) - wide
+    return Strip(np.repeat(np.arange(len(wide)), wide), np.column_stack([left - start, top]))
 
 
-@lru_cache(maxsize=64)
-def window_columns(count: int, wide: int) -> Array:
-    """Number of the window that each column of a strip belongs to: (count * wide,)."""
-    return read_only(np.repeat(np.arange(count), wide))
-
-
-@lru_cache(maxsize=64)
-def window_border(count: int, side: int) -> Array:
-    """Which pixels of a strip are the outermost of their windows: (side * count * (side + GAP),) bool."""
-    border = np.ones((side, count, side + GAP), bool)
-    border[1:-1, :, 1 : side - 1] = False
-    return read_only(border.reshape(-1))
-
-
-def read_only(array: Array) -> Array:
-    """The array, which nobody may change: others use it too."""
-    array.flags.writeable = False
-    return array
+def window_strip(corners: Array, sides: Array) -> Strip:
+    """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; sides: (N,) px."""
+    return adjoined(corners[:, 0], corners[:, 1] - RIM, sides + GAP)
 
 
 def whole_strip(width: int) -> Strip:
@@ -79,20 +68,37 @@ def whole_strip(width: int) -> Strip:
     return Strip(np.zeros(width, int), np.zeros((1, 2), int))
 
 
-def cut(pixels: Array, corners: Array, side: int) -> Array:
-    """Copy windows of a picture into a strip; black where they reach beyond it.
+def cut(pictures: Sequence[Array], corners: Array, sides: Array) -> Array:
+    """Copy windows into a strip; black where they reach beyond their pictures.
 
-    pixels: (H, W, C); corners, side: as above. Returns (side, N * (side + GAP), C).
+    pictures: N of (H, W, C), one for each window; corners, sides: as above. Returns (rows, columns, C).
+    Raises ValueError for pictures of different kinds.
     """
-    strip = np.zeros((side, len(corners) * (side + GAP), pixels.shape[2]), pixels.dtype)
-    bottom, right = pixels.shape[:2]
-    for number, (x, y) in enumerate(corners.tolist()):
+    (channels,) = {pixels.shape[2] for pixels in pictures}
+    strip = np.zeros((sides.max() + 2 * RIM, (sides + GAP).sum(), channels), np.uint8)
+    start = 0
+    for pixels, (x, y), side in zip(pictures, corners.tolist(), sides.tolist(), strict=True):
         left, top = max(x, 0), max(y, 0)
         part = pixels[top : max(y + side, 0), left : max(x + side, 0)]
-        if left < right and top < bottom and part.size:
-            start = number * (side + GAP) + left - x
-            strip[top - y : top - y + part.shape[0], start : start + part.shape[1]] = part
+        row, column = top - y + RIM, start + left - x
+        strip[row : row + part.shape[0], column : column + part.shape[1]] = part
+        start += side + GAP
     return strip
+
+
+def at_border(pixels: Array, part: Array, sides: Array) -> Array:
+    """Which pixels of a strip of windows are the outermost of their window.
+
+    pixels: (P,) flat index; part: (W,) of each column; sides: (N,) px. Returns (P,) bool.
+    """
+    ends = np.cumsum(sides + GAP) - GAP
+    outermost = np.zeros(len(part), bool)
+    outermost[ends - sides] = outermost[ends - 1] = True
+    y, x = np.divmod(pixels, len(part))
+    outside = outermost.take(x)
+    outside |= y == RIM
+    outside |= y == sides.take(part.take(x)) + (RIM - 1)
+    return outside
 
 
 def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], smallest: Array) -> Clusters:
@@ -118,13 +124,10 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     entry = np.flatnonzero(part >= 0)
     part, y, x = part.take(entry), y.take(entry), x.take(entry)
     top, left, bottom, right = extents(part, y, x, len(keep))
-    top, left, bottom = top - 1, left - 1, bottom + 1  # an empty rim, for the edges of what touches it
-    wide = right - left + 1 + GAP
-    start = np.cumsum(wide) - wide
-    shape = (int((bottom - top).max(initial=0)) + 1, int(wide.sum()))
-    shift = np.column_stack([left - start, top])
-    place = (y - top.take(part)) * shape[1] + x - shift[:, 0].take(part)
-    return Clusters(Strip(np.repeat(np.arange(len(keep)), wide), shift), shape, of_layer[keep], entry, place)
+    strip = adjoined(left - RIM, top - RIM, right - left + 1 + RIM + GAP)
+    shape = (int((bottom - top).max(initial=-1)) + 1 + 2 * RIM, len(strip.part))
+    column, row = np.column_stack([x, y]).T - strip.shift.take(part, axis=0).T
+    return Clusters(strip, shape, of_layer[keep], entry, row * shape[1] + column)
 
 
 def scattered(found: Clusters, values: Array) -> Array:

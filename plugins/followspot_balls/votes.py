@@ -12,12 +12,15 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot_balls.components import Components
+from followspot_balls.strip import Strip
 
-SMOOTH = np.array([0.24, 0.52, 0.24], np.float32)
+SMOOTH = np.array([6.0, 13.0, 6.0], np.float32)
 """Filter along rows and columns before the slopes are taken."""
-MEAN, SLOPE = np.array([3.0, 10.0, 3.0]) / 16, np.array([-1.0, 0.0, 1.0]) / 2
+MEAN, SLOPE = np.array([3.0, 10.0, 3.0]), np.array([-1.0, 0.0, 1.0])
 """Scharr's filters, across and along a slope."""
-STENCIL = np.array([np.outer(MEAN, SLOPE), np.outer(SLOPE, MEAN), np.diag([0, 1, 0])])
+GAIN = SMOOTH.sum() ** 2 * MEAN.sum() * np.abs(SLOPE).sum()
+"""Of all together. They are whole numbers, so that sums are exact, in whichever order they are taken."""
+STENCIL = np.array([np.outer(MEAN, SLOPE), np.outer(SLOPE, MEAN), np.diag([0, 32, 0])])
 STENCIL = STENCIL.reshape(3, 9).astype(np.float32)
 """Slopes to the right and down, and the pixel itself, in a square of 3 x 3."""
 NEAR = 1.2
@@ -31,20 +34,20 @@ SPREADS = (2.0, 1.4, 1.0, 0.8)
 TOUCHING = np.ones((3, 3), np.uint8)
 
 
-def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) -> Array:
+def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, edge: float) -> Array:
     """Centres of the discs that the components are visible parts of.
 
-    level: (H, W) u8 brightness that the components were cut from;
+    level: (H, W) u8 brightness that the components were cut from, in a strip;
     radius: (N,) px of each component's disc, NaN where unknown; edge: of a disc over its peak.
-    Returns (N, 2) px in the strip; the centroid where the radius is unknown.
+    Returns (N, 2) px in the picture; the centroid where the radius is unknown.
     """
     known = np.equal(radius, radius).nonzero()[0]
     if not len(known):
         return blobs.center
     index, label = rim_band(blobs, known, level.shape)
-    planes = derivatives(level, index) / blobs.peak.take(known).take(label)
+    planes = derivatives(level, index) / (GAIN * blobs.peak.take(known)).take(label)
     right, down, value = planes
-    slope = np.hypot(right, down)
+    slope = np.sqrt(right * right + down * down)
     height = value - edge
     voter = np.abs(height) < NEAR * slope
     voter &= slope > FAINTEST
@@ -53,8 +56,9 @@ def disc_centers(level: Array, blobs: Components, radius: Array, edge: float) ->
     reach = (radius.take(known).take(label) - height / slope) / slope
     votes = planes.take(chosen, axis=1) * reach
     y, x = np.divmod(index.take(chosen), level.shape[1])
-    votes[0] += x
-    votes[1] += y
+    shift = strip.shift.take(blobs.part.take(known), axis=0)
+    votes[0] += x + shift[:, 0].take(label)
+    votes[1] += y + shift[:, 1].take(label)
     votes[2] = 1.0
     center = blobs.center.copy()
     center[known] = agreement(votes, slope, label, center.take(known, axis=0))
@@ -76,7 +80,7 @@ def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[A
 
 
 def derivatives(level: Array, index: Array) -> Array:
-    """Slopes per px to the right and down, and smoothed level, at some pixels: (3, P) float32.
+    """Slopes per px to the right and down, and smoothed level, GAIN times, at some pixels: (3, P) float32.
 
     level: (H, W) u8; index: (P,) flat.
     """
@@ -93,7 +97,7 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
     Returns (K, 2) px.
     """
     count = len(start)
-    member = np.eye(count).take(label, axis=0)
+    bins = np.concatenate([label, label + count, label + 2 * count])
     faint = np.full((3, count), UNHEARD)
     faint[:2] *= start.T
     center = start.T
@@ -103,7 +107,7 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
         kernel = offset[0] + offset[1]
         kernel += spread**2
         kernel *= kernel
-        sums = (votes * (weight / kernel)) @ member
+        sums = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count).reshape(3, count)
         sums += faint
         center = sums[:2] / sums[2]
     return center.T

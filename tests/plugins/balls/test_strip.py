@@ -28,8 +28,9 @@ def speckled(seed: int) -> Array:
 def found(level: Array, strip: Strip) -> Array:
     """x, y and area of the components of allowed size, in the picture."""
     blobs = components(above_local_peak(level, EDGE), level, strip)
-    fits = of_size(blobs.area, np.array(SMALLEST), np.array(LARGEST))
-    rows = np.column_stack([blobs.center + strip.shift.take(blobs.part, axis=0), blobs.area])[fits]
+    one = np.zeros(len(blobs.area), int)
+    fits = of_size(blobs.area, one + SMALLEST, one + LARGEST, one)
+    rows = np.column_stack([blobs.center, blobs.area])[fits]
     return rows[np.lexsort(rows.T)]
 
 
@@ -56,8 +57,9 @@ def test_clusters_of_different_layers_are_apart() -> None:
 def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
     pixels = np.arange(1, 13, dtype=np.uint8).reshape(3, 4, 1)
     corners = np.array([[-1, -1], [2, 1]])
-    strip = cut(pixels, corners, 3)[..., 0]
-    parts = window_strip(corners, 3)
+    sides = np.array([3, 4])
+    strip = cut([pixels, pixels], corners, sides)[..., 0]
+    parts = window_strip(corners, sides)
     for x in np.flatnonzero(strip.any(axis=0)):
         for y in strip[:, x].nonzero()[0]:
             column, row = (x, y) + parts.shift[parts.part[x]]
