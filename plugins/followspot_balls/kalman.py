@@ -74,14 +74,8 @@ class Kalman(Stage):
             3,
             ge=1,
             unit="frames",
-            description="frames in a row after which fewer candidates of a lost target are believed; raising "
-            "it avoids false recoveries and delays true ones",
-        )
-        again: int = Field(
-            3,
-            ge=1,
-            unit="frames",
-            description="the same for a missing target, which is sought near its last place",
+            description="frames after which one evident candidate of a target that is not tracked is believed; "
+            "raising it avoids false recoveries and delays true ones",
         )
         reach: float = Field(
             0.3, gt=0, unit="m", description="farthest that these frames may lie from one to the next"
@@ -90,7 +84,8 @@ class Kalman(Stage):
             0.1,
             ge=0,
             unit="s",
-            description="time in which the velocity of a missing target fades; 0: it stays at its last place",
+            description="time in which the velocity of a target fades that is not measured; 0: a missing one "
+            "stays at its last place",
         )
         speed: float = Field(3.0, gt=0, unit="m/s", description="one sigma of the velocity of a new target")
 
@@ -108,7 +103,7 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        evidence = Evidence(p.support, p.frames, p.again, p.reach, self.apart)
+        evidence = Evidence(p.support, p.frames, p.reach, self.apart)
         life, counted = believed(self.life, positions, evidence)
         target, xyz = positions.target[counted], positions.xyz[counted]
         noise = self.noise(positions.covariance[counted])
@@ -143,13 +138,14 @@ class Kalman(Stage):
         return np.where(np.isfinite(covariance), covariance, self.constant)
 
     def remember(self, target: Array, new: Array) -> None:
-        """Keep the last two estimates of measured targets; let missing ones come to rest."""
+        """Keep the last two estimates of measured targets; let those that were not measured come to rest."""
         self.before[target] = self.last[target]
         self.last[target] = self.motion.xyz[target]
         self.before[target[new]] = self.last[target[new]]
         missing = self.life.status == MISSING
         if self.params.fade > 0:
-            self.motion.state[missing, 3:] *= np.exp(-self.period / self.params.fade)
+            unmeasured = missing | (self.life.status == PREDICTED)
+            self.motion.state[unmeasured, 3:] *= np.exp(-self.period / self.params.fade)
         else:
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
 

@@ -15,14 +15,13 @@ from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 class Evidence:
     """What a target that is not tracked must show before its position is believed.
 
-    support: candidates that agree in one frame; or else frames in a row that each show it within
-    reach (m) of the last: `frames` of them where it is lost, `again` near the last place of a missing one.
-    One colour-infrared pair may be a coincidence, but hardly again and again.
+    support: candidates that agree in one frame, or two if one of them is evident by itself; or else so many
+    frames that show an evident one, each within reach (m) of the last. One colour-infrared pair may be a
+    coincidence, but hardly again and again.
     """
 
     support: int
     frames: int
-    again: int
     reach: float
     apart: float
     """m, less than any two targets can be: what is nearer to another one is that one."""
@@ -65,9 +64,8 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     possible &= ~occupied(xyz, known, evidence.apart)
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
     row = np.where(possible, np.where(near, life.streak[target], 0) + positions.evident, 0)
-    frames = np.where(status == LOST, evidence.frames, evidence.again)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support)
-    strong = possible & (agreeing | (row >= frames))
+    strong = possible & (agreeing | (row >= evidence.frames))
     streak, place = np.zeros_like(life.streak), life.place.copy()
     streak[target], place[target] = row, xyz
     return replace(life, streak=streak, place=place), known | strong

@@ -73,12 +73,11 @@ def test_a_single_pair_is_believed_after_frames_in_a_row() -> None:
     assert shown == [0, 0, 0, 1, 1, 1]
 
 
-def test_a_missing_target_is_believed_sooner_than_a_lost_one() -> None:
-    stage = kalman(frames=8, again=3)
-    watch(stage, 10)
-    watch(stage, 5, first=10, seen=False)
-    shown = [len(o.tracks.target) for o in watch(stage, 4, first=15, support=1)]
-    assert shown == [0, 0, 1, 1]
+def test_frames_that_show_it_less_evidently_keep_the_count() -> None:
+    stage = kalman(frames=3)
+    watch(stage, 2, support=1)
+    watch(stage, 2, first=2, support=1, evident=False)
+    assert len(watch(stage, 1, first=4, support=1)[0].tracks.target) == 1
 
 
 def test_a_pair_that_is_not_evident_is_not_believed_alone() -> None:
