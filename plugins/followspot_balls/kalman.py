@@ -74,7 +74,7 @@ class Kalman(Stage):
             3,
             ge=1,
             unit="frames",
-            description="frames after which one evident candidate of a target that is not tracked is believed; "
+            description="frames that must show an evident candidate of a target that is not tracked; "
             "raising it avoids false recoveries and delays true ones",
         )
         reach: float = Field(
