@@ -12,10 +12,11 @@ from rooms import made_room
 
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot_calibrate.adjust import Free, Rods, adjust
+from followspot_calibrate.adjust import Anchors, Free, Rods, adjust
 from followspot_calibrate.adjust.problem import Problem, State, view_of
-from followspot_calibrate.adjust.projection import image, linearise, moved
+from followspot_calibrate.adjust.projection import image, linearise, moved, rotation_of
 from followspot_calibrate.adjust.rods import groups_of
+from followspot_calibrate.similarity import Similarity
 
 small = st.floats(-0.3, 0.3)
 everything = Free(poses=True, focal=True, center=True, distortion=5)
@@ -156,6 +157,27 @@ def test_points_that_are_less_exact_count_less():
         moved = similarity(centers(found), centers(room))
         away[name] = np.linalg.norm(moved[2] * centers(found) @ moved[0].T + moved[1] - centers(room))
     assert away["own scales"] < away["one scale"] / 2
+
+
+def test_the_derivative_of_anchors_is_that_of_the_formula():
+    cameras = made_room(cameras=3, rows=5).cameras
+    anchors = Anchors(np.zeros((3, 3)), np.array([0.1, 0.2, 0.5]))
+    rows, size = anchors.by_pose(cameras), 1e-6
+    for k in range(6):
+        stepped = [moved(camera, size * np.eye(6)[k], Free()) for camera in cameras]
+        numeric = (anchors.errors(stepped) - anchors.errors(cameras)) / size
+        assert rows[:, :, k] == pytest.approx(numeric, abs=1e-4)
+
+
+def test_known_centres_hold_cameras_and_set_the_frame():
+    """A room that is elsewhere and too large comes to where three centres are known to be."""
+    room = made_room(cameras=4, rows=200)
+    move = Similarity(rotation_of(np.array([0.0, 0.0, 0.05])), np.array([0.1, 0.0, 0.2]), 1.05)
+    anchors = Anchors(centers(room), np.array([0.001, 0.001, 0.001, np.inf]))
+    start = [move.camera(camera) for camera in room.cameras]
+    found = adjust(start, move.points(room.points), room.sightings.pixel, Free(), anchors=anchors)
+    assert centers(found) == pytest.approx(centers(room), abs=1e-5)
+    assert found.points == pytest.approx(room.points, abs=1e-5)
 
 
 @pytest.mark.parametrize(("count", "scale"), [(3, 1.0), (0, 0.0)])

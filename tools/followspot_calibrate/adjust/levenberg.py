@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot_calibrate.adjust.problem import Middle, Problem, State, view_of
+from followspot_calibrate.adjust.problem import Anchors, Middle, Problem, State, view_of
 from followspot_calibrate.adjust.projection import Free
 from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
 
@@ -42,6 +42,7 @@ def adjust(
     *,
     rods: Rods | None = None,
     middle: Middle | None = None,
+    anchors: Anchors | None = None,
     scale: float | Array = 1.0,
     progress: Progress | None = None,
 ) -> Adjusted:
@@ -49,10 +50,10 @@ def adjust(
 
     points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, of
     each point, (N,), or of all, where an error begins to count as an outlier. What is off by its sigma, a rod
-    in length or a principal point from its expected middle, costs about as much as a point off by `scale`.
-    Rows seen by fewer than two cameras, or without a start (NaN), take no part and stay. The frame of
-    reference is left to the start, but for rods, which set the length. A camera other than pinhole keeps its
-    intrinsics.
+    in length, a principal point from its expected middle, a camera from its anchor (poses must be free),
+    costs about as much as a point off by `scale`. Rows seen by fewer than two cameras, or without a start
+    (NaN), take no part and stay. The frame of reference is left to the start, but for rods, which set the
+    length, and anchors. A camera other than pinhole keeps its intrinsics.
     Raises ValueError for a scale that is not positive.
     """
     if not np.all(np.asarray(scale) > 0):
@@ -62,7 +63,8 @@ def adjust(
     flat, views = zip(*(view_of(c, pixel[usable, i], free) for i, c in enumerate(cameras)), strict=True)
     tied = (rods or NO_RODS).within(usable)
     scales = np.broadcast_to(scale, len(points))[usable]
-    problem = Problem(views, tied, groups_of(int(usable.sum()), tied), scales, free.parameters, middle)
+    groups = groups_of(int(usable.sum()), tied)
+    problem = Problem(views, tied, groups, scales, free.parameters, middle, anchors)
     best, steps = _descend(problem, State(flat, points[usable]), progress)
     found = points.copy()
     found[usable] = best.points

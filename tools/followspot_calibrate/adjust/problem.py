@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Camera
-from followspot.geometry import undistort
+from followspot.geometry import cross_matrix, undistort
 from followspot.messages import Array
 from followspot_calibrate.adjust.elimination import Normal
 from followspot_calibrate.adjust.projection import Free, image, linearise, moved
@@ -51,6 +51,27 @@ class Middle:
 
 
 @dataclass(frozen=True, eq=False)
+class Anchors:
+    """Where camera centres are known to be, (C, 3) m, and how well: sigma, (C,) m, infinite where unknown."""
+
+    center: Array
+    sigma: Array
+
+    def errors(self, cameras: Sequence[Camera]) -> Array:
+        """How far centres are from where they are known to be, (C, 3) sigmas."""
+        away = np.array([camera.center for camera in cameras]) - self.center
+        return np.where(np.isfinite(self.sigma)[:, None], away / self.sigma[:, None], 0.0)
+
+    def by_pose(self, cameras: Sequence[Camera]) -> Array:
+        """Derivative of the errors by the poses: (C, 3, 6)."""
+        rows = [
+            -camera.rotation.T @ np.hstack([cross_matrix(camera.translation), np.eye(3)])
+            for camera in cameras
+        ]
+        return np.array(rows) / self.sigma[:, None, None]
+
+
+@dataclass(frozen=True, eq=False)
 class Problem:
     """Observations, known lengths and, for each point, the error in px that begins to count as an outlier.
 
@@ -63,6 +84,7 @@ class Problem:
     scale: Array
     parameters: int
     middle: Middle | None = None
+    anchors: Anchors | None = None
 
     def cost(self, state: State) -> float:
         """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
@@ -70,6 +92,8 @@ class Problem:
         for view, camera in zip(self.views, state.cameras, strict=True):
             error = (image(camera, state.points[view.rows]) - view.pixel) / self.scale[view.rows, None]
             total += np.log1p(np.square(error).sum(axis=1)).sum()
+        if self.anchors is not None:
+            total += np.square(self.anchors.errors(state.cameras)).sum()
         return float(total + np.square(self._off_middle(state.cameras)).sum())
 
     def step(self, normal: Normal, state: State, damping: float) -> State | None:
@@ -90,6 +114,11 @@ class Problem:
         for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
             self._add_view(normal, number, view, camera, state.points)
         self._add_rods(normal, state.points)
+        if self.anchors is not None:
+            rows = self.anchors.by_pose(state.cameras)
+            normal.cameras[:, :6, :6] += rows.swapaxes(1, 2) @ rows
+            errors = self.anchors.errors(state.cameras)
+            normal.toward_cameras[:, :6] -= (errors[:, None] @ rows)[:, 0]
         if self.middle is not None:
             off = self._off_middle(state.cameras)
             for number, view in enumerate(self.views):

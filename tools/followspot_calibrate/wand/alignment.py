@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -11,12 +11,16 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
+from followspot_calibrate.adjust import Anchors
 from followspot_calibrate.similarity import Similarity, agreeing, on_a_line, similarity, spread
 from followspot_calibrate.triangulation import triangulate
 from followspot_calibrate.wand.hazards.swapped import exchanged_places
 
 WRONG_SCALE = 0.02
 """Difference of a known wand from known places, over its length, that is told."""
+
+EXACT = 1e-5
+"""Known centres are not taken to be more exact, m."""
 
 Method = Literal["centers", "marker", "none"]
 
@@ -33,7 +37,8 @@ class Marker:
 class Alignment:
     """How the frame of reference came about.
 
-    rms: m, of the known places, None without any; metric: whether the unit is the metre.
+    rms: m, of the known places, None without any; metric: whether the unit is the metre; anchors: known
+    centres of the cameras that agree, as exact as they were met.
     """
 
     method: Method
@@ -41,6 +46,7 @@ class Alignment:
     rms: float | None
     metric: bool
     warnings: tuple[str, ...] = ()
+    anchors: Anchors | None = None
 
 
 def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scaled: bool) -> Alignment:
@@ -73,7 +79,9 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
         for camera, distance, fits in zip(named, apart, agree, strict=True)
         if not fits
     )
-    return Alignment("centers", found.transform, found.rms, True, found.warnings + moved)
+    fitting = {camera.name for camera, fits in zip(named, agree, strict=True) if fits}
+    anchors = _anchors(cameras, {name: known[name] for name in fitting}, found.rms, 7 if scaled else 6)
+    return replace(found, warnings=found.warnings + moved, anchors=anchors)
 
 
 def onto_marker(cameras: Sequence[Camera], marker: Marker, *, scaled: bool) -> Alignment:
@@ -98,6 +106,18 @@ def onto_itself(cameras: Sequence[Camera], *, metric: bool) -> Alignment:
         else ("the scale is unknown: lengths are not metres; give --length, --align or --marker",)
     )
     return Alignment("none", Similarity(np.eye(3), -middle), None, metric, lacks)
+
+
+def _anchors(
+    cameras: Sequence[Camera], known: Mapping[str, Array], rms: float | None, degrees: int
+) -> Anchors | None:
+    """Known centres as exact as they were met by a transform of so many degrees of freedom."""
+    free = 3 * len(known) - degrees
+    if rms is None or free <= 0:
+        return None
+    sigma = max(rms * np.sqrt(len(known) / free), EXACT)
+    center = np.array([known.get(camera.name, np.zeros(3)) for camera in cameras])
+    return Anchors(center, np.array([sigma if camera.name in known else np.inf for camera in cameras]))
 
 
 def _aligned(method: Method, source: Array, target: Array, agree: Array, scaled: bool) -> Alignment:

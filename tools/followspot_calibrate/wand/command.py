@@ -63,7 +63,9 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     sightings = _sightings(args, known or (), progress)
     solved, targets = solve(sightings, known, args.intrinsics, args.length, progress), None
     if args.targets is not None:
-        targets = with_targets(solved, find_places(args.targets, known or (), progress), progress)
+        places = find_places(args.targets, known or (), progress)
+        targets = with_targets(solved, places, progress=progress)
+        targets = with_targets(targets.solved, places, aligned(args, targets.solved, room), progress)
         solved = targets.solved
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)

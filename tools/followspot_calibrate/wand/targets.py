@@ -12,8 +12,10 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Free, Progress, adjust
+from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.targets.places import Places
 from followspot_calibrate.triangulation import error, triangulate
+from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
 from followspot_calibrate.wand.solving import Solved
 
@@ -36,12 +38,19 @@ class Refined:
     mean_px: float
 
 
-def with_targets(solved: Solved, places: Places, progress: Progress | None = None) -> Refined:
+def with_targets(
+    solved: Solved, places: Places, alignment: Alignment | None = None, progress: Progress | None = None
+) -> Refined:
     """The cameras adjusted to wand and targets together; lenses stay as the wand has them.
 
-    Raises FollowspotError where the cameras do not see the targets in the same places.
+    alignment: of these cameras with the room; then the result is in the room's frame, and known centres
+    hold the cameras as well as they were met. Raises FollowspotError where the cameras do not see the
+    targets in the same places.
     """
-    pixel, settled = solved.sightings.pixel, solved.settled
+    pixel, settled, anchors = solved.sightings.pixel, solved.settled, None
+    if alignment is not None:
+        settled = _in_room(settled, alignment.transform)
+        anchors = alignment.anchors and replace(alignment.anchors, sigma=SCALE * alignment.anchors.sigma)
     shown = _shown(settled, places)
     _require_agreement(shown, places)
     for number in range(ROUNDS):
@@ -54,12 +63,19 @@ def with_targets(solved: Solved, places: Places, progress: Progress | None = Non
             np.where(used[..., None], np.concatenate([pixel, places.pixel]), np.nan),
             Free(),
             rods=solved.rods,
+            anchors=anchors,
             scale=SCALE * np.concatenate([np.full(len(pixel), noise(settled)), places.sigma]),
         )
         settled = chosen(better.cameras, pixel)
         shown = _shown(settled, places)
     points, sightings = int(shown.used.any(axis=1).sum()), int(shown.used.sum())
     return Refined(replace(solved, settled=settled), points, sightings, float(np.nanmean(shown.distance)))
+
+
+def _in_room(settled: Settled, transform: Similarity) -> Settled:
+    """The same, moved to the room's frame."""
+    cameras = tuple(transform.camera(camera) for camera in settled.cameras)
+    return replace(settled, cameras=cameras, points=transform.points(settled.points))
 
 
 def noise(settled: Settled) -> float:
