@@ -68,7 +68,7 @@ class Bundle(Stage):
             "small blobs less",
         )
         merged: float = Field(
-            10.0,
+            14.0,
             ge=0,
             unit="1",
             description="growth of that of a blob larger than the ball, with the squared excess; raising it "
