@@ -144,22 +144,24 @@ def seal(message: M) -> M:
     """
     sizes: dict[str, int] = {}
     total = 0
+    values = message.__dict__
     for name, kind in message.scalars:
-        value = getattr(message, name)
+        value = values[name]
         if type(value) is not kind:
-            object.__setattr__(message, name, _plain(name, value, kind))
+            values[name] = _plain(name, value, kind)
     for name, shape, dtype, _ in message.columns:
-        array = getattr(message, name)
+        array = values[name]
         if type(array) is not np.ndarray:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
-        if array.dtype != dtype:
+        if array.dtype is not dtype and array.dtype != dtype:
             raise InvalidMessage(f"{name} has dtype {array.dtype}, declared {dtype}")
         check_shape(name, array.shape, shape, sizes)
         total += array.nbytes
-        if not array.flags.c_contiguous:
-            array = np.ascontiguousarray(array)
-            object.__setattr__(message, name, array)
-        array.flags.writeable = False
+        flags = array.flags
+        if not flags.c_contiguous:
+            values[name] = array = np.ascontiguousarray(array)
+            flags = array.flags
+        flags.writeable = False
     if total > MAX_BYTES:
         raise InvalidMessage(f"{total} bytes, at most {MAX_BYTES} allowed")
     return message
@@ -185,8 +187,8 @@ def check_shape(
 ) -> None:
     """Compare a shape with its declaration; named sizes are bound in `sizes`. Raises InvalidMessage."""
     if len(actual) == len(declared):
-        for size, want in zip(actual, declared, strict=True):
-            if size != (want if isinstance(want, int) else sizes.setdefault(want, size)):
+        for size, want in zip(actual, declared):  # noqa: B905  # as long, which was asked above
+            if size != want and (isinstance(want, int) or size != sizes.setdefault(want, size)):
                 break
         else:
             return

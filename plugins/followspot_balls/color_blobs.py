@@ -12,7 +12,7 @@ from followspot.geometry import undistort
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
-from followspot_balls.hue import BINS, bhattacharyya, hue_bin, membership, normalised
+from followspot_balls.hue import BINS, bhattacharyya, hue_bin, hue_bits, normalised
 from followspot_balls.search import Regions, search_regions, side_by_side
 from followspot_balls.strip import at_border
 from followspot_balls.votes import disc_centers
@@ -39,8 +39,8 @@ class Templates(NamedTuple):
 
     histograms: Array
     """(rows, 16) hue, normalised."""
-    member: Array
-    """(rows, 256) bool, hues of the target."""
+    hues: Array
+    """(rows,) u16, bits of the hues of the target."""
     area: Array
     """(rows, 2) smallest and largest, px."""
 
@@ -139,8 +139,9 @@ class ColorBlobs(Stage):
         targets = self.room.targets.values()
         histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets]).reshape(-1, BINS)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
-        member = membership(histograms, p.hue_share)
-        self.templates = Templates(histograms, member, area * [p.smallest, p.largest])
+        self.templates = Templates(
+            histograms, hue_bits(histograms, p.hue_share), area * [p.smallest, p.largest]
+        )
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
         return self.process_together([self], [(frame, forecast)])[0]
@@ -184,13 +185,13 @@ def blobs_of(
     found = [NOTHING]
     if len(regions.near):
         shown = [pictures[number] for number in (regions.near // count).tolist()]
-        sought = in_windows(shown, regions, templates.member, limits)
+        sought = in_windows(shown, regions, templates.hues, limits)
         found.append(measured(sought, templates, p, count, regions))
     lost = regions.circles.lost.reshape(len(pictures), count)
     for number in np.flatnonzero(lost.any(axis=1)).tolist():
         rows = np.flatnonzero(lost[number]) + number * count
         smallest = templates.area[rows, 0]
-        sought = in_picture(pictures[number], rows, templates.member, limits, smallest)
+        sought = in_picture(pictures[number], rows, templates.hues, limits, smallest)
         found.append(measured(sought, templates, p, count))
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 

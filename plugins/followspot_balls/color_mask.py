@@ -9,11 +9,9 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
+from followspot_balls.hue import BIT
 from followspot_balls.search import Regions
 from followspot_balls.strip import Strip, clusters, cut, scattered, window_strip
-
-HUES = 256
-"""Values of OpenCV's full-range hue."""
 
 
 class Limits(NamedTuple):
@@ -38,20 +36,20 @@ class Sought(NamedTuple):
     """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
 
 
-def in_windows(pictures: Sequence[Array], regions: Regions, member: Array, limits: Limits) -> Sought:
+def in_windows(pictures: Sequence[Array], regions: Regions, hues: Array, limits: Limits) -> Sought:
     """What may show each target in its window.
 
-    pictures: (H, W, 3) BGR, one for each window; member: (rows, 256) bool, hues of the targets of all views.
+    pictures: (H, W, 3) BGR, one for each window; hues: (rows,) u16, bits of the targets of all views.
     """
     strip = window_strip(regions.corners, regions.sides)
     tiles = cut(pictures, regions.corners, regions.sides)
     hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
     colored, core = saturated(saturation, value, limits)
-    colored &= member.reshape(-1).take(hue + HUES * regions.near.take(strip.part))
+    colored &= (np.asarray(cv2.LUT(hue, BIT)) & hues.take(regions.near).take(strip.part)) > 0
     return Sought(strip, regions.near, (colored | core).view(np.uint8) * value, hue, colored)
 
 
-def in_picture(pixels: Array, owner: Array, member: Array, limits: Limits, smallest: Array) -> Sought:
+def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smallest: Array) -> Sought:
     """What may show some targets of one view anywhere in its picture.
 
     owner: (N,) rows of the targets; smallest: (N,) area, px; others as above.
@@ -61,7 +59,7 @@ def in_picture(pixels: Array, owner: Array, member: Array, limits: Limits, small
     colored, core = saturated(saturation, value, limits)
     index = np.flatnonzero(colored | core)
     core, hue, value = core.take(index), hue.take(index), value.take(index)
-    shown = member.take(owner, axis=0).take(hue, axis=1) & ~core
+    shown = (BIT.take(hue) & hues.take(owner)[:, None] > 0) & ~core
     layer, entry = np.divmod(np.flatnonzero(shown | core), max(len(index), 1))
     y, x = np.divmod(index.take(entry), width)
     found = clusters(layer, y, x, (len(owner), height, width), smallest)

@@ -7,6 +7,8 @@ import numpy as np
 from followspot.messages import Array
 
 BINS = 16
+BIT = (1 << np.arange(256) // (256 // BINS)).astype(np.uint16)
+"""(256,) of each full-range hue, the bit that stands for its bin."""
 
 
 def hue_bin(hue: Array) -> Array:
@@ -35,3 +37,8 @@ def membership(histograms: Array, share: float) -> Array:
     Returns (T, 256) bool, indexed by full-range hue.
     """
     return np.repeat(histograms >= share, 256 // BINS, axis=-1)
+
+
+def hue_bits(histograms: Array, share: float) -> Array:
+    """The same as bits, of which each hue has its `BIT`: (T, 16) -> (T,) u16."""
+    return np.asarray(((histograms >= share) << np.arange(BINS)).sum(axis=-1).astype(np.uint16))

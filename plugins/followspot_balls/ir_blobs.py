@@ -121,19 +121,19 @@ class IrBlobs(Stage):
 
     def labelled(self, found: Found, rows: Array, circles: Circles) -> Blobs:
         """The message of what was found in this camera's view."""
-        rows = rows[distinct(found.pixel.take(rows, axis=0))]
-        area = found.area.take(rows)
-        fits = (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
-        targets = within(circles, found.pixel.take(rows, axis=0)) & fits
-        chosen = np.flatnonzero(targets.any(axis=1))
-        pixel = found.pixel.take(rows.take(chosen), axis=0)
+        pixel, area = found.pixel.take(rows, axis=0), found.area.take(rows)
+        targets = within(circles, pixel)
+        targets &= (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
+        chosen = (targets.any(axis=1) & distinct(pixel)).nonzero()[0]
+        if len(chosen) < len(rows):
+            pixel, area, targets = pixel.take(chosen, axis=0), area.take(chosen), targets.take(chosen, axis=0)
         return Blobs(
             camera=self.camera.name,
             xy=undistort(self.camera, pixel),
             pixel=pixel,
-            area=area.take(chosen),
+            area=area,
             similarity=np.ones(len(chosen)),
-            targets=targets.take(chosen, axis=0),
+            targets=targets,
         )
 
 
@@ -225,6 +225,8 @@ def distinct(center: Array) -> Array:
 
     center: (N, 2) px. Returns (N,) bool.
     """
-    if len(center) < 2:
-        return np.ones(len(center), bool)
-    return np.asarray((distances(center, center) < SAME).argmax(axis=1) == np.arange(len(center)))
+    near = distances(center, center) < SAME
+    first = np.ones(len(center), bool)
+    if np.count_nonzero(near) > len(center):
+        first[near.argmax(axis=1) < np.arange(len(center))] = False
+    return first

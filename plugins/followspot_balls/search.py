@@ -100,7 +100,7 @@ def search_regions(room: Room, forecast: Forecast | None, minimum: float, scale:
         return dict.fromkeys(room.cameras, Regions(circles, NOBODY, NOBODY.reshape(0, 2), NOBODY))
     images = forecast_images(room, forecast)
     radius = search_radius(images.travel, minimum, scale)
-    size = np.array([camera.size for camera in room.cameras.values()])
+    size = picture_sizes(room)
     inside = reaching(images.center, radius, size)
     corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
     return {
@@ -125,8 +125,7 @@ def side_by_side(views: Sequence[Regions]) -> Regions:
 @lru_cache(maxsize=8)
 def forecast_images(room: Room, forecast: Forecast) -> Images:
     """Forecasts reprojected into all views at once, for whichever stage of a worker asks first."""
-    views, count = room_views(room), len(room.targets)
-    sizes = np.array([t.radius for t in room.targets.values()])
+    views, count, sizes = room_views(room), len(room.targets), target_radii(room)
     base = views.local(np.concatenate([forecast.xyz, forecast.last, forecast.before]))
     local = np.concatenate([base, base[:, :count], base[:, :count]], axis=1)
     local[:, 3 * count : 4 * count, 0] += sizes
@@ -145,6 +144,18 @@ def forecast_images(room: Room, forecast: Forecast) -> Images:
 def room_views(room: Room) -> Views:
     """The cameras of a room."""
     return Views(room.cameras.values())
+
+
+@lru_cache(maxsize=8)
+def picture_sizes(room: Room) -> Array:
+    """Width and height of each camera's pictures, (C, 2) px."""
+    return np.array([camera.size for camera in room.cameras.values()]).reshape(-1, 2)
+
+
+@lru_cache(maxsize=8)
+def target_radii(room: Room) -> Array:
+    """Of each target, (T,) m."""
+    return np.array([target.radius for target in room.targets.values()])
 
 
 def elongation(local: Array) -> Array:
