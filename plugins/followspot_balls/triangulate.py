@@ -70,32 +70,35 @@ class Triangulate(Stage):
         self.projection = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.infrared = np.array([c.kind == "infrared" for c in cameras], bool)
         self.focal = np.array([c.matrix[0, 0] for c in cameras])
-        self.outline = unit_outline(self.room)
+        self.unit_outline = unit_outline(self.room)
+        self.outlines = np.square(self.sizes)
         self.alike = alike(self.room)
+        self.ambiguous = bool(self.alike.any())
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back = self.back.take(pairs.view, axis=0)
         rays = np.einsum("nvij,nvj->nvi", back[..., :2], pairs.xy) + back[..., 2]
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
-        shares = self.shares(xyz, pairs)
-        targets = pairs.targets & self.within(xyz, pairs, forecast) & self.plausible(shares, forecast)
-        targets &= self.above_planes(xyz)
-        targets &= self.unclaimed(pairs, forecast)
-        evident = pairs.evident & (targets & (shares.min(axis=1) >= self.params.whole)).any(axis=1)
-        keep = targets.any(axis=1)
+        sizes = self.unit_shares(xyz, pairs)
+        targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
+        if not tracked_targets(forecast, len(self.sizes)).all():
+            targets &= self.plausible(sizes, forecast) & self.unclaimed(pairs, forecast)
+        whole = sizes.min(axis=1)[:, None] >= self.params.whole * self.outlines
+        evident = pairs.evident & (targets & whole).any(axis=1)
+        rows = np.flatnonzero(targets.any(axis=1))
         return Candidates(
             cameras=pairs.cameras,
-            xyz=xyz[keep],
-            view=pairs.view[keep],
-            blob=pairs.blob[keep],
-            xy=pairs.xy[keep],
-            area=pairs.area[keep],
-            epipolar=pairs.epipolar[keep],
-            labelled=pairs.labelled[keep],
-            confirmed=pairs.confirmed[keep],
-            evident=evident[keep],
-            targets=targets[keep],
+            xyz=xyz.take(rows, axis=0),
+            view=pairs.view.take(rows, axis=0),
+            blob=pairs.blob.take(rows, axis=0),
+            xy=pairs.xy.take(rows, axis=0),
+            area=pairs.area.take(rows, axis=0),
+            epipolar=pairs.epipolar.take(rows),
+            labelled=pairs.labelled.take(rows),
+            confirmed=pairs.confirmed.take(rows),
+            evident=evident.take(rows),
+            targets=targets.take(rows, axis=0),
         )
 
     def within(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
@@ -112,10 +115,10 @@ class Triangulate(Stage):
         offset = xyz[:, None] - forecast.xyz
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
         distance2 = np.einsum("nti,nti->nt", offset, offset)
-        ball = (distance2 <= self.sizes**2) & ~lost
+        ball = (distance2 <= self.outlines) & ~lost
         tracked = ball & (forecast.state == TRACKED)
         taken = (~pairs.labelled & tracked.any(axis=1))[:, None]
-        if self.alike.any():
+        if self.ambiguous:
             taken = taken | (tracked @ self.alike)
         return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))
 
@@ -141,23 +144,24 @@ class Triangulate(Stage):
         claimed = (inside.any(axis=2) & self.infrared[pairs.view]).any(axis=1)
         return np.asarray(~(claimed[:, None] & lost))
 
-    def shares(self, xyz: Array, pairs: Pairs) -> Array:
-        """Share of each target's outline that both blobs would show if it were there: (N, 2, T)."""
-        offset = xyz[:, None] - self.centers[pairs.view]
-        distance2 = np.einsum("nvi,nvi->nv", offset, offset)
-        return np.asarray((pairs.area * distance2 / self.outline[pairs.view])[..., None] / self.sizes**2)
+    def unit_shares(self, xyz: Array, pairs: Pairs) -> Array:
+        """Share of the outline of a ball of unit radius there that both blobs show: (N, 2).
 
-    def plausible(self, shares: Array, forecast: Forecast | None) -> Array:
-        """Which pairs are as large as the target would be there: (N, 2, T) -> (N, T) bool.
+        Over the squared radius of a target it is the share of the target's outline.
+        """
+        offset = xyz[:, None] - self.centers.take(pairs.view, axis=0)
+        distance2 = np.einsum("nvi,nvi->nv", offset, offset)
+        return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
+
+    def plausible(self, sizes: Array, forecast: Forecast | None) -> Array:
+        """Which pairs are as large as the target would be there: (N, 2) unit shares -> (N, T) bool.
 
         All, for tracked targets: a tracked ball may be hidden in part; one that is still sought must
         show itself.
         """
-        tracked = tracked_targets(forecast, len(self.sizes))
-        if tracked.all():
-            return np.ones((len(shares), len(tracked)), bool)
-        fits = (shares.min(axis=1) >= self.params.smallest) & (shares.max(axis=1) <= self.params.largest)
-        return np.asarray(fits | tracked)
+        fits = sizes.min(axis=1)[:, None] >= self.params.smallest * self.outlines
+        fits &= sizes.max(axis=1)[:, None] <= self.params.largest * self.outlines
+        return np.asarray(fits | tracked_targets(forecast, len(self.sizes)))
 
 
 def alike(room: Room) -> Array:
