@@ -83,6 +83,19 @@ def test_known_centres_hold_the_cameras_as_well_as_they_are_met(made: MadeRoom, 
     assert away[0.03] < 1.2 * before
 
 
+def test_targets_improve_lenses_that_nobody_knew(made: MadeRoom) -> None:
+    solved = solve(made.sightings, None)
+    refined = with_targets(solved, Places(shown(made, 100, 0.1)[1], np.full(100, 0.1))).solved
+    away = [
+        max(
+            abs(found.matrix[0, 0] / true.matrix[0, 0] - 1)
+            for found, true in zip(one.settled.cameras, made.cameras, strict=True)
+        )
+        for one in (solved, refined)
+    ]
+    assert away[1] < away[0] / 3
+
+
 def test_a_third_of_the_sightings_elsewhere_does_no_harm(made: MadeRoom, solved: Solved) -> None:
     pixel = shown(made, 100, 0.1)[1]
     pixel[::3, 2] += 60

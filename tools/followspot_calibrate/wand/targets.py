@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot.errors import FollowspotError
-from followspot_calibrate.adjust import Free, Progress, adjust
+from followspot_calibrate.adjust import Free, Middle, Progress, adjust
 from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.targets.places import Places
 from followspot_calibrate.triangulation import error, triangulate
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
-from followspot_calibrate.wand.solving import Solved
+from followspot_calibrate.wand.solving import OFF_MIDDLE, REFINED, Solved
 
 ROUNDS = 3
 """Of adjusting and of choosing the sightings that fit."""
@@ -41,13 +41,14 @@ class Refined:
 def with_targets(
     solved: Solved, places: Places, alignment: Alignment | None = None, progress: Progress | None = None
 ) -> Refined:
-    """The cameras adjusted to wand and targets together; lenses stay as the wand has them.
+    """The cameras adjusted to wand and targets together; lenses, too, where the points have to tell them.
 
     alignment: of these cameras with the room; then the result is in the room's frame, and known centres
     hold the cameras as well as they were met. Raises FollowspotError where the cameras do not see the
     targets in the same places.
     """
     pixel, settled, anchors = solved.sightings.pixel, solved.settled, None
+    free, middle = _unknown(solved)
     if alignment is not None:
         settled = _in_room(settled, alignment.transform)
         anchors = alignment.anchors and replace(alignment.anchors, sigma=SCALE * alignment.anchors.sigma)
@@ -61,8 +62,9 @@ def with_targets(
             settled.cameras,
             np.concatenate([settled.points, shown.points]),
             np.where(used[..., None], np.concatenate([pixel, places.pixel]), np.nan),
-            Free(),
+            free,
             rods=solved.rods,
+            middle=middle,
             anchors=anchors,
             scale=SCALE * np.concatenate([np.full(len(pixel), noise(settled)), places.sigma]),
         )
@@ -70,6 +72,14 @@ def with_targets(
         shown = _shown(settled, places)
     points, sightings = int(shown.used.any(axis=1).sum()), int(shown.used.sum())
     return Refined(replace(solved, settled=settled), points, sightings, float(np.nanmean(shown.distance)))
+
+
+def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
+    """What to adjust: poses, and lenses that nobody knew, with principal points near the middle."""
+    if solved.intrinsics != "free":
+        return Free(), None
+    sizes = solved.sightings.sizes
+    return REFINED, Middle((sizes - 1) / 2, SCALE * OFF_MIDDLE * sizes.max(axis=1))
 
 
 def _in_room(settled: Settled, transform: Similarity) -> Settled:
