@@ -112,7 +112,7 @@ def track(room: Path, out: Path, fusion: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("fusion", FUSIONS)
 @pytest.mark.parametrize("sequence", SEQUENCES)
-def test_tracking_is_within_a_third_of_what_the_true_calibration_gives(
+def test_tracking_is_within_1_3_times_the_error_with_the_true_calibration(
     runs: Mapping[str, dict[str, Any]], sequence: str, fusion: str
 ) -> None:
     true, made = runs[f"{sequence} {fusion} true"], runs[f"{sequence} {fusion} made"]
