@@ -107,7 +107,7 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
         kernel = offset[0] + offset[1]
         kernel += spread**2
         kernel *= kernel
-        sums = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count).reshape(3, count)
-        sums += faint
+        heard = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count)
+        sums = faint + heard.reshape(3, count)
         center = sums[:2] / sums[2]
     return center.T

@@ -16,7 +16,7 @@ from followspot_balls.hue import BIT, bhattacharyya, hue_bits, membership, norma
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.strip import whole_strip
 from followspot_balls.template import learn_color, learn_infrared
-from followspot_balls.votes import disc_centers
+from followspot_balls.votes import agreement, disc_centers
 
 ROOM = make_room()
 HERE, THERE = (0.1, 0.0, 1.0), (-0.4, 0.3, 0.8)
@@ -194,6 +194,12 @@ def test_without_a_radius_the_centre_is_the_centroid() -> None:
     level[5:9, 5:9] = 200
     found = components(above_local_peak(level, 0.5), level, strip)
     assert disc_centers(level, strip, found, np.array([np.nan]), 0.5) == pytest.approx(np.array([[6.5, 6.5]]))
+
+
+def test_without_a_vote_the_centre_is_the_centroid() -> None:
+    start = np.array([[6.5, 7.0], [30.0, 2.0]])
+    nobody = np.empty(0, int)
+    assert agreement(np.empty((3, 0)), np.empty(0), nobody, start) == pytest.approx(start)
 
 
 def clip(camera: str, color: tuple[int, int, int], seen: Array) -> list[Array]:

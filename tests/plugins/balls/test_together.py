@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import BGR, SIZE, disc, forecast_at, look_at, make_room
 
@@ -58,6 +58,7 @@ def looked_for(places: Array, rng: np.random.Generator) -> Forecast:
 @pytest.mark.parametrize(("kind", "room"), [(ColorBlobs, COLOR), (IrBlobs, INFRARED)])
 @settings(max_examples=40, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), same=st.booleans())
+@example(seed=804361, same=False)
 def test_together_is_what_each_gives_alone(
     kind: type[ColorBlobs | IrBlobs], room: Room, seed: int, same: bool
 ) -> None:
