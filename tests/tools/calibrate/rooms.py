@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +13,8 @@ from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.similarity import similarity
+from followspot_calibrate.wand.growing import zoomed
 
 SIZE = (640, 480)
 
@@ -51,6 +55,7 @@ def waved_room(
     rows: int = 500,
     *,
     late: Mapping[int, float] | None = None,
+    zooms: Mapping[int, float] | None = None,
     height: tuple[float, float] = (0.1, 2.0),
     missing: float = 0.0,
     outliers: float = 0.0,
@@ -59,11 +64,13 @@ def waved_room(
 ) -> MadeRoom:
     """The same room with one bulb on a smooth way through it, at up to 3 m/s and 30 pictures a second.
 
-    late: by how many frames cameras take their pictures after the others; height: of the way, m.
+    late: by how many frames cameras take their pictures after the others; zooms: how many times as long
+    the focal lengths of cameras are; height: of the way, m.
     """
     random = np.random.default_rng(seed)
     lens = (-0.15, 0.03, 0.001, -0.0005, 0.0)
     ring = tuple(ring_camera(f"cam{i}", i / cameras, random, lens) for i in range(cameras))
+    ring = tuple(zoomed(camera, (zooms or {}).get(i, 1.0)) for i, camera in enumerate(ring))
     way = Way.through([-1.6, -1.6, height[0]], [1.6, 1.6, height[1]], random)
     frames, late = np.arange(rows), late or {}
     exact = np.stack([project(c, way.at(frames + late.get(i, 0.0))) for i, c in enumerate(ring)], axis=1)
@@ -134,3 +141,52 @@ def looking(center: Array, at: Array) -> Array:
     right = np.cross(forward, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(forward, right), forward])
+
+
+def wand_of_two(room: MadeRoom, length: float, spread: float = 0.0) -> MadeRoom:
+    """The room with a second bulb in any direction from the first; its N rows follow those of the first.
+
+    length: m; spread: m, one sigma of how loose it is.
+    """
+    random, rows = np.random.default_rng(3), len(room.points)
+    along = random.normal(size=room.points.shape)
+    reach = length + spread * random.normal(size=(rows, 1))
+    ends = np.concatenate(
+        [room.points, room.points + reach * along / np.linalg.norm(along, axis=1, keepdims=True)]
+    )
+    exact = np.stack([project(camera, ends) for camera in room.cameras], axis=1)
+    found = _seen(room.cameras, ends, exact, random, 0.0, 0.0, 0.4)
+    frame, label = np.tile(np.arange(rows), 2), np.repeat([0, 1], rows)
+    return replace(found, sightings=replace(found.sightings, frame=frame, label=label))
+
+
+def wand_file(room: MadeRoom, path: Path) -> Path:
+    """The sightings as lines frame,camera,u,v,point."""
+    seen = room.sightings
+    lines = [
+        f"{frame},{name},{u!r},{v!r},{label}"
+        for frame, label, views in zip(
+            seen.frame.tolist(), seen.label.tolist(), seen.pixel.tolist(), strict=True
+        )
+        for name, (u, v) in zip(seen.cameras, views, strict=True)
+        if np.isfinite(u)
+    ]
+    path.write_text("frame,camera,u,v,point\n" + "\n".join(lines))
+    return path
+
+
+def off_by(cameras: Sequence[Camera], true: Sequence[Camera]) -> tuple[Array, Array]:
+    """How far centres, mm, and rotations, degrees, are off after the best similarity of the centres."""
+    target = np.array([camera.center for camera in true])
+    move = similarity(np.array([camera.center for camera in cameras]), target)
+    found = [move.camera(camera) for camera in cameras]
+    apart = np.linalg.norm([camera.center for camera in found] - target, axis=1)
+    traces = np.array([np.trace(c.rotation @ t.rotation.T) for c, t in zip(found, true, strict=True)])
+    return 1000 * apart, np.degrees(np.arccos(np.clip((traces - 1) / 2, -1, 1)))
+
+
+def camera_of(name: str, size: tuple[int, int], given: Mapping[str, Any]) -> Camera:
+    """A camera from K, dist, and R and t where they are given."""
+    matrix, lens = np.array(given["K"], float), np.array(given["dist"], float).ravel()
+    rotation, translation = np.array(given.get("R", np.eye(3))), np.array(given.get("t", np.zeros(3)))
+    return Camera(name, "color", size, matrix, lens, rotation, translation.ravel())

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rooms import camera_of
 
 from followspot import Camera
 from followspot.messages import Array
@@ -89,10 +90,3 @@ def glowballs() -> list[Camera]:
 
 def nine(number: int, given) -> Camera:
     return camera_of(f"cam{number}", (1280, 800), given)
-
-
-def camera_of(name: str, size: tuple[int, int], given) -> Camera:
-    """A camera from K, dist, and R and t where they are given."""
-    matrix, lens = np.array(given["K"], float), np.array(given["dist"], float).ravel()
-    rotation, translation = np.array(given.get("R", np.eye(3))), np.array(given.get("t", np.zeros(3)))
-    return Camera(name, "color", size, matrix, lens, rotation, translation.ravel())

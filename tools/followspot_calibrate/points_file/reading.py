@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ FORMATS = (
     "CSV frame,camera,u,v[,point]; NPZ with keypoints (camera, frame, point, [u v confidence]); "
     "folder with points.dat, IdMat.dat and Res.dat"
 )
+BEYOND = 0.1
+"""Share of the points of two cameras beyond their pictures from which on the cameras may be exchanged."""
 FAR_OUTSIDE = 0.5
 """Share of the picture's size by which a point may lie outside it; farther off it was not seen there."""
 
@@ -53,6 +56,7 @@ def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightin
         if camera.size != tuple(size):
             text = f"{path}: pictures of {camera.name} have {size[0]}x{size[1]} px, in the room {camera.size}"
             raise InputError([Mistake(None, text, "mend the size in the room file, or scale the points")])
+    _require_own_pictures(path, found)
     margin = FAR_OUTSIDE * found.sizes
     outside = np.any((found.pixel < -margin) | (found.pixel > found.sizes + margin), axis=2)
     for number, name in enumerate(found.cameras):
@@ -68,3 +72,16 @@ def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightin
         found.label,
         np.where(outside[..., None], np.nan, found.pixel),
     )
+
+
+def _require_own_pictures(path: Path, found: Sightings) -> None:
+    """Raises InputError for cameras that see beyond their pictures, but not beyond those of each other."""
+    beyond = np.array([np.any((found.pixel < -1) | (found.pixel > size), axis=2) for size in found.sizes])
+    share = beyond.sum(axis=1) / np.maximum(1, found.seen.sum(axis=0))
+    own = np.diagonal(share)
+    for number, other in combinations(range(len(found.cameras)), 2):
+        exchanged = share[number, other] + share[other, number]
+        if own[number] + own[other] > max(BEYOND, 2 * exchanged):
+            one, two = found.cameras[number], found.cameras[other]
+            text = f"{path}: {one} and {two} see points beyond their pictures, but not beyond each other's"
+            raise InputError([Mistake(None, text, "exchange their points, or their sizes in the room file")])

@@ -11,7 +11,7 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.growing import Beginning
-from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reason
+from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, exchanged, reasons
 from followspot_calibrate.wand.hazards.planar import REMEDY
 from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
 from followspot_calibrate.wand.pairs import FEWEST, Pair
@@ -27,8 +27,14 @@ MOST_OF = 0.7
 """Share of a camera's points that fit, over that of the best camera, below which its place is in doubt."""
 
 
-def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
-    """Raises FollowspotError where the cameras fall into groups that share too few points."""
+def require_connected(
+    sightings: Sightings, begin: Beginning, known: Sequence[Camera] | None, rods: Rods | None
+) -> None:
+    """Raises FollowspotError where the cameras fall into groups that share too few points.
+
+    It names what explains why a camera agrees with no other, or else the groups and where to wave.
+    """
+    pairs = begin.pairs
     names = sightings.cameras
     group = list(range(len(names)))
     for pair in pairs:
@@ -36,6 +42,10 @@ def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
             group = [group[pair.first] if g == group[pair.second] else g for g in group]
     if len(set(group)) == 1:
         return
+    if begin.placed:
+        told = reasons(agreeing_cameras(sightings, begin.placed), sightings, known, rods)
+        if told:
+            raise FollowspotError("\n".join(dict.fromkeys(told.values())))
     apart = min(set(group), key=group.count)
     groups = [", ".join(names[i] for i, g in enumerate(group) if g == one) for one in dict.fromkeys(group)]
     lines = [
@@ -43,7 +53,7 @@ def require_connected(sightings: Sightings, pairs: Sequence[Pair]) -> None:
     ]
     for camera in (i for i, g in enumerate(group) if g == apart):
         across = [p for p in pairs if camera in (p.first, p.second) and group[p.first] != group[p.second]]
-        best = max(across, key=lambda pair: pair.shared)
+        best = max(across, key=lambda pair: (pair.shared, len(pair.rows)))
         lines.append(_shares(names, best))
     raise FollowspotError("\n".join(lines))
 
@@ -66,15 +76,17 @@ def require_placed(
         raise FollowspotError(IN_A_PLANE)
     if absent:
         agree = agreeing_cameras(sightings, begin.placed)
-        reasons = (reason(i, agree, sightings, known, rods) or _unplaced(sightings, begin, i) for i in absent)
-        raise FollowspotError("\n".join(dict.fromkeys(reasons)))
+        told = reasons(agree, sightings, known, rods)
+        if not begin.placed.keys() & told.keys():
+            told = {i: told.get(i) or _unplaced(sightings, begin, i) for i in absent}
+        raise FollowspotError("\n".join(dict.fromkeys(told.values())))
 
 
-def require_own_lenses(known: Sequence[Camera], settled: Settled, sightings: Sightings) -> None:
+def require_own_lenses(sightings: Sightings, settled: Settled) -> None:
     """Raises FollowspotError where two cameras see the points through the lens of the other."""
-    pairs = exchanged_lenses(known, settled.points, sightings.pixel)
-    if pairs:
-        raise FollowspotError("\n".join(exchanged(sightings.cameras, pair) for pair in pairs))
+    pair = exchanged_lenses(settled, sightings.pixel)
+    if pair is not None:
+        raise FollowspotError(exchanged(sightings.cameras, pair))
 
 
 def require_depth(sightings: Sightings, settled: Settled) -> None:
@@ -122,7 +134,7 @@ def _shares(names: Sequence[str], pair: Pair) -> str:
             f"but only {pair.shared} of them fit together, {FEWEST} needed: are both of the same recording?"
         )
     return (
-        f"{names[pair.first]}-{names[pair.second]} share {pair.shared} points, {FEWEST} needed: "
+        f"{names[pair.first]}-{names[pair.second]} share {len(pair.rows)} points, {FEWEST} needed: "
         "wave where both can see it"
     )
 

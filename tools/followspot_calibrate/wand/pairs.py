@@ -64,7 +64,7 @@ def trusted(pairs: list[Pair], shape: tuple[int, int]) -> Array:
     return np.asarray((2 * votes >= asked) & (votes > 0))
 
 
-def agreeing(first: Array, second: Array, limit: float) -> Array:
+def agreeing(first: Array, second: Array, limit: float, trials: int = TRIALS) -> Array:
     """Which points, (M, 2) px in each view, fit the fundamental matrix that most fit: (M,) bool."""
     import cv2
 
@@ -73,7 +73,7 @@ def agreeing(first: Array, second: Array, limit: float) -> Array:
         return nothing
     chosen = np.linspace(0, len(first) - 1, min(len(first), MOST)).astype(int)
     F, _ = cv2.findFundamentalMat(
-        first[chosen], second[chosen], cv2.USAC_MAGSAC, limit / 2, CONFIDENCE, TRIALS
+        first[chosen], second[chosen], cv2.USAC_MAGSAC, limit / 2, CONFIDENCE, trials
     )
     if F is None or F.shape != (3, 3):
         return nothing

@@ -83,7 +83,7 @@ def solve(
     rods = None if length is None else rods_of(sightings, length)
     own = None if intrinsics == "free" else known
     timed, begin = _begun(sightings, own, intrinsics, progress)
-    require_connected(timed.sightings, begin.pairs)
+    require_connected(timed.sightings, begin, own, rods)
     planar = own is not None and in_a_plane(_straight(timed.sightings, own), begin.pairs, sightings.sizes)
     require_placed(timed.sightings, begin, own, rods, planar=planar)
     cameras = [begin.placed[i] for i in range(len(sightings.cameras))]
@@ -99,7 +99,6 @@ def solve(
         settled, outcome = _with_known(timed.sightings, own, cameras, intrinsics == "auto", rods, progress)
         if planar:
             require_depth(timed.sightings, settled)
-        require_own_lenses(own, settled, timed.sightings)
     require_used(timed.sightings, settled)
     return Solved(timed, begin.pairs, settled, outcome, rods, planar)
 
@@ -131,6 +130,7 @@ def _with_known(
         for camera, lens in zip(placed, known, strict=True)
     ]
     settled = settle(cameras, sightings.pixel, Free(), rods, progress=progress)
+    require_own_lenses(sightings, settled)
     if may_refine:
         free = replace(REFINED, focal=not shallow(settled))
         start = placed if free.focal else settled.cameras

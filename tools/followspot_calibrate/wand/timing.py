@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.offset import Late, drift, lateness
+from followspot_calibrate.wand.hazards.offset import Late, drift, lateness, nearest_shift, stretches
 from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.pairs import Pair, match
@@ -20,13 +20,17 @@ from followspot_calibrate.wand.rounds import Settled, chosen
 
 LEAST = 0.2
 """Steps by which a camera must be late to be told; interpolated tracks are no better than that."""
+SUSPECT = 0.25
+"""Share of that from which on a lateness is looked at; at first, places are drawn by the late camera."""
 SURE = 5.0
 """Sigmas of a lateness that is believed."""
 LARGEST = 1.0
 """Clock offset that a room file may have, s."""
 SMALL = 0.01
 """Steps; a change of lateness that small ends the search."""
-ROUNDS = 6
+ROUNDS = 10
+LONGEST = 10.0
+"""Times by which a step may be longer than the lateness that is left."""
 BETTER = 0.9
 """Error of a camera after the correction over that before, from which on the correction is right."""
 
@@ -71,23 +75,61 @@ def synchronised(cameras: Sequence[Camera], raw: Sightings, timed: Timed, settle
 
     raw: as the file has them; timed: in step. Without a lateness that is sure nothing is changed.
     """
-    least, pixel = LEAST * frame_step(raw), timed.sightings.pixel
-    rest = lateness(cameras, chosen(cameras, pixel).points, pixel, raw)
-    if not _sure(rest.frames, rest, least).any() and not timed.late.any():
+    least, some = LEAST * frame_step(raw), stretches(raw)
+    before, pixel = chosen(cameras, timed.sightings.pixel[some]), timed.sightings.pixel[some]
+    few = raw.rows(some)
+    rest = lateness(before.cameras, before.points, pixel, few)
+    if (
+        not (np.abs(rest.frames) > np.maximum(SUSPECT * least, SURE * rest.sigma)).any()
+        and not timed.late.any()
+    ):
         return timed
-    before = now = settle(cameras, pixel)
-    late = timed.late
+    before = settle(cameras, pixel)
+    start = _started(before, few, pixel)
+    rest = lateness(before.cameras, before.points, pixel, few)
+    if np.abs(start + rest.frames + timed.late).max() < least:
+        return timed
+    now, found = _refined(before, few, timed.late + start, settle)
+    late = _from_most(found.frames, least)
+    sure = np.abs(late) > np.maximum(least, SURE * found.sigma)
+    grown = drift(now.cameras, now.points, few, np.where(sure, late, 0.0), SURE, 2 * least)
+    better = _error(now) < BETTER * _error(before)
+    if not timed.late.any() and not better[sure].any():
+        return replace(timed, drift=grown)
+    late = np.where(sure, late, 0.0)
+    return Timed(replace(raw, pixel=resampled(raw, late)), late, grown)
+
+
+def _refined(settled: Settled, sightings: Sightings, late: Array, settle: Settle) -> tuple[Settled, Late]:
+    """Lateness from rounds of correcting and adjusting.
+
+    A place that is free takes up the same part of it each time, so steps are as much longer (secant).
+    """
+    gain, before = np.ones(len(late)), np.zeros(len(late))
     for _ in range(ROUNDS):
-        rest = lateness(now.cameras, now.points, pixel, raw)
-        late = late + rest.frames
-        pixel = resampled(raw, late)
-        now = settle(now.cameras, pixel)
-        if np.abs(rest.frames).max() < SMALL * frame_step(raw):
+        pixel = resampled(sightings, late)
+        settled = settle(settled.cameras, pixel)
+        rest = lateness(settled.cameras, settled.points, pixel, sightings)
+        if np.abs(rest.frames).max() < SMALL * frame_step(sightings):
             break
-    told = _sure(late, rest, least) & (_error(now) < BETTER * _error(before))
-    late = np.where(told, late - np.median(late), timed.late)
-    corrected = replace(raw, pixel=resampled(raw, late))
-    return Timed(corrected, late, drift(now.cameras, now.points, corrected, SURE, least))
+        steady = (np.abs(rest.frames) > SURE * rest.sigma) & (rest.frames * before > 0)
+        left = np.divide(rest.frames, before, out=np.zeros(len(late)), where=steady)
+        gain = np.where(steady, np.clip(gain / np.maximum(1 - left, 1 / LONGEST), 1, LONGEST), 1.0)
+        late, before = late + gain * rest.frames, rest.frames
+    return settled, Late(late, rest.sigma)
+
+
+def _started(settled: Settled, sightings: Sightings, pixel: Array) -> Array:
+    """A lateness of each camera to begin with, (C,) frames; pixel: (N, C, 2) px, already nearly in step."""
+    nearly = replace(sightings, pixel=pixel)
+    late = [nearest_shift(c, settled.points, nearly, i) for i, c in enumerate(settled.cameras)]
+    return np.array(late) if len(late) > 2 else np.zeros(len(late))
+
+
+def _from_most(late: Array, least: float) -> Array:
+    """Lateness relative to the largest number of cameras that are in step with each other: (C,) frames."""
+    near = np.abs(late[:, None] - late) < least
+    return np.asarray(late - np.median(late[near[near.sum(axis=1).argmax()]]))
 
 
 def with_offsets(cameras: Sequence[Camera], timed: Timed, fps: float) -> list[Camera]:
@@ -100,11 +142,6 @@ def with_offsets(cameras: Sequence[Camera], timed: Timed, fps: float) -> list[Ca
             "cut the recordings so that they begin together, or leave --clock-offsets out"
         )
     return [replace(camera, clock_offset=round(late[camera.name], 6)) for camera in cameras]
-
-
-def _sure(late: Array, rest: Late, least: float) -> Array:
-    """Which cameras are late beyond doubt: (C,) bool."""
-    return np.asarray(np.abs(late) > np.maximum(least, SURE * rest.sigma))
 
 
 def _error(settled: Settled) -> Array:

@@ -38,7 +38,7 @@ def confused(camera: Camera, points: Array, pixel: Array, other: Array) -> str |
     )
 
 
-def others(rods: Rods, rows: int) -> Array:
+def others_of(rods: Rods, rows: int) -> Array:
     """The row of the other bulb at the same moment, (N,); -1 without one."""
     other = np.full(rows, -1)
     other[rods.first], other[rods.second] = rods.second, rods.first
@@ -52,7 +52,7 @@ def length_warnings(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
 
 def _taken_for_each_other(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
     """Cameras that now and then see one bulb where the other is."""
-    other, told = others(rods, len(pixel)), []
+    other, told = others_of(rods, len(pixel)), []
     rows = np.flatnonzero(other >= 0)
     for number, camera in enumerate(settled.cameras):
         away = np.linalg.norm(project(camera, settled.points[other[rows]]) - pixel[rows, number], axis=1)

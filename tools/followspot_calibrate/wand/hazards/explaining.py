@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,9 +11,9 @@ from followspot import Camera
 from followspot.messages import Array
 from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.bulbs import confused, others
-from followspot_calibrate.wand.hazards.mirrored import mirrored
-from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
+from followspot_calibrate.wand.hazards.bulbs import confused, others_of
+from followspot_calibrate.wand.hazards.mirrored import Mirrored, mirrored
+from followspot_calibrate.wand.hazards.swapped import lens_of_another
 from followspot_calibrate.wand.rounds import chosen
 
 
@@ -31,36 +31,65 @@ def agreeing_cameras(sightings: Sightings, placed: Mapping[int, Camera]) -> Agre
     return Agreeing(placed, chosen([placed[i] for i in numbers], sightings.pixel[:, numbers]).points)
 
 
-def reason(
-    number: int, agree: Agreeing, sightings: Sightings, known: Sequence[Camera] | None, rods: Rods | None
-) -> str | None:
-    """What is wrong with a camera that has no place, and what to do; None where no cause explains it."""
-    lens = _lens(number, agree, sightings) if known is None else known[number]
-    pixel = sightings.pixel[:, number]
-    told = mirrored(lens, agree.points, pixel, list(agree.placed.values()))
-    if told is None and rods is not None:
-        told = confused(lens, agree.points, pixel, others(rods, len(pixel)))
-    if told is None and known is not None:
-        pairs = exchanged_lenses(known, agree.points, sightings.pixel)
-        told = next((exchanged(sightings.cameras, pair) for pair in pairs if number in pair), None)
+def reasons(
+    agree: Agreeing, sightings: Sightings, known: Sequence[Camera] | None, rods: Rods | None
+) -> dict[int, str]:
+    """What is wrong with cameras that find no place, by number, as far as a cause explains it.
+
+    Where most cameras see the mirror image of what those with a place see, it is these that are mirrored.
+    """
+    lenses = known or _lenses(agree, sightings)
+    absent = [number for number in range(len(lenses)) if number not in agree.placed]
+    others = list(agree.placed.values())
+    flipped = {i: mirrored(lenses[i], agree.points, sightings.pixel[:, i], others) for i in absent}
+    told = {i: _flipped(sightings.cameras[i], one) for i, one in flipped.items() if one is not None}
+    if len(told) > len(agree.placed):
+        one = next(one for one in flipped.values() if one is not None)
+        return {i: _flipped(sightings.cameras[i], one) for i in sorted(agree.placed)}
+    for number in (i for i in absent if i not in told):
+        text = _other_reason(number, lenses, agree, sightings, rods)
+        if text is not None:
+            told[number] = text
     return told
+
+
+def _other_reason(
+    number: int, lenses: Sequence[Camera], agree: Agreeing, sightings: Sightings, rods: Rods | None
+) -> str | None:
+    """Bulbs or lenses that are exchanged."""
+    if rods is not None:
+        pixel = sightings.pixel[:, number]
+        told = confused(lenses[number], agree.points, pixel, others_of(rods, len(pixel)))
+        if told is not None:
+            return told
+    pair = lens_of_another(number, lenses, agree.points, sightings.pixel)
+    return None if pair is None else exchanged(sightings.cameras, pair)
+
+
+def _flipped(name: str, found: Mirrored) -> str:
+    return (
+        f"the picture of {name} is mirrored {found.way}: flipped back, {100 * found.share:.0f} % of the "
+        "points fit the other cameras; switch mirroring off in the camera or its driver, and record again"
+    )
 
 
 def exchanged(names: Sequence[str], pair: tuple[int, int]) -> str:
     """The sentence on two cameras that see the points through the lens of the other."""
-    one, other = names[pair[0]], names[pair[1]]
+    one, other = (names[number] for number in sorted(pair))
     return (
         f"{one} and {other} are exchanged: each sees the points through the lens that the room gives to the "
         "other; exchange their recordings, or their lenses in the room file"
     )
 
 
-def _lens(number: int, agree: Agreeing, sightings: Sightings) -> Camera:
-    """An unknown lens as the cameras that agree have it in the middle, for another size of picture."""
-    model = next(iter(agree.placed.values()))
-    width, height = sightings.sizes[number].tolist()
-    focal = np.median([c.matrix[0, 0] / max(c.size) for c in agree.placed.values()]) * max(width, height)
-    bend = np.median([c.distortion for c in agree.placed.values()], axis=0)
-    matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
-    name = sightings.cameras[number]
-    return replace(model, name=name, size=(width, height), matrix=matrix, distortion=bend)
+def _lenses(agree: Agreeing, sightings: Sightings) -> list[Camera]:
+    """Unknown lenses as the cameras that agree have them in the middle, for the size of each picture."""
+    placed = agree.placed.values()
+    share = np.median([camera.matrix[0, 0] / max(camera.size) for camera in placed])
+    bend = np.median([camera.distortion for camera in placed], axis=0)
+    lenses = []
+    for name, (width, height) in zip(sightings.cameras, sightings.sizes.tolist(), strict=True):
+        focal = share * max(width, height)
+        matrix = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1]])
+        lenses.append(Camera(name, "color", (width, height), matrix, bend, np.eye(3), np.zeros(3)))
+    return lenses

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,8 +12,16 @@ from followspot.messages import Array
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 
 
-def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camera]) -> str | None:
-    """What is wrong if a camera sees the points of the others only in the mirror; None where it is not that.
+@dataclass(frozen=True)
+class Mirrored:
+    """way: how the picture is flipped, left-right or up-down; share: of the points that fit flipped back."""
+
+    way: str
+    share: float
+
+
+def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camera]) -> Mirrored | None:
+    """Whether a camera sees the points of the others only in the mirror; None where it does not.
 
     points: (N, 3); pixel: (N, 2) px of this camera, which has its lens and no place yet. Left-right and
     up-down differ by half a turn of the camera: the flip that leaves it upright as the others is named.
@@ -23,10 +32,7 @@ def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camer
         return None
     down = np.mean([other.rotation[1] for other in others], axis=0)
     way = "left-right" if flipped.camera.rotation[1] @ down > 0 else "up-down"
-    return (
-        f"the picture of {camera.name} is mirrored {way}: flipped back, {100 * flipped.share:.0f} % of its "
-        "points fit the other cameras; switch mirroring off in the camera or its driver, and record again"
-    )
+    return Mirrored(way, flipped.share)
 
 
 def left_right(camera: Camera, pixel: Array) -> Array:

@@ -18,10 +18,16 @@ from followspot_calibrate.wand.pairs import FEWEST, Pair, agreeing
 
 REACH = 100
 """Steps that a camera may be early or late."""
+STRIDE = 2
+"""Steps between the shifts that are tried first; a step beside the right one most points still agree."""
+TRIALS = 500
+"""Of the search for an epipolar geometry at one shift."""
 IN_STEP = 0.85
 """Share of agreeing points over that of the best pair from which on a pair is in step."""
-AGREE = 0.35
-"""Share of points that must agree at the right shift; with 30 % of reflections in both views half do."""
+AGREE = 0.45
+"""Share of points that agree in a pair in step; with 30 % of reflections in both views half do."""
+ALONE = 0.9
+"""The same where one pair is all there is, so that there is no best."""
 BETTER = 1.25
 """Agreement at the right shift over that without one."""
 PARTNERS = 2
@@ -64,7 +70,8 @@ def shares(pairs: Sequence[Pair], cameras: int) -> Array:
 def _in_step(share: Array) -> set[int]:
     """The largest set of cameras that are in step with each other as they are; at least one."""
     best = np.nan_to_num(share).max(initial=0.0)
-    near = share >= max(IN_STEP * best, AGREE)
+    alone = np.isfinite(share).sum() <= 2
+    near = share >= (ALONE if alone else max(IN_STEP * best, AGREE))
     sets = [_reached(near, camera) for camera in range(len(share))]
     return max(sets, key=len)
 
@@ -83,22 +90,30 @@ def _shift(
 ) -> float | None:
     """The shift at which a camera agrees with those that are in step; None where there is none."""
     common = {other: int((tracks.seen[:, other] & tracks.seen[:, camera]).sum()) for other in joined}
-    for other in sorted(joined, key=lambda one: -common[one])[:PARTNERS]:
+    partners = [other for other in sorted(joined, key=lambda one: -common[one]) if common[other] >= FEWEST]
+    for other in partners[:PARTNERS]:
         trial = np.zeros(len(late))
         trial[other] = late[other]
         fixed = resampled(tracks, trial)[:, other]
-        shifts = late[other] + frame_step(tracks) * np.arange(-REACH, REACH + 1)
-        agree = [_agreement(tracks, camera, shift, fixed, max(limit[[camera, other]])) for shift in shifts]
-        best = int(np.argmax(agree))
-        if agree[best] >= max(AGREE, BETTER * np.nan_to_num(share[camera, other])):
-            return float(shifts[best])
+        largest, step = float(max(limit[camera], limit[other])), frame_step(tracks)
+        best, agree = float(late[other]), 0.0
+        for steps in (np.arange(-REACH, REACH + 1, STRIDE), np.arange(1 - STRIDE, STRIDE)):
+            shifts = best + step * steps
+            least = max(FEWEST, common[other] // 2)
+            found = [_agreement(tracks, camera, shift, fixed, largest, least) for shift in shifts.tolist()]
+            best, agree = float(shifts[np.argmax(found)]), max(found)
+        if agree >= max(AGREE, BETTER * np.nan_to_num(share[camera, other])):
+            return best
     return None
 
 
-def _agreement(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float) -> float:
-    """Share of the points of a shifted track that fit one epipolar geometry with a fixed one."""
+def _agreement(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float, least: int) -> float:
+    """Share of the points of a shifted track that fit one epipolar geometry with a fixed one.
+
+    limit: px; least: points that both must have, for a few always fit.
+    """
     trial = np.zeros(len(tracks.cameras))
     trial[camera] = shift
     moved = resampled(tracks, trial)[:, camera]
     both = np.isfinite(moved[:, 0]) & np.isfinite(fixed[:, 0])
-    return float(agreeing(fixed[both], moved[both], limit).mean()) if both.sum() >= FEWEST else 0.0
+    return float(agreeing(fixed[both], moved[both], limit, TRIALS).mean()) if both.sum() >= least else 0.0

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Camera
+from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.wand.placing import resect
 
@@ -32,3 +33,12 @@ def support(camera: Camera, points: Array, pixel: Array) -> Support:
     rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST)).astype(int)]
     found = resect(camera, points[rows], pixel[rows])
     return Support(None, 0.0) if found is None else Support(found[0], found[1] / len(rows))
+
+
+def misfit(lens: Camera, points: Array, pixel: Array) -> float:
+    """Median error of points seen through a lens from the best place, px; infinite without one."""
+    placed = support(lens, points, pixel).camera
+    if placed is None:
+        return np.inf
+    away = np.linalg.norm(project(placed, points) - pixel, axis=1)
+    return float(np.median(np.nan_to_num(away[np.isfinite(pixel[:, 0] + points[:, 0])], nan=np.inf)))

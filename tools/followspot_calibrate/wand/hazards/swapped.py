@@ -3,44 +3,79 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 
 from followspot import Camera
-from followspot.geometry import project
 from followspot.messages import Array
+from followspot_calibrate.adjust import Free, adjust
 from followspot_calibrate.similarity import NEAR, on_a_line, similarity, spread
-from followspot_calibrate.wand.hazards.support import support
+from followspot_calibrate.wand.hazards.support import misfit
+from followspot_calibrate.wand.rounds import SCALE, Settled
 
-MUCH_BETTER = 0.4
-"""Error with the lenses or places exchanged over that without, below which they are."""
+MUCH_BETTER = 0.25
+"""Error with the lens or place of another camera over that with its own, below which it is that one."""
+BETTER = 0.7
+"""Error of all cameras with two lenses exchanged over that without, below which they are."""
+GOOD = 0.5
+"""px: median error that leaves nothing to explain."""
+ALIKE = 0.03
+"""Relative difference of focal lengths up to which two lenses are alike."""
+TRIED = 10
+"""Exchanges that are tried, those of the most different lenses."""
+MOST = 120
+"""Rows that are adjusted for that."""
 
 
-def exchanged_lenses(lenses: Sequence[Camera], points: Array, pixel: Array) -> list[tuple[int, int]]:
-    """Pairs of cameras that both see the points much better through the lens of the other.
+def lens_of_another(
+    number: int, lenses: Sequence[Camera], points: Array, pixel: Array
+) -> tuple[int, int] | None:
+    """The camera without a place, and another one, that both fit better with the lens of the other.
 
     lenses: what the room says of each camera; points: (N, 3), NaN where unknown; pixel: (N, C, 2) px.
     """
-    own = [misfit(lens, points, pixel[:, i]) for i, lens in enumerate(lenses)]
-    found: list[tuple[int, int]] = []
-    for i, j in combinations(range(len(lenses)), 2):
-        if any(i in pair or j in pair for pair in found) or _alike(lenses[i], lenses[j]):
-            continue
-        if not misfit(lenses[j], points, pixel[:, i]) < MUCH_BETTER * own[i]:
-            continue
-        if misfit(lenses[i], points, pixel[:, j]) < MUCH_BETTER * own[j]:
-            found.append((i, j))
+    own, seen = misfit(lenses[number], points, pixel[:, number]), pixel[:, number]
+    errors = [misfit(lens, points, seen) for lens in lenses]
+    other = int(np.argmin(errors))
+    if other == number or not errors[other] < MUCH_BETTER * own:
+        return None
+    theirs = pixel[:, other]
+    back = misfit(lenses[number], points, theirs) < misfit(lenses[other], points, theirs)
+    return (number, other) if back else None
+
+
+def exchanged_lenses(settled: Settled, pixel: Array) -> tuple[int, int] | None:
+    """Two placed cameras that fit much better once their lenses are exchanged and all are adjusted anew.
+
+    pixel: (N, C, 2) px. Lenses that are alike, and errors below `GOOD`, are not asked about.
+    """
+    if not np.nanmedian(settled.distance) > GOOD:
+        return None
+    rows = np.flatnonzero(np.isfinite(settled.points[:, 0]))
+    rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST)).astype(int)]
+
+    def error(cameras: Sequence[Camera]) -> float:
+        scale = SCALE * settled.sigma
+        found = adjust(cameras, settled.points[rows], pixel[rows], Free(), scale=scale)
+        return float(np.nanmedian(found.residual))
+
+    focal = np.log([camera.matrix[0, 0] for camera in settled.cameras])
+    pairs = [pair for pair in combinations(range(len(focal)), 2) if abs(np.diff(focal[[*pair]])) > ALIKE]
+    pairs = sorted(pairs, key=lambda pair: -abs(focal[pair[0]] - focal[pair[1]]))[:TRIED]
+    errors = {pair: error(_exchange(settled.cameras, pair)) for pair in pairs}
+    best = min(errors, key=lambda pair: errors[pair], default=None)
+    return best if best is not None and errors[best] < BETTER * error(settled.cameras) else None
+
+
+def _exchange(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:
+    """The cameras where they are, two of them with the lens of the other."""
+    found = list(cameras)
+    for one, other in (pair, pair[::-1]):
+        lens = cameras[other]
+        found[one] = replace(cameras[one], matrix=lens.matrix, distortion=lens.distortion)
     return found
-
-
-def misfit(lens: Camera, points: Array, pixel: Array) -> float:
-    """Median error of points seen through a lens from the best place, px; infinite without one."""
-    placed = support(lens, points, pixel).camera
-    if placed is None:
-        return np.inf
-    away = np.linalg.norm(project(placed, points) - pixel, axis=1)
-    return float(np.median(np.nan_to_num(away[np.isfinite(pixel[:, 0] + points[:, 0])], nan=np.inf)))
 
 
 def exchanged_places(found: Array, known: Array) -> tuple[int, int] | None:
@@ -48,8 +83,8 @@ def exchanged_places(found: Array, known: Array) -> tuple[int, int] | None:
 
     None where they fit as they are, or no exchange makes them fit.
     """
-    limit = NEAR * spread(known)
-    if len(found) < 4 or on_a_line(found) or _apart(found, known) < limit:
+    as_is = _apart(found, known) if len(found) >= 4 and not on_a_line(found) else 0.0
+    if as_is < NEAR * spread(known):
         return None
     errors = {}
     for i, j in combinations(range(len(found)), 2):
@@ -57,14 +92,10 @@ def exchanged_places(found: Array, known: Array) -> tuple[int, int] | None:
         order[[i, j]] = j, i
         errors[i, j] = _apart(found[order], known)
     best = min(errors, key=lambda pair: errors[pair])
-    return best if errors[best] < limit else None
+    return best if errors[best] < MUCH_BETTER * as_is else None
 
 
 def _apart(found: Array, known: Array) -> float:
     """Root mean square distance after the best similarity, m."""
     away = similarity(found, known).points(found) - known
     return float(np.sqrt(np.square(away).sum(axis=1).mean()))
-
-
-def _alike(one: Camera, other: Camera) -> bool:
-    return bool(np.allclose(one.matrix, other.matrix) and np.allclose(one.distortion, other.distortion))

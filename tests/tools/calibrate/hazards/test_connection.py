@@ -1,0 +1,56 @@
+"""Cameras that see too little together: the groups, the pair and the number of points are named."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rooms import MadeRoom, off_by, waved_room
+
+from followspot.errors import FollowspotError
+from followspot_calibrate.wand.solving import solve
+
+
+@pytest.mark.parametrize("lenses", ["known", "unknown"])
+def test_groups_without_a_common_view_are_named(lenses):
+    room = waved_room(6, 300)
+    together = np.isin(np.arange(6), [0, 2, 4])
+    left = np.arange(300) < 150
+    apart = seen_where(room, np.where(left[:, None], together, ~together))
+    with pytest.raises(FollowspotError) as raised:
+        solve(apart.sightings, room.cameras if lenses == "known" else None)
+    told = str(raised.value).splitlines()
+    assert told[0].startswith("the cameras fall into 2 groups")
+    assert told[0].endswith(": cam0, cam2, cam4; cam1, cam3, cam5")
+    assert "share 0 points, 30 needed: wave where both can see it" in told[1]
+
+
+def test_a_pair_with_too_few_points_is_named():
+    room = waved_room(4, 300)
+    alone = np.ones((300, 4), bool)
+    alone[11:, 3] = False
+    with pytest.raises(FollowspotError, match=r"cam\d-cam3 share 11 points, 30 needed: wave"):
+        solve(seen_where(room, alone).sightings, room.cameras, "known")
+
+
+def test_a_camera_of_another_recording_is_not_told_to_wave():
+    room, other = waved_room(5, 200), waved_room(5, 200, seed=7)
+    room.sightings.pixel[:, 4] = other.sightings.pixel[:, 4]
+    with pytest.raises(FollowspotError, match="cam4") as raised:
+        solve(room.sightings, room.cameras, "known")
+    assert "wave where" not in str(raised.value)
+
+
+def test_cameras_in_a_chain_are_placed_though_its_ends_share_nothing():
+    room = waved_room(7, 700)
+    first = np.arange(700) // 20 % 5
+    near = (np.arange(7) >= first[:, None]) & (np.arange(7) < first[:, None] + 3)
+    solved = solve(seen_where(room, near).sightings, room.cameras, "known")
+    assert off_by(solved.settled.cameras, room.cameras)[0].max() < 25
+    assert solved.timed.late.tolist() == [0] * 7
+
+
+def seen_where(room: MadeRoom, seen) -> MadeRoom:
+    pixel = np.where(seen[..., None], room.sightings.pixel, np.nan)
+    return replace(room, sightings=replace(room.sightings, pixel=pixel))

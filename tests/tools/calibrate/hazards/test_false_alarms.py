@@ -1,0 +1,57 @@
+"""Nothing is said of rooms and recordings with which nothing is wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from rooms import camera_of, made_room, off_by, waved_room
+
+from followspot_calibrate.points_file import read_points
+from followspot_calibrate.wand.solving import Solved, solve
+from followspot_calibrate.wand.telling import warnings_of
+
+DATA = Path(__file__).parents[4] / "../shared/data"
+needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
+
+
+@pytest.mark.parametrize(("cameras", "missing"), [(3, 0.1), (6, 0.6)])
+@pytest.mark.parametrize("make", [made_room, waved_room])
+def test_a_clean_room(make, cameras, missing):
+    room = make(cameras, 400, missing=missing, noise=0.4)
+    solved = solve(room.sightings, room.cameras)
+    assert warnings_of(solved, 1.0) == []
+    assert solved.intrinsics == "known"
+
+
+@pytest.mark.parametrize(("cameras", "missing", "outliers"), [(3, 0.3, 0.1), (6, 0.6, 0.3), (10, 0.1, 0.3)])
+def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missing, outliers):
+    room = waved_room(cameras, 700, missing=missing, outliers=outliers)
+    solved = solve(room.sightings, room.cameras)
+    assert not solved.timed.late.any()
+    assert off_by(solved.settled.cameras, room.cameras)[0].max() < 14
+    assert all("fit no other camera" in text for text in warnings_of(solved, 1.0))
+
+
+@needs_shared
+def test_the_recording_of_the_old_toolbox():
+    told = quiet(solve(read_points(DATA / "selfcal-mcsc-2010"), None))
+    assert all("focal length" in text for text in told)
+
+
+@needs_shared
+@pytest.mark.parametrize("intrinsics", ["auto", "free"])
+def test_the_rendered_room(intrinsics):
+    folder = DATA / "glowballs-dev"
+    given = json.loads((folder / "calibration.json").read_text())["cameras"]
+    lenses = [camera_of(one["name"], (320, 240), one) for one in given]
+    told = quiet(solve(read_points(folder / "wand/points.csv", lenses), lenses, intrinsics))
+    assert all("focal length" in text for text in told)
+
+
+def quiet(solved: Solved) -> list[str]:
+    """The warnings of a calibration in which no camera is late."""
+    assert not solved.timed.late.any()
+    assert not solved.timed.drift.any()
+    return warnings_of(solved)

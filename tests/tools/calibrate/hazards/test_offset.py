@@ -1,0 +1,110 @@
+"""Cameras that are not synchronised: found from the motion, told in frames and ms, corrected, noted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rooms import camera_of, off_by, wand_file, waved_room
+
+from followspot import Room
+from followspot.cli.main import main
+from followspot.errors import FollowspotError
+from followspot.room_file import load, save
+from followspot_calibrate.points_file import read_points
+from followspot_calibrate.wand.solving import solve
+from followspot_calibrate.wand.telling import warnings_of
+from followspot_calibrate.wand.timing import with_offsets
+
+DATA = Path(__file__).parents[4] / "../shared/data"
+needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
+WITHIN = 0.05
+"""Frames: 0.3 px at 6 px a frame, less than the noise of 0.4 px."""
+PLACE_MM = 8.0
+
+
+@pytest.mark.parametrize("late", [0.4, -1.5, 5.0, 37.3, -80.0])
+def test_a_late_camera_is_told_and_corrected(late):
+    room = waved_room(5, 400, late={4: late}, missing=0.1)
+    solved = solve(room.sightings, room.cameras, "known")
+    assert solved.timed.late == pytest.approx([0, 0, 0, 0, late], abs=WITHIN)
+    assert solved.timed.late[:4].tolist() == [0, 0, 0, 0]
+    assert off_by(solved.settled.cameras, room.cameras)[0].max() < PLACE_MM
+    told = warnings_of(solved, fps=30.0)
+    assert len(told) == 1
+    frames = (
+        f"cam4 is {abs(solved.timed.late[4]):.2f} frames ({1000 * abs(solved.timed.late[4]) / 30:.1f} ms)"
+    )
+    assert told[0].startswith(frames + (" late" if late > 0 else " early"))
+
+
+def test_every_camera_may_have_been_started_by_hand():
+    late = np.array([4.3, -3.0, 17.0, 40.6, 0.0])
+    room = waved_room(5, 500, late=dict(enumerate(late)), missing=0.2, outliers=0.1)
+    solved = solve(room.sightings, room.cameras, "known")
+    found = solved.timed.late
+    assert found - found[4] == pytest.approx(late - late[4], abs=WITHIN)
+    assert off_by(solved.settled.cameras, room.cameras)[0].max() < PLACE_MM
+
+
+def test_unknown_lenses_do_not_hide_a_late_camera():
+    room = waved_room(5, 400, late={1: 2.5}, outliers=0.1)
+    solved = solve(room.sightings, None)
+    assert solved.timed.late == pytest.approx([0, 2.5, 0, 0, 0], abs=WITHIN)
+
+
+def test_two_cameras_tell_their_difference():
+    room = waved_room(2, 400, late={1: 6.0})
+    found = solve(room.sightings, room.cameras, "known").timed.late
+    assert found[1] - found[0] == pytest.approx(6, abs=0.1)
+
+
+def test_a_camera_that_lost_frames_is_told_to_have():
+    room, shifted = waved_room(5, 500), waved_room(5, 500, late={3: 2.0})
+    room.sightings.pixel[250:, 3] = shifted.sightings.pixel[250:, 3]
+    told = warnings_of(solve(room.sightings, room.cameras, "known"))
+    assert any("cam3 comes" in text and "it lost frames" in text for text in told)
+
+
+def test_the_offset_is_noted_in_the_room_file(tmp_path, capsys):
+    room = waved_room(4, 300, late={2: 1.5})
+    path, points = tmp_path / "room.yaml", wand_file(room, tmp_path / "wand.csv")
+    save(Room("studio", {camera.name: camera for camera in room.cameras}), path)
+    arguments = ["calibrate", "wand", "--points", str(points), "--room", str(path), "--json"]
+    assert main([*arguments, "--fps", "30", "--clock-offsets"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["late_frames"]["cam2"] == pytest.approx(1.5, abs=WITHIN)
+    assert "cam2 is 1.5" in told.err
+    offsets = [camera.clock_offset for camera in load(path).cameras.values()]
+    assert offsets == pytest.approx([0, 0, 0.05, 0], abs=WITHIN / 30)
+
+
+def test_an_offset_that_no_room_file_takes_is_refused():
+    room = waved_room(4, 300, late={2: -60})
+    timed = solve(room.sightings, room.cameras, "known").timed
+    with pytest.raises(FollowspotError, match=r"cam2 is -2\.00 s late, at most 1 s"):
+        with_offsets(room.cameras, timed, 30.0)
+
+
+@needs_shared
+def test_real_cameras_out_of_step_fit_better_once_that_is_corrected():
+    """selfcal-ball-9cam, a ball at 15 px a frame: without the correction the median is 2.7 px."""
+    folder = DATA / "selfcal-ball-9cam"
+    rough = json.loads((folder / "intrinsics_initial.json").read_text())
+    lenses = [camera_of(f"cam{i}", (1280, 800), rough[str(i)]) for i in range(9)]
+    sightings = read_points(folder / "single_ball.npz", lenses, confidence=0.5).rows(slice(3000, 3600))
+    solved = solve(sightings, lenses, "known")
+    assert solved.timed.late[3] == pytest.approx(0.36, abs=0.1)
+    assert np.nanmedian(solved.settled.distance) < 2.3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"), [(["--clock-offsets"], "give --fps"), (["--fps", "-1"], "no frame rate")]
+)
+def test_arguments_about_clocks_are_checked(arguments, told, tmp_path, capsys):
+    points = wand_file(waved_room(3, 40), tmp_path / "wand.csv")
+    always = ["calibrate", "wand", "--points", str(points), "-o", str(tmp_path / "room.yaml")]
+    assert main([*always, *arguments]) == 2
+    assert told in capsys.readouterr().err
