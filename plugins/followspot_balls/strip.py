@@ -59,8 +59,12 @@ def adjoined(left: Array, top: Array, wide: Array) -> Strip:
 
 
 def window_strip(corners: Array, sides: Array) -> Strip:
-    """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; sides: (N,) px."""
-    return adjoined(corners[:, 0], corners[:, 1] - RIM, sides + GAP)
+    """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; sides: (N,) px.
+
+    The first has empty columns before it as the others have, so that its edge looks as theirs.
+    """
+    first = RIM * (np.arange(len(sides)) == 0)
+    return adjoined(corners[:, 0] - first, corners[:, 1] - RIM, sides + GAP + first)
 
 
 def whole_strip(width: int) -> Strip:
@@ -75,8 +79,8 @@ def cut(pictures: Sequence[Array], corners: Array, sides: Array) -> Array:
     Raises ValueError for pictures of different kinds.
     """
     (channels,) = {pixels.shape[2] for pixels in pictures}
-    strip = np.zeros((sides.max() + 2 * RIM, (sides + GAP).sum(), channels), np.uint8)
-    start = 0
+    strip = np.zeros((sides.max() + 2 * RIM, RIM + (sides + GAP).sum(), channels), np.uint8)
+    start = RIM
     for pixels, (x, y), side in zip(pictures, corners.tolist(), sides.tolist(), strict=True):
         left, top = max(x, 0), max(y, 0)
         part = pixels[top : max(y + side, 0), left : max(x + side, 0)]
@@ -91,7 +95,7 @@ def at_border(pixels: Array, part: Array, sides: Array) -> Array:
 
     pixels: (P,) flat index; part: (W,) of each column; sides: (N,) px. Returns (P,) bool.
     """
-    ends = np.cumsum(sides + GAP) - GAP
+    ends = RIM + np.cumsum(sides + GAP) - GAP
     outermost = np.zeros(len(part), bool)
     outermost[ends - sides] = outermost[ends - 1] = True
     y, x = np.divmod(pixels, len(part))

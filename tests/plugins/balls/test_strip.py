@@ -65,3 +65,14 @@ def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
             column, row = (x, y) + parts.shift[parts.part[x]]
             assert strip[y, x] == pixels[row, column, 0]
     assert np.count_nonzero(strip) == 4 + 4
+
+
+def test_a_window_looks_the_same_first_and_last_in_a_strip() -> None:
+    # what the smoothing of its edge reaches is there on both sides, wherever it stands
+    pixels = np.full((20, 20, 1), 200, np.uint8)
+    corners, sides = np.array([[3, 3], [8, 5]]), np.array([6, 6])
+    strip = cut([pixels, pixels], corners, sides)[..., 0]
+    shown = np.flatnonzero(strip.any(axis=0))
+    assert shown[0] > 0
+    assert shown[-1] < strip.shape[1] - 1
+    assert len(window_strip(corners, sides).part) == strip.shape[1]
