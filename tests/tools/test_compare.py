@@ -264,11 +264,12 @@ def test_the_stage_of_the_experiments_keeps_kinds_of_pairs(
         np.zeros(3),
         labelled,
         confirmed,
+        confirmed,
         np.ones((3, 1), bool),
     )
     chosen = load_stage("pairs.choose")(**params).process(pairs)
     assert chosen.blob[:, 0].tolist() == kept
-    assert chosen.confirmed.tolist() == evident
+    assert chosen.confirmed.tolist() == chosen.evident.tolist() == evident
 
 
 def commands() -> list[str]:
