@@ -1,1 +1,1 @@
-"""Upper body and head pose of people (Weinrich, Müller & Gross 2010): edges, colour, HOG, a particle filter."""
+"""Upper body and head pose of people (Weinrich, Müller & Gross 2010): edges, colour, HOG, particles."""
