@@ -18,7 +18,7 @@ import numpy as np
 
 from followspot import Camera, Context, Room
 from followspot.accuracy import TrackTable, read_tracks_csv
-from followspot.accuracy.figures import nearest
+from followspot.accuracy.statistics import nearest
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage

@@ -92,6 +92,26 @@ def ray(camera: Camera, pixel: Array) -> Array:
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
 
 
+def wrap(angle: Array) -> Array:
+    """The same angle from -pi up to pi, rad; any shape."""
+    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
+
+
+def direction(offset: Array) -> Array:
+    """Direction of (..., 2) m seen from above, counter-clockwise from the x axis: (...) rad."""
+    return np.asarray(np.arctan2(offset[..., 1], offset[..., 0]))
+
+
+def seen_from_above(camera: Camera, xy: Array) -> tuple[Array, Array]:
+    """Direction from the optical axis (rad, positive to the left) and horizontal distance (m) of (..., 2) m.
+
+    The axis of a panorama is its middle column.
+    """
+    offset = xy - camera.center[:2]
+    axis = direction(camera.rotation[2, :2])
+    return wrap(direction(offset) - axis), np.hypot(offset[..., 0], offset[..., 1])
+
+
 def back_projection(camera: Camera) -> Array:
     """M^-1, (3, 3), with P = [M | p4]: the ray of an undistorted pixel is M^-1 (x, y, 1) (H&Z eq. 6.14)."""
     return np.asarray(np.linalg.inv(camera.projection[:, :3]))

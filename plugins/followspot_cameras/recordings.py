@@ -9,6 +9,9 @@ from followspot.errors import InputError, Mistake
 
 SUFFIXES = frozenset({".avi", ".m4v", ".mjpeg", ".mjpg", ".mkv", ".mov", ".mp4", ".mpg", ".ts", ".webm"})
 
+POSE_TRUTH = "_gt.csv"
+"""Follows the camera's name in files with the true poses of the persons that it sees."""
+
 
 def find_recordings(folder: Path, cameras: Iterable[str]) -> dict[str, Path]:
     """Camera -> video file or folder of pictures; cameras without one are left out.

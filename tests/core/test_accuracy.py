@@ -21,7 +21,8 @@ from followspot.accuracy import (
     to_json,
     truth_of,
 )
-from followspot.accuracy.figures import PAPER_UNIT, jerk_cost, nearest, recoveries
+from followspot.accuracy.statistics import nearest
+from followspot.accuracy.targets.figures import PAPER_UNIT, jerk_cost, recoveries
 from followspot.tracking import MISSING, TRACKED, Truth
 
 GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from followspot.accuracy import TargetScore, TrackTable, TruthTable, read_tracks_csv, score
-from followspot.accuracy.figures import jerk_cost
-from followspot.accuracy.scoring import trajectory
+from followspot.accuracy.targets.figures import jerk_cost
+from followspot.accuracy.targets.scoring import trajectory
 from followspot.deploy.launch import run_plan
 from followspot.deploy.local import OnProgress
 from followspot.deploy.report import RunReport

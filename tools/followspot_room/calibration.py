@@ -8,10 +8,19 @@ from pathlib import Path
 from followspot.errors import InputError, Mistake
 from followspot_room.checks import Unfit
 from followspot_room.format import Calibration, Texts
-from followspot_room.formats import anipose, caliscope, opencv_json, opencv_yaml, qualisys, svoboda
+from followspot_room.formats import (
+    anipose,
+    caliscope,
+    opencv_json,
+    opencv_yaml,
+    qualisys,
+    svoboda,
+    typed_json,
+)
 
 FORMATS = (
     opencv_json.FORMAT,
+    typed_json.FORMAT,
     caliscope.FORMAT,
     anipose.FORMAT,
     qualisys.FORMAT,

@@ -11,12 +11,14 @@ from followspot.plugins.hooks import Command, hookimpl
 IMPORT = """Make a room file from a calibration and, where there is one, a folder with one video per camera.
 
 The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys Calib.qca.txt,
-a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist, R and t.
+a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist, R and t, or JSON of
+pinhole and cylinder cameras by name.
 Recordings are named like the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures;
-VIDEOS/truth.csv, where it exists, becomes the room's truth.
+VIDEOS/truth.csv, where it exists, becomes the room's truth; without it VIDEOS/cam0_gt.csv, poses of persons.
 
   followspot room import calibration.toml -o room.yaml
   followspot room import Calib.qca.txt --videos recordings -o room.yaml
+  followspot room import calib.json --only panorama --videos recordings -o panorama.yaml
 """
 
 EXPORT = """Write the cameras of a room file for another program.
@@ -44,6 +46,13 @@ def configure_import(parser: argparse.ArgumentParser) -> None:
     add("calibration", type=Path, metavar="CALIBRATION", help="file or folder with calibrated cameras")
     add("--videos", type=Path, metavar="DIR", help="folder with the recordings; without it, no sources")
     add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
+    add(
+        "--only",
+        nargs="+",
+        default=[],
+        metavar="CAMERA",
+        help="of several rooms, take these cameras",
+    )
     add("--infrared", nargs="+", default=[], metavar="CAMERA", help="cameras that see infrared light only")
     add("--allow-missing", action="store_true", help="leave cameras without a recording without a source")
     add("--json", action="store_true", help="print one JSON object that says what was imported")
@@ -57,6 +66,7 @@ def run_import(args: argparse.Namespace) -> int:
         args.calibration,
         args.videos,
         args.output,
+        only=args.only,
         infrared=args.infrared,
         allow_missing=args.allow_missing,
         as_json=args.json,

@@ -13,7 +13,7 @@ from followspot import Camera, Room
 from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
 from followspot.room import StageUse
 from followspot.room_file import save
-from followspot_cameras.recordings import find_recordings
+from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
 from followspot_room.format import Calibration
 
@@ -25,21 +25,23 @@ def import_room(
     videos: Path | None,
     output: Path,
     *,
+    only: Sequence[str],
     infrared: Sequence[str],
     allow_missing: bool,
     as_json: bool,
 ) -> int:
     """Write the room file and say what is in it; returns the exit code. Raises InputError.
 
-    videos: None where only the cameras are wanted; infrared: cameras that are, whatever the file says.
+    videos: None where only the cameras are wanted; only: cameras to take, none for all of them; infrared:
+    cameras that are, whatever the file says.
     """
-    known = with_infrared(read_calibration(calibration), infrared)
+    known = with_infrared(with_only(read_calibration(calibration), only), infrared)
     names = [camera.name for camera in known.cameras]
     recordings = find_recordings(videos, names) if videos else {}
     missing = [name for name in names if name not in recordings] if videos else []
     if videos and missing and not allow_missing:
         raise InputError([_no_recording(name, videos) for name in missing])
-    truth = videos / TRUTH if videos and (videos / TRUTH).is_file() else None
+    truth = find_truth(videos, names) if videos else None
     room = room_of(known, recordings, truth, output)
     try:
         output.parent.mkdir(parents=True, exist_ok=True)
@@ -54,19 +56,40 @@ def import_room(
     return 0
 
 
+def with_only(calibration: Calibration, names: Sequence[str]) -> Calibration:
+    """The calibration of these cameras alone; of all for no names. Raises InputError for unknown names."""
+    _check_known(calibration, names, "--only")
+    chosen = (camera for camera in calibration.cameras if camera.name in names or not names)
+    return replace(calibration, cameras=tuple(chosen))
+
+
 def with_infrared(calibration: Calibration, names: Sequence[str]) -> Calibration:
     """The calibration with these cameras as infrared ones. Raises InputError for unknown names."""
-    known = [camera.name for camera in calibration.cameras]
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        remedy = did_you_mean(unknown[0], known, "cameras")
-        raise InputError([Mistake(None, f'--infrared: there is no camera "{unknown[0]}"', remedy)])
+    _check_known(calibration, names, "--infrared")
     cameras = (replace(c, kind="infrared") if c.name in names else c for c in calibration.cameras)
     return replace(calibration, cameras=tuple(cameras))
 
 
+def _check_known(calibration: Calibration, names: Sequence[str], option: str) -> None:
+    known = [camera.name for camera in calibration.cameras]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        remedy = did_you_mean(unknown[0], known, "cameras")
+        raise InputError([Mistake(None, f'{option}: there is no camera "{unknown[0]}"', remedy)])
+
+
+def find_truth(videos: Path, cameras: Sequence[str]) -> tuple[str, Path] | None:
+    """The stage that gives the truth recorded in a folder and the path that it reads; None without truth."""
+    if (videos / TRUTH).is_file():
+        return "cameras.truth_csv", videos / TRUTH
+    files = [file for name in cameras if (file := videos / f"{name}{POSE_TRUTH}").is_file()]
+    if not files:
+        return None
+    return "cameras.pose_truth_csv", files[0] if len(files) == 1 else videos
+
+
 def room_of(
-    calibration: Calibration, recordings: Mapping[str, Path], truth: Path | None, output: Path
+    calibration: Calibration, recordings: Mapping[str, Path], truth: tuple[str, Path] | None, output: Path
 ) -> Room:
     """The room that is to be written to the output; paths are relative to its folder."""
     folder = output.parent
@@ -82,7 +105,7 @@ def room_of(
         name=output.stem,
         cameras={camera.name: with_source(camera) for camera in calibration.cameras},
         planes=calibration.planes,
-        truth=_use("cameras.truth_csv", truth, folder) if truth else None,
+        truth=_use(*truth, folder) if truth else None,
     )
 
 

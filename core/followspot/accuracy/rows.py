@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,9 +25,13 @@ class Row:
     cells: Sequence[str]
     columns: Mapping[str, int]
 
+    def cell(self, column: str) -> str:
+        """What stands there."""
+        return self.cells[self.columns[column]].strip()
+
     def text(self, column: str) -> str:
         """A short name. Raises InputError."""
-        cell = self.cells[self.columns[column]].strip()
+        cell = self.cell(column)
         if not 0 < len(cell) <= LONGEST_NAME:
             raise self.mistake(column, f"a name of 1 to {LONGEST_NAME} characters")
         return cell
@@ -41,20 +46,27 @@ class Row:
             raise self.mistake(column, "a finite number")
         return value
 
+    def integer(self, column: str) -> int:
+        """A whole number. Raises InputError."""
+        value = self.number(column)
+        if value % 1:
+            raise self.mistake(column, "a whole number")
+        return int(value)
+
     def numbers(self, *columns: str) -> list[float]:
         """Finite numbers. Raises InputError."""
         return [self.number(column) for column in columns]
 
     def flag(self, column: str) -> bool:
         """0 or 1. Raises InputError."""
-        value = FLAGS.get(self.cells[self.columns[column]].strip().lower())
+        value = FLAGS.get(self.cell(column).lower())
         if value is None:
             raise self.mistake(column, "0 or 1")
         return value
 
     def choice(self, column: str, words: Sequence[str]) -> int:
         """Index of the word among those allowed. Raises InputError."""
-        cell = self.cells[self.columns[column]].strip()
+        cell = self.cell(column)
         if cell not in words:
             raise self.mistake(column, f"one of {', '.join(words)}")
         return words.index(cell)
@@ -73,9 +85,21 @@ def read_rows(path: Path, columns: Sequence[str]) -> Iterator[Row]:
 
     Raises InputError where the file cannot be read, lacks a column or has more than `MOST_ROWS` rows.
     """
+    with _lines(path) as lines:
+        yield from _rows(str(path), lines, columns)
+
+
+def header_of(path: Path) -> tuple[str, ...]:
+    """The names in the first line of a CSV file. Raises InputError."""
+    with _lines(path) as lines:
+        return tuple(cell.strip() for cell in next(lines, []))
+
+
+@contextmanager
+def _lines(path: Path) -> Iterator[Iterator[list[str]]]:
     try:
         with path.open(newline="", encoding="utf-8") as file:
-            yield from _rows(str(path), csv.reader(file), columns)
+            yield csv.reader(file)
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
     except (UnicodeDecodeError, csv.Error) as error:

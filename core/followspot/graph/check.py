@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, connect
 from followspot.graph.expand import Expanded, Instance
 from followspot.graph.parameters import output_paths, validated
+from followspot.people import PoseTruth
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.room import Room, StageUse
@@ -134,8 +135,8 @@ def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
     if stage is None:
         return expanded.room
     found = ports(stage)
-    if not found.source or [output.type for output in found.outputs] != [Truth]:
-        text = f"the truth of a room is a source of Truth, and {truth.uses} is none"
+    if not found.source or [output.type for output in found.outputs] not in ([Truth], [PoseTruth]):
+        text = f"the truth of a room is a source of Truth or PoseTruth, and {truth.uses} is none"
         mistakes.append(Mistake(uses.place, text, "for example cameras.truth_csv"))
         return expanded.room
     params = child(node, "with")

@@ -338,7 +338,7 @@ ROOM = [
         "room",
         "uses: toy.knowing, with: {path: truth.csv}",
         "uses: ¦toy.camera",
-        "is a source of Truth, and toy.camera",
+        "is a source of Truth or PoseTruth, and toy.camera",
     ),
 ]
 

@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from followspot.accuracy.scoring import TargetScore
+from followspot.accuracy.targets.scoring import TargetScore
 
 HEADINGS = (
     "target",

@@ -7,18 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.figures import (
-    half_interval,
-    jerk_cost,
-    nearest,
-    recoveries,
-    reprojection,
-    root_mean_square,
-    share,
-    statistic,
-    switches,
-)
-from followspot.accuracy.tables import TrackTable, TruthTable
+from followspot.accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
+from followspot.accuracy.targets.figures import jerk_cost, recoveries, reprojection, switches
+from followspot.accuracy.targets.tables import TrackTable, TruthTable
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.tracking import TRACKED

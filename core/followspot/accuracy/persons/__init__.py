@@ -1,0 +1,1 @@
+"""Poses of persons against their true poses (Weinrich et al. 2010)."""

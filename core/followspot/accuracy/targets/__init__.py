@@ -1,0 +1,1 @@
+"""Tracks of targets against their true trajectories (Jin & Qian 2008)."""
