@@ -42,7 +42,7 @@ def track(room: Path, out: Path, *options: str) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def rooms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
-    """A room file for each sequence, by the two commands that the README names; the balls are the same ones."""
+    """A room file for each sequence, by the two commands that the README names; their balls are the same."""
     folder = tmp_path_factory.mktemp("rooms")
     made = {sequence: folder / f"{sequence}.yaml" for sequence in SEQUENCES}
     first = made[SEQUENCES[0]]
