@@ -1,5 +1,6 @@
-"""From a plan to running workers: in this process, or one operating-system process each under a launcher.
+"""From a plan to running workers: in this thread, as processes of this host, or on many hosts under agents.
 
-Entry: `launch.run_plan`. Edges between processes are made here (`links`); what goes on inside a worker is
+Entry: `launch.run_plan`. A `Coordinator` speaks with each host's part of a run (`host.Host`), which is near
+(`HostRun`) or far. Edges between processes are made here (`links`); what goes on inside a worker is
 `followspot.runtime`.
 """

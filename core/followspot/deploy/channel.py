@@ -1,4 +1,4 @@
-"""The control channel between launcher and worker: JSON lines over a socket pair.
+"""The control channel between an agent and a worker: JSON lines over a socket pair, and file descriptors.
 
 It has no name and no port; only the two processes that were given its ends can speak on it.
 """
@@ -6,12 +6,17 @@ It has no name and no port; only the two processes that were given its ends can 
 from __future__ import annotations
 
 import json
+import os
 import socket
 import threading
+from collections import deque
+from collections.abc import Sequence
 from typing import Any
 
 MAX_LINE = 64 << 20
 """Longest message, bytes; a plan with a room of a thousand cameras is smaller."""
+MAX_DESCRIPTORS = 8
+"""Most file descriptors that travel with one message."""
 
 
 class ChannelClosed(ConnectionError):
@@ -25,17 +30,19 @@ class Channel:
         self.socket = end
         self._lock = threading.Lock()
         self._pending = b""
+        self._descriptors: deque[int] = deque()
 
     def fileno(self) -> int:
         """Readable when something arrived or the other process has ended."""
         return self.socket.fileno()
 
-    def send(self, kind: str, **data: Any) -> None:
-        """Send one message. Raises ChannelClosed."""
-        line = json.dumps({"kind": kind, **data}).encode() + b"\n"
+    def send(self, kind: str, descriptors: Sequence[int] = (), **data: Any) -> None:
+        """Send one message; copies of the descriptors belong to the other process. Raises ChannelClosed."""
+        line = json.dumps({"kind": kind, "descriptors": len(descriptors), **data}).encode() + b"\n"
         try:
             with self._lock:
-                self.socket.sendall(line)
+                sent = socket.send_fds(self.socket, [line], list(descriptors)) if descriptors else 0
+                self.socket.sendall(line[sent:])
         except OSError as error:
             raise ChannelClosed(str(error)) from error
 
@@ -60,12 +67,17 @@ class Channel:
     def close(self) -> None:
         """Close this end; the other process sees it at once."""
         self.socket.close()
+        while self._descriptors:
+            os.close(self._descriptors.popleft())
 
     def _more(self) -> bytes:
         try:
-            data = self.socket.recv(1 << 16)
+            data, descriptors, _, _ = socket.recv_fds(
+                self.socket, 1 << 16, MAX_DESCRIPTORS, socket.MSG_CMSG_CLOEXEC
+            )
         except OSError as error:
             raise ChannelClosed(str(error)) from error
+        self._descriptors.extend(descriptors)
         if not data:
             raise ChannelClosed("the other process has ended")
         if len(self._pending) + len(data) > MAX_LINE:
@@ -73,8 +85,11 @@ class Channel:
         return data
 
     def _cut(self) -> dict[str, Any]:
+        """The first message; its `descriptors` are those that came with it, in their order."""
         line, _, self._pending = self._pending.partition(b"\n")
         message = json.loads(line)
         if not isinstance(message, dict) or "kind" not in message:
             raise ValueError("a control message is not an object with a kind")
+        count = min(int(message.get("descriptors", 0)), len(self._descriptors))
+        message["descriptors"] = [self._descriptors.popleft() for _ in range(count)]
         return message

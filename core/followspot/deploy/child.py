@@ -1,7 +1,7 @@
 """A worker process: `python -m followspot.deploy.child FD`, where FD is its control channel.
 
-The launcher sends the plan; the worker builds its stages, says that it is ready, waits for the start, runs,
-and reports. When the launcher dies, the worker ends its sources, completes its outputs and exits.
+The agent sends the plan; the worker builds its stages, says that it is ready, waits for the start, runs,
+and reports. When the agent dies, the worker ends its sources, completes its outputs and exits.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Worker
+from followspot.transport.zenoh_network import network_from_data
 
 GRACE = 3.0
-"""Seconds that a worker has to complete its outputs when its launcher is gone."""
+"""Seconds that a worker has to complete its outputs when its agent is gone."""
 
 
 class Child:
@@ -37,14 +38,17 @@ class Child:
         self.warnings = Warnings()
         self.worker: Worker | None = None
         self.over = threading.Event()
+        self._orders: list[dict[str, Any]] = []
 
     def live(self) -> None:
-        """Build, start, run, report. Raises ChannelClosed when the launcher ends before the start."""
-        order = self.channel.receive()
+        """Build, start, run, report. Raises ChannelClosed when the agent ends before the start."""
+        sockets: dict[str, dict[int, socket.socket]] = {"sending": {}, "receiving": {}}
+        while (order := self.channel.receive())["kind"] != "plan":
+            sockets[order["side"]][order["edge"]] = socket.socket(fileno=order["descriptors"][0])
         name, error = order["worker"], ""
         links = None
         try:
-            links = self._links(order)
+            links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
             self.channel.send("built")
             links.wait_matched()
@@ -66,39 +70,45 @@ class Child:
         else:
             self.channel.send("failed", error=error)
 
-    def _links(self, order: dict[str, Any]) -> EdgeLinks:
+    def _links(
+        self,
+        order: dict[str, Any],
+        sending: dict[int, socket.socket],
+        receiving: dict[int, socket.socket],
+    ) -> EdgeLinks:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
         plan = plan_from_data(order["plan"])
         session = None
         if uses_zenoh(plan, order["worker"]):
-            from followspot.transport.zenoh_session import LOOPBACK, locators, open_session
+            from followspot.transport.zenoh_session import connected, locators
 
-            session = open_session(LOOPBACK, order["peers"])
+            session = connected(network_from_data(order["network"]))
             self.channel.send("listening", locators=locators(session))
-        sending = {int(edge): socket.socket(fileno=fd) for edge, fd in order["sending"].items()}
-        receiving = {int(edge): socket.socket(fileno=fd) for edge, fd in order["receiving"].items()}
         return EdgeLinks(plan, sending, receiving, session, order["run"])
 
     def _build(self, order: dict[str, Any], links: EdgeLinks) -> Worker:
         use_plugin_files(links.plan.plugin_files)
-        ledger = Ledger(len(links.plan.edges), _shared_words(order["ledger"], len(links.plan.edges)))
+        edges = len(links.plan.edges)
+        ledger = Ledger(edges, _shared_words(order["descriptors"][0], edges))
         options = RunOptions(Path(order["out"]), order["frames"], self.warnings.add)
         return build_worker(Wiring(links.plan), order["worker"], ledger, options, links)
 
     def _started(self) -> bool:
-        """Wait at the barrier; False where the launcher calls the run off."""
-        return bool(self.channel.receive()["kind"] == "start")
+        """Wait at the barrier; False where the run is called off."""
+        while (order := self.channel.receive())["kind"] not in ("start", "stop"):
+            self._orders.append(order)
+        return bool(order["kind"] == "start")
 
     def _run(self) -> None:
         assert self.worker is not None
         self.worker.watch(self.channel.fileno(), self._listen)
-        self._obey(self.channel.buffered())
+        self._obey([*self._orders, *self.channel.buffered()])
         signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
         threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
         self.worker.run()
 
     def _listen(self) -> bool:
-        """Something came from the launcher, or it is gone."""
+        """Something came from the agent, or it is gone."""
         assert self.worker is not None
         try:
             self._obey(self.channel.arrived())
@@ -125,7 +135,7 @@ class Child:
 
 
 def _exit_later() -> None:
-    """The launcher is gone: leave the worker its grace, then end the process whatever it does."""
+    """The agent is gone: leave the worker its grace, then end the process whatever it does."""
     time.sleep(GRACE)
     os._exit(1)
 
@@ -138,7 +148,7 @@ def _shared_words(fd: int, edges: int) -> memoryview:
 
 def main() -> int:
     """Entry of the process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the launcher decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the agent decides
     channel = Channel(socket.socket(fileno=int(sys.argv[1])))
     try:
         Child(channel).live()

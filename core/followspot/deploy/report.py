@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import numpy as np
+
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.latency import PathLatency
-from followspot.runtime.ledger import EdgeCount, Ledger
+from followspot.runtime.ledger import COLUMNS, EdgeCount, Ledger
 from followspot.runtime.worker import Worker
 
 MAX_WARNINGS = 200
@@ -65,6 +67,10 @@ class RunReport:
     workers: tuple[WorkerReport, ...]
     edges: tuple[tuple[PlannedEdge, EdgeCount], ...]
     errors: tuple[str, ...] = field(default=())
+    news: tuple[str, ...] = ()
+    """What broke during the run and was mended."""
+    outs: Mapping[str, str] = field(default_factory=dict)
+    """Where the outputs are that were written on other hosts, by host."""
 
     @property
     def frames(self) -> int:
@@ -73,8 +79,8 @@ class RunReport:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of all workers."""
-        return tuple(text for worker in self.workers for text in worker.warnings)
+        """Of all workers, and what broke and was mended."""
+        return (*self.news, *(text for worker in self.workers for text in worker.warnings))
 
     @property
     def unbalanced(self) -> tuple[str, ...]:
@@ -126,14 +132,40 @@ def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = ""
     )
 
 
-def edge_counts(plan: Plan, ledger: Ledger) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
-    """Each edge with its counts."""
-    return tuple((edge, ledger.count(number)) for number, edge in enumerate(plan.edges))
+def edge_counts(
+    plan: Plan, ledger: Ledger, restarts: Mapping[str, int]
+) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
+    """Each edge with its counts; restarts: of each worker, for messages are lost with a worker that dies."""
+    home = {stage.name: stage.worker for stage in plan.stages}
+    counted = []
+    for number, edge in enumerate(plan.edges):
+        deaths = sum(restarts.get(worker, 0) for worker in {home[edge.from_stage], home[edge.to_stage]})
+        most = deaths * (max(edge.depth, edge.delay + 2) + 1)
+        counted.append((edge, ledger.count(number).with_lost(most)))
+    return tuple(counted)
+
+
+def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
+    """The ledger of a run from those of its hosts: each counts what happens to a message there."""
+    words = np.zeros(edges * COLUMNS, np.int64)
+    for found in counts:
+        if len(found) == len(words):
+            words += np.array(found, np.int64)
+    return Ledger(edges, memoryview(words.tobytes()).cast("q"))
 
 
 def merge(
-    plan: Plan, ledger: Ledger, workers: Sequence[WorkerReport], seconds: float, *, stopped: bool
+    plan: Plan,
+    ledger: Ledger,
+    workers: Sequence[WorkerReport],
+    seconds: float,
+    *,
+    stopped: bool,
+    restarts: Mapping[str, int] | None = None,
+    news: Sequence[str] = (),
+    outs: Mapping[str, str] | None = None,
 ) -> RunReport:
     """One report from those of all workers."""
     errors = tuple(worker.error for worker in workers if worker.error)
-    return RunReport(plan, seconds, stopped, tuple(workers), edge_counts(plan, ledger), errors)
+    edges = edge_counts(plan, ledger, restarts or {})
+    return RunReport(plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), outs or {})

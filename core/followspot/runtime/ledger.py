@@ -1,9 +1,9 @@
-"""The ledger: for each edge, sent = delivered + dropped + late + unmatched + invalid + in flight."""
+"""The ledger: for each edge, sent = delivered + dropped + late + unmatched + invalid + lost + in flight."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 SENT, DELIVERED, DROPPED, LATE, UNMATCHED, INVALID, SHED = range(7)
 """Columns of an edge's row. Sent and shed (dropped before it left) are the sender's, the rest the reader's:
@@ -24,11 +24,18 @@ class EdgeCount:
     invalid: int
     in_flight: int
     """Sent and not yet accounted for by the reader: 0 after a clean end."""
+    lost: int = 0
+    """On their way to or from a worker when it died."""
 
     @property
     def balanced(self) -> bool:
         """Whether every message is accounted for; holds at the end of every run that ended cleanly."""
         return self.in_flight == 0
+
+    def with_lost(self, most: int) -> EdgeCount:
+        """At the end of a run nothing is under way: what seems to be was lost with a worker, up to `most`."""
+        lost = max(0, min(self.in_flight, most))
+        return replace(self, in_flight=self.in_flight - lost, lost=lost)
 
 
 class Ledger:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import zenoh
 
 from followspot.errors import FollowspotError
+from followspot.transport.zenoh_network import LOOPBACK, Network
 
-LOOPBACK = ("tcp/127.0.0.1:0",)
-"""Listen on a free port that no other host can reach."""
+Mode = Literal["peer", "router"]
 
 _SETTINGS: dict[str, Any] = {
-    "mode": "peer",
     "scouting/multicast/enabled": False,  # peers are named; those make the others known by gossip
     "transport/shared_memory/enabled": False,  # the ring does better, and leaves nothing in /dev/shm
-    "transport/link/tx/lease": 3000,  # ms until a silent peer counts as dead; a closed one is noticed at once
+    "transport/link/tx/lease": 1500,  # ms until a silent peer counts as dead; a closed one is noticed at once
     "connect/exit_on_failure": False,  # peers may start in any order
     "connect/timeout_ms": -1,  # for ever, in the background
     "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000},
@@ -25,26 +25,64 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) -> zenoh.Session:
-    """Open a peer session; close it in a `finally`, or the process never exits.
+def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
+    """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
 
-    listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
+    Raises FollowspotError where an endpoint is open to other hosts without certificates or consent.
+    """
+    if network.exposed and not network.insecure:
+        raise FollowspotError(
+            f"{network.exposed[0]} is open to other hosts without protection; "
+            "use tls/ with certificates, or say --insecure"
+        )
+    settings = {
+        "mode": mode,
+        "listen/endpoints": list(network.listen),
+        "connect/endpoints": list(network.connect),
+        **_SETTINGS,
+    }
+    if network.certificates:
+        settings["transport/link/tls"] = _tls(Path(network.certificates))
+    config = zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def connected(network: Network, mode: Mode = "peer") -> zenoh.Session:
+    """Open a session; close it in a `finally`, or the process never exits.
+
     Raises FollowspotError where an endpoint cannot be used.
     """
-    config = zenoh.Config()
-    endpoints = {"listen/endpoints": list(listen), "connect/endpoints": list(connect)}
     try:
-        for key, value in (_SETTINGS | endpoints).items():
-            config.insert_json5(key, json.dumps(value))
-        return zenoh.open(config)
+        return zenoh.open(config_of(network, mode))
     except zenoh.ZError as error:
-        where = f"listen on {', '.join(listen)} or connect to {', '.join(connect) or 'nobody'}"
+        there = ", ".join(network.connect) or "nobody"
+        where = f"listen on {', '.join(network.listen)} or connect to {there}"
         raise FollowspotError(f"Zenoh cannot {where}: {error}") from None
 
 
-def locators(session: zenoh.Session) -> list[str]:
+def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) -> zenoh.Session:
+    """Open a peer session within this host. Raises FollowspotError."""
+    return connected(Network(tuple(listen), tuple(connect)))
+
+
+def locators(session: zenoh.Session, mode: Mode = "peer") -> list[str]:
     """Where other sessions can reach this one, with the ports that were free. Raises FollowspotError."""
-    for reply in session.get(f"@/{session.zid()}/peer", timeout=5.0):
+    for reply in session.get(f"@/{session.zid()}/{mode}", timeout=5.0):
         if reply.ok is not None:
             return [str(locator) for locator in json.loads(reply.ok.payload.to_bytes())["locators"]]
     raise FollowspotError("Zenoh does not say where it listens")
+
+
+def _tls(folder: Path) -> dict[str, Any]:
+    """Mutual TLS: either side shows the certificate in the folder, signed by the authority there."""
+    certificate, key = str(folder / "cert.pem"), str(folder / "key.pem")
+    return {
+        "root_ca_certificate": str(folder / "ca.pem"),
+        "listen_certificate": certificate,
+        "listen_private_key": key,
+        "connect_certificate": certificate,
+        "connect_private_key": key,
+        "enable_mtls": True,
+    }

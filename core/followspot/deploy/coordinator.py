@@ -1,0 +1,158 @@
+"""The operator's side of a run: all hosts ready, all begin, one report, whatever the hosts are."""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Iterator, Sequence
+
+from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
+from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
+from followspot.deploy.report import RunReport, WorkerReport, merge, summed
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+from followspot.runtime.wiring import RunOptions
+from followspot.runtime.worker import Progress
+
+_GRACE = 20.0
+"""Seconds that hosts have to end after a stop."""
+
+
+class Coordinator:
+    """A run of a plan on one host or many."""
+
+    def __init__(
+        self, plan: Plan, options: RunOptions, hosts: Sequence[Host], *, restart: bool = False
+    ) -> None:
+        """hosts: every host that the plan names; restart: whether workers that die are started again."""
+        self.plan = plan
+        self.hosts = tuple(hosts)
+        self.stopped = False
+        self.order = RunOrder(
+            uuid.uuid4().hex, plan_to_data(plan), options.frames, str(options.out.resolve()), restart
+        )
+        self._stop_asked = self._winding_down = False
+        self._give_up_at: float | None = None
+        self._silent: dict[str, str] = {}
+        """Hosts that do not answer, and what is known of that."""
+
+    def stop(self) -> None:
+        """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
+        self.stopped = True
+        self._stop_asked = True
+
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Start all workers together, run to the end, gather the report. Leaves nothing behind.
+
+        Raises FollowspotError where a host refuses its part.
+        """
+        try:
+            for host in self.hosts:
+                host.prepare(self.order)
+            if not self._all_ready():
+                self._end_early()
+                self._attend(None)
+                return self._report(0.0)
+            return self.follow(on_progress)
+        finally:
+            for host in self.hosts:
+                host.close()
+
+    def follow(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Begin, and watch to the end."""
+        for host in self.hosts:
+            host.start()
+        started = time.monotonic()
+        self._attend(on_progress)
+        return self._report(time.monotonic() - started)
+
+    def _all_ready(self) -> bool:
+        """Wait for every worker everywhere; False where one failed or the user stopped."""
+        while not all(worker.phase == "ready" for worker in self._workers()):
+            self._look(None)
+            if self._stop_asked or self._failed():
+                return False
+        return True
+
+    def _attend(self, on_progress: OnProgress | None) -> None:
+        """Watch until every worker has ended, or nobody can tell."""
+        while not all(self._over(host) for host in self.hosts):
+            self._look(on_progress)
+            if self._stop_asked or self._failed():
+                self._end_early()
+            if self._give_up_at is not None and time.monotonic() > self._give_up_at:
+                return
+            if not self._winding_down and any(worker.phase == "over" for worker in self._workers()):
+                self._winding_down = True
+                for host in self.hosts:
+                    host.wind_down()
+
+    def _look(self, on_progress: OnProgress | None) -> None:
+        for host in self.hosts:
+            try:
+                host.attend(PROGRESS_PERIOD / len(self.hosts))
+                self._silent.pop(host.name, None)
+            except HostLost as error:
+                self._silent[host.name] = str(error)
+        if on_progress is not None:
+            on_progress(self._progress(), self._expected())
+
+    def _end_early(self) -> None:
+        """Ask every worker to finish what is in flight; once."""
+        self._stop_asked = False
+        if self._give_up_at is None:
+            self._give_up_at = time.monotonic() + _GRACE
+            for host in self.hosts:
+                host.stop()
+
+    def _over(self, host: Host) -> bool:
+        """Whether nothing more is to be expected of a host."""
+        if host.name in self._silent and (self._give_up_at is not None or not self.order.restart):
+            return True
+        return host.status().all("over")
+
+    def _failed(self) -> bool:
+        """Whether something ended in a way that ends the run."""
+        lost = bool(self._silent) and not self.order.restart
+        return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
+
+    def _workers(self) -> Iterator[WorkerStatus]:
+        return (worker for host in self.hosts for worker in host.status().workers)
+
+    def _report(self, seconds: float) -> RunReport:
+        """One report from the last pictures of all hosts, workers in the order of the plan."""
+        found = {worker.name: worker for worker in self._workers()}
+        reports = [self._worker_report(w.name, w.host, found.get(w.name)) for w in self.plan.workers]
+        restarts = {name: worker.restarts for name, worker in found.items()}
+        statuses = {host.name: host.status() for host in self.hosts}
+        return merge(
+            self.plan,
+            summed([status.counts for status in statuses.values()], len(self.plan.edges)),
+            reports,
+            seconds,
+            stopped=self.stopped,
+            restarts=restarts,
+            news=[_where(name, line) for name, status in statuses.items() for line in status.news],
+            outs={name: status.out for name, status in statuses.items() if name},
+        )
+
+    def _worker_report(self, name: str, host: str, found: WorkerStatus | None) -> WorkerReport:
+        if found is not None and found.report is not None:
+            return found.report
+        why = self._silent.get(host, f"worker {name} did not end in time")
+        return WorkerReport(name, 0, error=why)
+
+    def _progress(self) -> Progress:
+        """Of the sink that is furthest behind; of the sources where no stage is a sink."""
+        senders = {edge.from_stage for edge in self.plan.edges}
+        sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
+        workers = list(self._workers())
+        fired = [worker.fired for worker in workers if worker.name in sinks]
+        return Progress(min(fired, default=0), max((worker.time for worker in workers), default=-1))
+
+    def _expected(self) -> int | None:
+        return max((w.expected for w in self._workers() if w.expected is not None), default=None)
+
+
+def _where(host: str, line: str) -> str:
+    return f"{host}: {line}" if host else line

@@ -1,0 +1,115 @@
+"""What the operator's side and a host say to each other about a run: orders one way, a status the other.
+
+All of it is plain data. The status is a picture of the whole, not a stream of events: whoever missed one,
+or comes later, has nothing to catch up on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, Protocol
+
+import pydantic
+
+from followspot.deploy.report import WorkerReport
+from followspot.errors import FollowspotError
+
+WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
+"""absent: it died, and will be started again; over: it has ended, one way or the other."""
+
+
+@dataclass(frozen=True)
+class RunOrder:
+    """Everything that a host must know to prepare its part of a run.
+
+    run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
+    all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
+    started again.
+    """
+
+    run: str
+    plan: dict[str, Any]
+    frames: int | None = None
+    out: str | None = None
+    restart: bool = False
+
+
+@dataclass(frozen=True)
+class WorkerStatus:
+    """One worker: how far it is, how often it was started again, and in the end its report."""
+
+    name: str
+    phase: WorkerPhase
+    fired: int = 0
+    time: int = -1
+    """Newest capture time that a source sent, ns; -1 before the first."""
+    expected: int | None = None
+    restarts: int = 0
+    report: WorkerReport | None = None
+
+
+@dataclass(frozen=True)
+class HostStatus:
+    """A host's part of a run.
+
+    counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
+    it, oldest first; out: where its outputs are.
+    """
+
+    workers: tuple[WorkerStatus, ...]
+    counts: tuple[int, ...]
+    news: tuple[str, ...] = ()
+    out: str = ""
+
+    def all(self, *phases: WorkerPhase) -> bool:
+        """Whether every worker is in one of these phases."""
+        return all(worker.phase in phases for worker in self.workers)
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+
+class HostLost(FollowspotError):
+    """The host does not answer."""
+
+
+class Host(Protocol):
+    """One host's part of one run, near or far."""
+
+    name: str
+
+    def prepare(self, order: RunOrder) -> None:
+        """Start the workers, to wait for each other and for `start`. Raises FollowspotError."""
+
+    def start(self) -> None:
+        """All hosts are ready: begin."""
+
+    def stop(self) -> None:
+        """End the sources; what is in flight is finished."""
+
+    def wind_down(self) -> None:
+        """Somewhere a worker has come to its end: who dies from now on is not started again."""
+
+    def attend(self, timeout: float) -> None:
+        """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""
+
+    def status(self) -> HostStatus:
+        """The newest picture there is."""
+
+    def close(self) -> None:
+        """Leave nothing behind: what still lives is killed."""
+
+
+_ORDER: pydantic.TypeAdapter[RunOrder] = pydantic.TypeAdapter(RunOrder)
+_STATUS: pydantic.TypeAdapter[HostStatus] = pydantic.TypeAdapter(HostStatus)
+
+
+def order_from_data(data: Any) -> RunOrder:
+    """An order that came from elsewhere. Raises ValueError."""
+    return _ORDER.validate_python(data)
+
+
+def status_from_data(data: Any) -> HostStatus:
+    """A status that came from elsewhere. Raises ValueError."""
+    return _STATUS.validate_python(data)

@@ -1,0 +1,217 @@
+"""A host's part of a run: its workers, the rings between them, the memory of the ledger."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import selectors
+import time
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from followspot.deploy.host import HostStatus, RunOrder
+from followspot.deploy.links import uses_zenoh
+from followspot.deploy.report import WorkerReport
+from followspot.deploy.rings import Rings
+from followspot.deploy.supervision import Pulse, back_off
+from followspot.deploy.worker_process import WorkerProcess
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data
+from followspot.runtime.ledger import COLUMNS, Ledger
+from followspot.transport.zenoh_network import Network
+
+_GRACE = 15.0
+"""Seconds that workers have to drain after a stop before they are killed."""
+_MAX_NEWS = 200
+"""Lines of news kept."""
+_SNAPSHOT_PERIOD = 1.0
+"""Seconds between two pictures of the state of a worker's stages, where workers are restarted."""
+
+
+class HostRun:
+    """`Host` whose workers are children of this process.
+
+    name: of the host, "" for the operator's own; network: for the Zenoh sessions of workers;
+    hub: locators of a session that brings them together, empty where they find each other in turn.
+    """
+
+    def __init__(self, name: str, network: Network = Network(), hub: Sequence[str] = ()) -> None:
+        self.name = name
+        self.network = network
+        self.hub = tuple(hub)
+        self.workers: dict[str, WorkerProcess] = {}
+        self.ledger = Ledger(0)
+        self.out = ""
+        self.news: list[str] = []
+        self._selector = selectors.DefaultSelector()
+        self._running = self._stopping = self._ending = False
+        self._restart_at: dict[str, float] = {}
+        self._states: dict[str, dict[str, Any]] = {}
+        self._snapshot_at = 0.0
+        self._kill_at: float | None = None
+        self._pulse = Pulse()
+
+    def prepare(self, order: RunOrder) -> None:
+        """Start all workers, each with its ends of the rings. Raises FollowspotError, OSError."""
+        self.order = order
+        self.plan: Plan = plan_from_data(order.plan)
+        self._plan_data = order.plan
+        self.out = str(Path(order.out or ".").resolve())
+        edges = len(self.plan.edges)
+        self._ledger_fd = os.memfd_create("followspot-ledger", os.MFD_CLOEXEC)
+        size = max(1, edges * COLUMNS * 8)
+        os.ftruncate(self._ledger_fd, size)
+        self.ledger = Ledger(edges, memoryview(mmap.mmap(self._ledger_fd, size)).cast("q"))
+        mine = [worker.name for worker in self.plan.workers if worker.host == self.name]
+        self.rings = Rings(self.plan, set(mine))
+        for name in mine:
+            self._spawn(name, 0)
+
+    def start(self) -> None:
+        """Let all begin at once."""
+        self._running = True
+        for worker in self.workers.values():
+            self._begin(worker)
+
+    def stop(self) -> None:
+        """Ask every worker to finish what is in flight; once."""
+        if self._stopping:
+            return
+        self._stopping = True
+        self._kill_at = time.monotonic() + _GRACE
+        for worker in self.workers.values():
+            worker.tell("stop")
+        for name in list(self._restart_at):
+            self._give_up(self.workers[name], error="")
+
+    def wind_down(self) -> None:
+        """Start nobody again."""
+        self._ending = True
+
+    def attend(self, timeout: float) -> None:
+        """Hear what workers say, restart those that died, kill those that hang."""
+        for key, _ in self._selector.select(timeout):
+            self._listen(key.data)
+        now = time.monotonic()
+        if self.order.restart and self._running and not self._stopping:
+            self._supervise(now)
+        if self._kill_at is not None and now > self._kill_at:
+            self._kill_at = None
+            for worker in self.workers.values():
+                if worker.busy:
+                    worker.process.kill()
+
+    def status(self) -> HostStatus:
+        """The newest picture."""
+        workers = tuple(worker.status() for worker in self.workers.values())
+        return HostStatus(workers, tuple(self.ledger.words.tolist()), tuple(self.news), self.out)
+
+    def fileno(self) -> int:
+        """Readable when `attend` has something to hear."""
+        assert isinstance(self._selector, selectors.EpollSelector)
+        return self._selector.fileno()
+
+    def close(self) -> None:
+        """Leave no process behind."""
+        for worker in self.workers.values():
+            worker.end()
+        if hasattr(self, "rings"):
+            self.rings.close()
+        self._selector.close()
+
+    def _spawn(self, name: str, incarnation: int) -> None:
+        """Start one worker and tell it what it is."""
+        worker = self.workers[name] = WorkerProcess(name, incarnation)
+        self._selector.register(worker.channel, selectors.EVENT_READ, worker)
+        ends = self.rings.renew(name) if incarnation else self.rings.take(name)
+        for end in ends:
+            with end.socket:
+                self.workers[end.worker].tell(
+                    "ring", (end.socket.fileno(),), edge=end.edge, side=end.side, new=end.worker != name
+                )
+        worker.tell(
+            "plan",
+            (self._ledger_fd,),
+            worker=name,
+            plan=self._plan_data,
+            out=self.out,
+            frames=self.order.frames,
+            run=self.order.run,
+            network=asdict(self.network.for_worker(self._peers())),
+            incarnation=incarnation,
+            restart=self.order.restart,
+            states=self._states.get(name, {}),
+        )
+        if not self.hub and uses_zenoh(self.plan, name):  # each connects to those before it
+            while not worker.locators and worker.busy:
+                self._listen(worker)
+
+    def _peers(self) -> list[str]:
+        return [*self.hub, *(locator for worker in self.workers.values() for locator in worker.locators)]
+
+    def _begin(self, worker: WorkerProcess) -> None:
+        worker.phase = "running"
+        worker.tell("start")
+
+    def _listen(self, worker: WorkerProcess) -> None:
+        before = worker.phase
+        channel = worker.channel.fileno()
+        for message in worker.listen():
+            if message["kind"] == "state":
+                self._states.setdefault(worker.name, {})[message["stage"]] = message["state"]
+        if not worker.open:
+            self._selector.unregister(channel)
+        if before == "starting" and worker.phase == "ready" and self._running:
+            self._begin(worker)
+            self.news.append(f"worker {worker.name} is back")
+        if worker.phase not in ("over", "absent") and not worker.busy:
+            self._ended(worker)
+
+    def _ended(self, worker: WorkerProcess) -> None:
+        """A worker has reported, or died."""
+        report = worker.report
+        failed_again = report is not None and bool(report.error) and worker.incarnation and worker.fired == 0
+        if report is not None and not failed_again:
+            worker.phase = "over"
+            return
+        if report is None and worker.process.poll() is None:
+            worker.process.kill()
+        why = worker.obituary() if report is None else report.error
+        if not (self.order.restart and self._running) or self._stopping or self._ending:
+            self._give_up(worker, error="" if self._stopping and self.order.restart else why)
+            return
+        wait = back_off(worker.incarnation)
+        worker.phase = "absent"
+        self._restart_at[worker.name] = time.monotonic() + wait
+        self._tell_news(f"{why}; it is started again in {wait:.1f} s")
+
+    def _give_up(self, worker: WorkerProcess, error: str) -> None:
+        """The worker has ended without a report, for good."""
+        self._restart_at.pop(worker.name, None)
+        worker.phase = "over"
+        warnings = () if error else (f"worker {worker.name} was not there at the end",)
+        worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error)
+
+    def _supervise(self, now: float) -> None:
+        """Kill who hangs, start who died, and keep the state of those that live."""
+        silent = self._pulse.silent({w.name: w.heard for w in self.workers.values()}, now)
+        for name in silent:
+            worker = self.workers[name]
+            if worker.phase == "running" and worker.busy:
+                self._tell_news(f"worker {name} (process {worker.process.pid}) hangs; it is killed")
+                worker.process.kill()
+                worker.heard = now
+        for name in [name for name, at in self._restart_at.items() if at <= now]:
+            del self._restart_at[name]
+            self._spawn(name, self.workers[name].incarnation + 1)
+        if now >= self._snapshot_at:
+            self._snapshot_at = now + _SNAPSHOT_PERIOD
+            for worker in self.workers.values():
+                if worker.phase == "running":
+                    worker.tell("snapshot")
+
+    def _tell_news(self, line: str) -> None:
+        self.news.append(line)
+        del self.news[:-_MAX_NEWS]

@@ -1,0 +1,107 @@
+"""One worker's process as its host sees it."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+import time
+from typing import Any
+
+from followspot.deploy.channel import Channel, ChannelClosed
+from followspot.deploy.host import WorkerPhase, WorkerStatus
+from followspot.deploy.report import WorkerReport
+
+_PATIENCE = 5.0
+"""Seconds that a worker that has reported may take to exit."""
+
+
+class WorkerProcess:
+    """A process that was started, and what it has told since.
+
+    incarnation: how often the worker had been started before.
+    """
+
+    def __init__(self, name: str, incarnation: int) -> None:
+        """Start the process; it waits for its plan. Raises OSError."""
+        ours, theirs = socket.socketpair()
+        with theirs:
+            self.process = subprocess.Popen(
+                [sys.executable, "-m", "followspot.deploy.child", str(theirs.fileno())],
+                pass_fds=[theirs.fileno()],
+                stdin=subprocess.DEVNULL,
+            )
+        self.name = name
+        self.incarnation = incarnation
+        self.channel = Channel(ours)
+        self.open = True
+        """Whether the channel still is."""
+        self.phase: WorkerPhase = "starting"
+        self.fired = 0
+        self.time = -1
+        self.expected: int | None = None
+        self.locators: list[str] = []
+        self.report: WorkerReport | None = None
+        self.heard = time.monotonic()
+
+    @property
+    def busy(self) -> bool:
+        """Whether more is to be heard of it."""
+        return self.open and self.report is None
+
+    def tell(self, kind: str, descriptors: tuple[int, ...] = (), **data: Any) -> None:
+        """Send an order; where the worker is gone, that is noticed where its answers are read."""
+        try:
+            self.channel.send(kind, descriptors, **data)
+        except ChannelClosed:
+            return
+
+    def listen(self) -> list[dict[str, Any]]:
+        """What has arrived; call when the channel is readable. Closes it where the worker is gone."""
+        try:
+            messages = self.channel.arrived()
+        except (ChannelClosed, ValueError):
+            self.open = False
+            self.channel.close()
+            return []
+        self.heard = time.monotonic()
+        for message in messages:
+            self._hear(message)
+        return messages
+
+    def _hear(self, message: dict[str, Any]) -> None:
+        kind = message["kind"]
+        if kind == "progress":
+            self.fired, self.time = message["fired"], message["time"]
+        elif kind == "ready":
+            self.phase, self.expected = "ready", message["expected"]
+        elif kind == "listening":
+            self.locators = message["locators"]
+        elif kind == "done":
+            self.report = WorkerReport.from_data(message["report"])
+        elif kind == "failed":
+            self.report = WorkerReport(self.name, 0, error=message["error"])
+
+    def status(self) -> WorkerStatus:
+        """As data."""
+        return WorkerStatus(
+            self.name, self.phase, self.fired, self.time, self.expected, self.incarnation, self.report
+        )
+
+    def obituary(self) -> str:
+        """How the process ended that did not report."""
+        code = self.process.wait()
+        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+        return f"worker {self.name} (process {self.process.pid}) died: {how}"
+
+    def end(self) -> None:
+        """Kill the process unless it has reported and exits by itself."""
+        try:
+            self.process.wait(timeout=_PATIENCE if self.report is not None else 0.0)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+        if self.open:
+            self.open = False
+            self.channel.close()

@@ -1,0 +1,55 @@
+"""Where a Zenoh session listens, whom it connects to, and what protects it; data, without Zenoh itself."""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+LOOPBACK = ("tcp/127.0.0.1:0",)
+"""Listen on a free port that no other host can reach."""
+_SECURE = ("tls/", "quic/", "unixsock-stream/")
+
+
+@dataclass(frozen=True)
+class Network:
+    """Where a session listens, whom it connects to, and what protects it.
+
+    listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
+    certificates: folder with ``ca.pem``, ``cert.pem`` and ``key.pem``, empty for none;
+    insecure: whether the user accepts plain endpoints that other hosts reach.
+    """
+
+    listen: tuple[str, ...] = LOOPBACK
+    connect: tuple[str, ...] = ()
+    certificates: str = ""
+    insecure: bool = False
+
+    @property
+    def exposed(self) -> tuple[str, ...]:
+        """Endpoints beyond this host that nothing protects."""
+        return tuple(e for e in (*self.listen, *self.connect) if not e.startswith(_SECURE) and not _near(e))
+
+    def for_worker(self, hub: Sequence[str]) -> Network:
+        """The network of a worker: a free port where this one listens, connected to the hub's locators."""
+        return replace(self, listen=tuple(_any_port(e) for e in self.listen), connect=tuple(hub))
+
+
+def network_from_data(data: Mapping[str, Any]) -> Network:
+    """From JSON types, as `dataclasses.asdict` gave them."""
+    return Network(tuple(data["listen"]), tuple(data["connect"]), data["certificates"], data["insecure"])
+
+
+def _near(endpoint: str) -> bool:
+    """Whether only this host reaches the endpoint; what is no address is not refused here, but by Zenoh."""
+    host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host in ("", "localhost")
+
+
+def _any_port(endpoint: str) -> str:
+    address, _, options = endpoint.partition("#")
+    return address.rpartition(":")[0] + ":0" + (f"#{options}" if options else "")
