@@ -9,6 +9,7 @@ from typing import ClassVar
 
 from followspot import Source, Stage, at
 from followspot.tracking import Frame
+from followspot_sim.actor_parameters import ActorParams
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 
@@ -43,7 +44,7 @@ class SimCamera(Stage):
             yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)
 
 
-def schedule(params: SimParams) -> Iterator[tuple[int, int]]:
+def schedule(params: SimParams | ActorParams) -> Iterator[tuple[int, int]]:
     """Frame numbers with their capture times in ns, at the pace of the clock where that is wanted."""
     begin = time.monotonic()
     for frame in range(params.frames) if params.frames else itertools.count():
