@@ -1,0 +1,105 @@
+"""Targets and persons as Open Sound Control, as visual artists patch it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
+from pythonosc.osc_message_builder import OscMessageBuilder
+
+from followspot import Field, Stage, StageParams
+from followspot.people import Poses
+from followspot.tracking import Tracks
+from followspot_sinks.datagrams import Datagrams
+from followspot_sinks.slots import PersonSlots, Slots, with_tracks
+
+
+class OscSink(Stage):
+    """Base of the OSC sinks: a bundle a frame, one address for each group of values, floats only."""
+
+    class Params(StageParams):
+        """Where to send, and under which addresses."""
+
+        host: str = Field("127.0.0.1", description="receiver: name, address or multicast group")
+        port: int = Field(9000, ge=1, le=65535, description="UDP port of the receiver", unit="1")
+        interface: str = Field("127.0.0.1", description="own address to send into, for a multicast group")
+        prefix: str = Field("/followspot", pattern=r"^(/[\w.-]+)+$", description="start of every address")
+
+    params: Params
+    network: Datagrams | None = None
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        p = self.params
+        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
+
+    def send(self, slots: Slots, heading: bool) -> None:
+        """Send one bundle."""
+        if self.network is not None:
+            self.network.send(bundle(self.params.prefix, slots, heading))
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self.network is not None:
+            self.network.close()
+
+
+class Osc(OscSink):
+    """Send each target of the room to slot 1, 2, ... in the order of the room file.
+
+    `/followspot/1/tracked` 1 or 0, and while its place is known `/followspot/1/position` x y z (m) and
+    `/followspot/1/velocity` vx vy vz (m/s).
+    """
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        super().setup()
+        self.slots = Slots.free(len(self.room.targets))
+
+    def process(self, tracks: Tracks) -> None:
+        """Send one frame."""
+        self.slots = with_tracks(self.slots, tracks)
+        self.send(self.slots, heading=False)
+
+
+class OscPoses(OscSink):
+    """Send each person in a slot of their own: place of the head's top, speed, heading.
+
+    As `sinks.osc`, and `/followspot/1/heading` (rad, counter-clockwise from the room's x axis).
+    """
+
+    class Params(OscSink.Params):
+        slots: int = Field(8, ge=1, le=256, description="persons shown at a time", unit="1")
+        hold: float = Field(3.0, ge=0, description="how long a slot waits for one who is not seen", unit="s")
+
+    params: Params
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        super().setup()
+        self.persons = PersonSlots(self.params.slots, self.params.hold)
+
+    def process(self, poses: Poses) -> None:
+        """Send one frame."""
+        self.send(self.persons.after(poses), heading=True)
+
+
+def bundle(prefix: str, slots: Slots, heading: bool) -> bytes:
+    """One OSC bundle; slots are numbered from 1."""
+    build = OscBundleBuilder(IMMEDIATELY)
+    for row, known in enumerate(slots.known.tolist()):
+        address = f"{prefix}/{row + 1}"
+        _add(build, f"{address}/tracked", [float(known)])
+        if known:
+            _add(build, f"{address}/position", slots.position[row].tolist())
+            _add(build, f"{address}/velocity", slots.velocity[row].tolist())
+            if heading:
+                _add(build, f"{address}/heading", [float(slots.heading[row])])
+    return build.build().dgram
+
+
+def _add(build: OscBundleBuilder, address: str, values: Iterable[float]) -> None:
+    message = OscMessageBuilder(address)
+    for value in values:
+        message.add_arg(value, OscMessageBuilder.ARG_TYPE_FLOAT)
+    build.add_content(message.build())

@@ -1,0 +1,101 @@
+"""What a show sees: numbered slots, each with a place, a speed and whether its object is known now.
+
+Lights, sound and pictures are patched to numbers before the show, so an object keeps its slot: a target
+the one of its place in the room file, a person the lowest that was free when they came, until they are gone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.people import Poses
+from followspot.tracking import Tracks
+
+SECOND = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Slots:
+    """N slots, 1 to N in rows 0 to N - 1; of an object that is not known now, the last that was known.
+
+    names: (N,), "" for a slot that nobody has; known: (N,) bool; position: (N, 3) m, velocity: (N, 3) m/s;
+    heading: (N,) rad counter-clockwise from the room's x axis, 0 for objects without one.
+    """
+
+    names: tuple[str, ...]
+    known: Array
+    position: Array
+    velocity: Array
+    heading: Array
+
+    @staticmethod
+    def free(count: int) -> Slots:
+        """Slots that nobody has."""
+        zeros = np.zeros((count, 3))
+        return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count))
+
+
+def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
+    """The slots after one frame of targets; target t has row t."""
+    known = np.zeros_like(slots.known)
+    position, velocity = slots.position.copy(), slots.velocity.copy()
+    known[tracks.target] = True
+    position[tracks.target] = tracks.xyz
+    velocity[tracks.target] = tracks.velocity
+    return Slots(slots.names, known, position, velocity, slots.heading)
+
+
+class PersonSlots:
+    """Gives persons slots and takes them back.
+
+    count: of slots; who comes when all are taken is not shown. hold: s that a slot waits for a person who
+    is not seen.
+    """
+
+    def __init__(self, count: int, hold: float) -> None:
+        self.slots = Slots.free(count)
+        self.hold = round(hold * SECOND)
+        self._row: dict[int, int] = {}
+        self._seen = np.zeros(count, "i8")
+
+    def after(self, poses: Poses) -> Slots:
+        """The slots after one frame of persons; position is the top of the head."""
+        time, before = poses.header.time, self.slots
+        self._release(time - self.hold)
+        shown = [row for row, person in enumerate(poses.person.tolist()) if self._place(person)]
+        at = np.array([self._row[int(poses.person[row])] for row in shown], int)
+        known = np.zeros_like(before.known)
+        position, velocity, heading = (
+            before.position.copy(),
+            np.zeros_like(before.velocity),
+            before.heading.copy(),
+        )
+        place = np.column_stack([poses.xy, poses.height])[shown]
+        elapsed = (time - self._seen[at])[:, None] / SECOND
+        moving = before.known[at][:, None] & (elapsed > 0)
+        velocity[at] = np.divide(place - position[at], elapsed, out=np.zeros_like(place), where=moving)
+        known[at] = True
+        position[at] = place
+        heading[at] = poses.heading[shown]
+        self._seen[at] = time
+        names = [""] * len(known)
+        for person, row in self._row.items():
+            names[row] = f"person {person}"
+        self.slots = Slots(tuple(names), known, position, velocity, heading)
+        return self.slots
+
+    def _release(self, oldest: int) -> None:
+        """Take back the slots of persons last seen before this time, ns."""
+        self._row = {person: row for person, row in self._row.items() if self._seen[row] >= oldest}
+
+    def _place(self, person: int) -> bool:
+        """Whether the person has a slot now."""
+        if person not in self._row:
+            free = set(range(len(self._seen))) - set(self._row.values())
+            if not free:
+                return False
+            self._row[person] = min(free)
+        return True

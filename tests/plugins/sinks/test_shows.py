@@ -1,0 +1,204 @@
+"""What a show receives, by programs that are not ours: liblo's oscdump, and a PosiStageNet decoder."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import socket
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pypsn
+import pytest
+
+from followspot import Context, Header, Message, Room, Target
+from followspot.errors import InputError
+from followspot.messages import stamped
+from followspot.people import Poses
+from followspot.tracking import Tracks
+from followspot_sinks.osc import Osc, OscPoses
+from followspot_sinks.psn import Psn, PsnPoses, axes_matrix
+from followspot_sinks.slots import PersonSlots
+from followspot_sinks.udp_json import UdpJson
+
+ROOM = Room(targets={name: Target(name, 0.1) for name in ("red", "green", "blue")})
+
+
+def tracks(frame: int, *targets: int) -> Tracks:
+    count = len(targets)
+    message = Tracks(
+        target=np.array(targets, "i4"),
+        state=np.ones(count, "u1"),
+        xyz=np.array([[t + 1.0, -2.0, 0.5] for t in targets]).reshape(count, 3),
+        velocity=np.array([[0.25, 0.0, -t] for t in targets]).reshape(count, 3),
+        sigma=np.full((count, 3), 0.004),
+    )
+    return stamped(message, Header("track", frame, frame * 500_000_000))
+
+
+def poses(seconds: float, *persons: int) -> Poses:
+    count = len(persons)
+    message = Poses(
+        camera="",
+        person=np.array(persons, "i4"),
+        state=np.ones(count, "u1"),
+        xy=np.array([[person, seconds] for person in persons], float).reshape(count, 2),
+        height=np.full(count, 1.75),
+        heading=np.full(count, 0.5),
+        pan=np.zeros(count),
+        tilt=np.zeros(count),
+        sigma=np.zeros((count, 6)),
+        confidence=np.ones(count),
+    )
+    return stamped(message, Header("pose", 0, round(seconds * 1e9)))
+
+
+@pytest.fixture
+def receiver() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as own:
+        own.bind(("127.0.0.1", 0))
+        own.settimeout(5)
+        yield own
+
+
+def received(
+    sink: Osc | OscPoses | Psn | PsnPoses | UdpJson, messages: list[Message], own: socket.socket
+) -> list[bytes]:
+    """The datagrams that the sink sends for these messages."""
+    sink.setup()
+    packets = []
+    for message in messages:
+        sink.process(message)  # type: ignore[arg-type]
+    sink.close()
+    own.setblocking(False)
+    while True:
+        try:
+            packets.append(own.recv(65536))
+        except BlockingIOError:
+            return packets
+
+
+@pytest.mark.skipif(shutil.which("oscdump") is None, reason="needs oscdump (package liblo-tools)")
+def test_oscdump_prints_what_was_tracked() -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    dump = subprocess.Popen(["oscdump", "-L", str(port)], stdout=subprocess.PIPE, text=True)
+    assert dump.stdout is not None
+    sink = Osc(Context(room=ROOM), port=port)
+    sink.setup()
+    try:
+        while not listening(port):
+            assert dump.poll() is None
+        sink.process(tracks(0, 0, 2))
+        lines = [" ".join(dump.stdout.readline().split()[1:]) for _ in range(7)]
+    finally:
+        dump.kill()
+        dump.wait()
+        sink.close()
+    assert lines == [
+        "/followspot/1/tracked f 1.000000",
+        "/followspot/1/position fff 1.000000 -2.000000 0.500000",
+        "/followspot/1/velocity fff 0.250000 0.000000 0.000000",
+        "/followspot/2/tracked f 0.000000",
+        "/followspot/3/tracked f 1.000000",
+        "/followspot/3/position fff 3.000000 -2.000000 0.500000",
+        "/followspot/3/velocity fff 0.250000 0.000000 -2.000000",
+    ]
+
+
+def listening(port: int) -> bool:
+    """Whether some program has the UDP port; asking by binding it would take it from that program."""
+    tables = [Path(f"/proc/net/{name}").read_text() for name in ("udp", "udp6")]
+    return any(f":{port:04X} " in table for table in tables)
+
+
+def test_lights_receive_places_speeds_and_names(receiver: socket.socket) -> None:
+    sink = Psn(Context(room=ROOM), host="127.0.0.1", port=receiver.getsockname()[1])
+    first, names, second, third, again = received(sink, [tracks(0, 0, 2), tracks(1, 1), tracks(2)], receiver)
+    data = pypsn.parse_psn_packet(first)
+    assert (data.info.version_high, data.info.packet_count, data.info.frame_id) == (2, 1, 0)
+    assert [t.id for t in data.trackers] == [1, 2, 3]
+    assert list(data.trackers[2].pos) == [3.0, 0.5, -2.0]  # x, z, y of the room: y is up
+    assert list(data.trackers[2].speed) == [0.25, -2.0, 0.0]
+    assert [t.status for t in data.trackers] == [1.0, 0.0, 1.0]
+    info = pypsn.parse_psn_packet(names)
+    assert [(t.tracker_id, t.tracker_name) for t in info.trackers] == [
+        (1, b"red"),
+        (2, b"green"),
+        (3, b"blue"),
+    ]
+    later = pypsn.parse_psn_packet(second)
+    assert [t.status for t in later.trackers] == [0.0, 1.0, 0.0]
+    assert list(later.trackers[2].pos) == [3.0, 0.5, -2.0]  # where it was last
+    assert later.trackers[0].timestamp == 500_000  # µs
+    assert pypsn.parse_psn_packet(third).info.frame_id == 2
+    assert pypsn.parse_psn_packet(again).trackers[0].tracker_name == b"red"  # a second later
+
+
+def test_many_trackers_are_split_into_packets_that_fit_an_ethernet_frame(receiver: socket.socket) -> None:
+    room = Room(targets={f"t{n}": Target(f"t{n}", 0.1) for n in range(100)})
+    sink = Psn(Context(room=room), host="127.0.0.1", port=receiver.getsockname()[1])
+    packets = received(sink, [tracks(0, *range(100))], receiver)
+    assert max(map(len, packets)) <= 1472
+    data = [p for p in map(pypsn.parse_psn_packet, packets) if isinstance(p, pypsn.psn_data_packet)]
+    assert {p.info.packet_count for p in data} == {len(data)}
+    assert [t.id for p in data for t in p.trackers] == list(range(1, 101))
+
+
+def test_a_heading_turns_about_the_axis_that_is_up_on_stage(receiver: socket.socket) -> None:
+    for axes, turned in (
+        ("x z y", [0.0, -0.5, 0.0]),
+        ("x z -y", [0.0, 0.5, 0.0]),
+        ("x y z", [0.0, 0.0, 0.5]),
+    ):
+        sink = PsnPoses(Context(), host="127.0.0.1", port=receiver.getsockname()[1], slots=1, axes=axes)
+        packet = received(sink, [poses(0.0, 7)], receiver)[0]
+        assert list(pypsn.parse_psn_packet(packet).trackers[0].ori) == pytest.approx(turned), axes
+
+
+def test_axes_are_a_signed_permutation() -> None:
+    assert axes_matrix("x z -y").tolist() == [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+
+
+def test_a_person_keeps_a_slot_until_gone_for_good() -> None:
+    slots = PersonSlots(2, hold=3.0)
+    assert slots.after(poses(0.0, 4, 9)).names == ("person 4", "person 9")
+    shown = slots.after(poses(0.5, 9))
+    assert shown.known.tolist() == [False, True]
+    assert shown.velocity[1].tolist() == [0.0, 1.0, 0.0]
+    assert shown.position[0].tolist() == [4.0, 0.0, 1.75]  # where person 4 was last
+    assert slots.after(poses(1.0, 9, 5)).known.tolist() == [False, True]  # no slot is free yet
+    assert slots.after(poses(3.5, 9, 5)).names == ("person 5", "person 9")
+
+
+def test_any_message_as_json(receiver: socket.socket) -> None:
+    sink = UdpJson(Context(), port=receiver.getsockname()[1])
+    (packet,) = received(sink, [tracks(3, 1)], receiver)
+    told = json.loads(packet)
+    assert (told["type"], told["seq"], told["xyz"]) == ("Tracks", 3, [[2.0, -2.0, 0.5]])
+
+
+def test_a_message_too_long_for_a_datagram_is_told_of_once(receiver: socket.socket) -> None:
+    warnings: list[str] = []
+    sink = UdpJson(Context(warn=warnings.append), port=receiver.getsockname()[1])
+    assert received(sink, [tracks(frame, *range(3000)) for frame in range(3)], receiver) == []
+    assert len(warnings) == 1
+
+
+def test_a_network_that_takes_nothing_is_told_of_and_the_graph_goes_on() -> None:
+    warnings: list[str] = []
+    sink = UdpJson(Context(warn=warnings.append), host="255.255.255.255", port=9)
+    sink.setup()
+    for frame in range(4):
+        sink.process(tracks(frame, 1))
+    sink.close()
+    assert len(warnings) == 2
+    assert "4 packets for 255.255.255.255:9 were not sent" in warnings[1]
+
+
+def test_an_unknown_host_is_named() -> None:
+    with pytest.raises(InputError, match=r"no-such-host\.invalid"):
+        Osc(Context(room=ROOM), host="no-such-host.invalid").setup()
