@@ -1,1 +1,1 @@
-"""`followspot score`: tracks against ground truth."""
+"""`followspot score`: tracks and poses against ground truth."""

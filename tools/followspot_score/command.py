@@ -1,15 +1,59 @@
-"""What `followspot score` does."""
+"""What `followspot score` does: tracks of targets, or poses of persons, as the header of the file says."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.accuracy import read_tracks_csv, read_truth_csv, score, table, to_json
+from followspot.accuracy import (
+    persons_table,
+    persons_to_json,
+    read_pose_truth_csv,
+    read_poses_csv,
+    read_tracks_csv,
+    read_truth_csv,
+    score,
+    score_persons,
+    table,
+    to_json,
+)
+from followspot.accuracy.rows import header_of
+from followspot.errors import InputError, Mistake
+from followspot.messages import Array
 from followspot.room_file import load
+from followspot_score.plot import draw
 
 
-def score_files(tracks: Path, truth: Path, room: Path | None, *, as_json: bool) -> str:
-    """Scores of the tracks as a table or as JSON. Raises InputError."""
-    scores = score(read_tracks_csv(tracks), read_truth_csv(truth), load(room) if room else None)
+def score_files(
+    reported: Path, truth: Sequence[Path], room: Path | None, plots: Path | None, *, as_json: bool
+) -> str:
+    """Scores as a table or as JSON. Raises InputError, FollowspotError.
+
+    reported: tracks or poses; room: for tracks; plots: a folder for pictures of poses.
+    """
+    if "person" in header_of(reported):
+        return score_poses(reported, truth, plots, as_json=as_json)
+    if len(truth) > 1 or plots is not None:
+        text = f"{reported} has tracks of targets, which are scored against one file and without plots"
+        raise InputError([Mistake(None, text, "several files of truth and --plot are for poses of persons")])
+    scores = score(read_tracks_csv(reported), read_truth_csv(truth[0]), load(room) if room else None)
     return json.dumps(to_json(scores)) if as_json else table(scores)
+
+
+def score_poses(reported: Path, truth: Sequence[Path], plots: Path | None, *, as_json: bool) -> str:
+    """Scores of poses. truth: the file of the camera that they are relative to; several for fused poses."""
+    true = read_pose_truth_csv(*truth)
+
+    def viewpoint(camera: str) -> Array:
+        if len(truth) == 1:
+            return true.viewpoint
+        text = f"{reported} has poses relative to one camera {camera}".rstrip()
+        raise InputError([Mistake(None, text, "give the truth of that camera alone")])
+
+    poses = read_poses_csv(reported, viewpoint)
+    scores = score_persons(poses, true)
+    drawn = draw(poses, true, plots) if plots is not None else ""
+    if as_json:
+        return json.dumps(persons_to_json(scores))
+    return persons_table(scores) + (f"\n\n{drawn}" if drawn else "")

@@ -8,13 +8,19 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Score tracks against ground truth, per target.
+HELP = """Score tracks of targets or poses of persons against ground truth.
 
-Coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden, frames
-until recovery, jerk cost; with a room also the reprojection error (px). Rows are matched by time.
+Tracks, per target: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while
+hidden, frames until recovery, jerk cost; with a room also the reprojection error (px). Rows are
+matched by time.
+
+Poses, per person and in all: coverage (pose within 0.5 m of a person whose upper body is half visible),
+errors of direction, distance, height and position, torso heading, head pan and tilt, identity switches, time
+to acquire and to vanish, false persons. Fused poses take the truth of every camera.
 
   followspot score runs/latest/tracks.csv recordings/truth.csv
   followspot score tracks.csv truth.csv --room room.yaml --json
+  followspot score runs/latest/poses.csv recordings/panorama_gt.csv --plot pictures
 """
 
 
@@ -27,21 +33,32 @@ def followspot_commands() -> Sequence[Command]:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument(
-        "tracks", type=Path, metavar="TRACKS.csv", help="tracks as the stage sinks.csv writes them"
+        "reported",
+        type=Path,
+        metavar="TRACKS.csv",
+        help="tracks as the stage sinks.csv writes them, or poses as sinks.csv_poses does",
     )
     parser.add_argument(
         "truth",
         type=Path,
+        nargs="+",
         metavar="TRUTH.csv",
-        help="columns frame, time (s), object, x, y, z (m), hidden, trackable, pair (0 or 1)",
+        help="of tracks: columns time (s), object, x, y, z (m), hidden, trackable, pair (0 or 1); of"
+        " poses: time, person, x, y, z_head_top, r (m), torso_heading_room, torso_heading, head_pan,"
+        " head_tilt (rad), visible_upper (0 to 1)",
     )
-    parser.add_argument("--room", type=Path, help="room file, for the reprojection error")
-    parser.add_argument("--json", action="store_true", help="print one JSON object: target -> figures")
+    parser.add_argument("--room", type=Path, help="room file, for the reprojection error of tracks")
+    parser.add_argument(
+        "--plot", type=Path, metavar="DIR", help="draw errors of poses as histograms, and a plan"
+    )
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object: target or person -> figures"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
     """Read, score, print."""
     from followspot_score.command import score_files
 
-    print(score_files(args.tracks, args.truth, args.room, as_json=args.json))
+    print(score_files(args.reported, args.truth, args.room, args.plot, as_json=args.json))
     return 0

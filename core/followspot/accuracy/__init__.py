@@ -1,10 +1,13 @@
 """How good tracks and poses are, measured against ground truth.
 
-Read both (`read_tracks_csv`, `read_truth_csv`, or `truth_of` messages; likewise `read_poses_csv`,
-`read_pose_truth_csv`, `pose_truth_of`), `score` them, show the result with `table` or `to_json`. Pure
-numpy; nothing here knows how the tracks were made. `targets` and `persons` hold the figures of each.
+Of targets: read both (`read_tracks_csv`, `read_truth_csv`, or `truth_of` messages), `score` them, show the
+result with `table` or `to_json`. Of persons: likewise `read_poses_csv`, `read_pose_truth_csv` or
+`pose_truth_of`, `score_persons`, `persons_table`, `persons_to_json`. Pure numpy; nothing here knows how
+the tracks were made.
 """
 
+from followspot.accuracy.persons.report import persons_table, persons_to_json
+from followspot.accuracy.persons.scoring import PersonScore, PersonsScore, score_persons
 from followspot.accuracy.persons.tables import (
     PoseTable,
     PoseTruthTable,
@@ -23,17 +26,22 @@ from followspot.accuracy.targets.tables import (
 )
 
 __all__ = [
+    "PersonScore",
+    "PersonsScore",
     "PoseTable",
     "PoseTruthTable",
     "TargetScore",
     "TrackTable",
     "TruthTable",
+    "persons_table",
+    "persons_to_json",
     "pose_truth_of",
     "read_pose_truth_csv",
     "read_poses_csv",
     "read_tracks_csv",
     "read_truth_csv",
     "score",
+    "score_persons",
     "table",
     "to_json",
     "truth_of",

@@ -13,6 +13,7 @@ from followspot.errors import InputError, Mistake, Place
 
 MOST_ROWS = 5_000_000
 LONGEST_NAME = 100
+LARGEST = 2**31 - 1
 FLAGS = {"0": False, "1": True, "false": False, "true": True}
 
 
@@ -47,10 +48,10 @@ class Row:
         return value
 
     def integer(self, column: str) -> int:
-        """A whole number. Raises InputError."""
+        """A whole number from 0. Raises InputError."""
         value = self.number(column)
-        if value % 1:
-            raise self.mistake(column, "a whole number")
+        if value % 1 or not 0 <= value <= LARGEST:
+            raise self.mistake(column, f"a whole number from 0 to {LARGEST}")
         return int(value)
 
     def numbers(self, *columns: str) -> list[float]:

@@ -20,11 +20,11 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.accuracy import table, to_json
+    from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
     from followspot.deploy.launch import run_plan
-    from followspot.deploy.truth import run_scores
+    from followspot.deploy.truth import run_person_scores, run_scores
     from followspot.runtime.wiring import RunOptions
 
     plan = plan_of(args)
@@ -35,14 +35,17 @@ def _run(args: argparse.Namespace) -> int:
     finally:
         bar.close()
     try:
-        scores = run_scores(plan, out, report.frames)
+        targets = run_scores(plan, out, report.frames)
+        persons = run_person_scores(plan, out, report.frames)
     except FollowspotError as error:  # the run itself is done; its summary must not be lost
         print(f"followspot: the accuracy cannot be told: {error}", file=sys.stderr)
-        scores = {}
+        targets, persons = {}, None
     if args.json:
-        print(json.dumps(summary.data(report, to_json(scores))))
+        figures = persons_to_json(persons) if persons else {}
+        print(json.dumps(summary.data(report, to_json(targets), figures)))
     else:
-        print(summary.text(report, table(scores) if scores else ""))
+        tables = [table(targets)] * bool(targets) + ([persons_table(persons)] if persons else [])
+        print(summary.text(report, "\n\n".join(tables)))
         print(f"\noutputs: {out}")
     return 0 if report.ok else 1
 

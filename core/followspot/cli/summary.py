@@ -36,8 +36,8 @@ def text(report: RunReport, accuracy: str) -> str:
     return "\n\n".join(parts)
 
 
-def data(report: RunReport, targets: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary for scripts; targets: figures per target, empty where the room knows no truth."""
+def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary for scripts; targets, persons: figures of each, empty where the room knows no truth."""
     return {
         "graph": report.plan.graph,
         "room": report.plan.room.name,
@@ -46,6 +46,7 @@ def data(report: RunReport, targets: Mapping[str, Any]) -> dict[str, Any]:
         "stopped": report.stopped,
         "ok": report.ok,
         "targets": dict(targets),
+        "persons": dict(persons),
         "paths": [
             {
                 "from": path.origin,

@@ -1,0 +1,82 @@
+"""Which reported pose is which true person, frame by frame (CLEAR MOT, Bernardin & Stiefelhagen 2008)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
+from followspot.accuracy.statistics import half_interval, nearest
+from followspot.messages import Array
+
+REACH = 0.5
+"""Largest distance on the floor at which a pose covers a person, m; farther from everybody it is false."""
+LIMIT = 1.0
+"""Largest distance at which a pose's errors still count as errors of a person, m."""
+NOBODY = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Matches:
+    """Poses and persons that belong together in F frames with P persons and N poses.
+
+    row: (F, P) pose of each person, -1 without one; identity: (F, P) its number where it is within `REACH`,
+    else -1; frame: (N,) frame of each pose, -1 where none is near in time, or another pose of the same number
+    is nearer; apart: (N,) m to the nearest person of the frame, inf without one.
+    """
+
+    row: Array
+    identity: Array
+    frame: Array
+    apart: Array
+
+
+def match(poses: PoseTable, truth: PoseTruthTable) -> Matches:
+    """Match by time within half an interval of the truth, then by distance on the floor.
+
+    A pair of number and person that was matched before is kept while it is within `REACH`; of the others
+    the nearest are matched first.
+    """
+    frames, persons = truth.visible.shape
+    row = np.full((frames, persons), NOBODY)
+    identity = np.full((frames, persons), NOBODY)
+    frame = frame_of(poses, truth.time)
+    apart = np.full(len(poses.time), np.inf)
+    held = np.full(persons, NOBODY)
+    order = np.argsort(frame, kind="stable")
+    starts = np.searchsorted(frame[order], np.arange(frames + 1))
+    for f in range(frames):
+        rows = order[starts[f] : starts[f + 1]]
+        away = np.linalg.norm(poses.pose[rows, None, :2] - truth.pose[None, f, :, :2], axis=2)
+        away[np.isnan(away)] = np.inf
+        apart[rows] = away.min(axis=1, initial=np.inf)
+        kept = (poses.person[rows, None] == held) & (away <= REACH)
+        for r, p in pairs(np.where(kept, away - LIMIT, away)):
+            row[f, p] = rows[r]
+            if away[r, p] <= REACH:
+                identity[f, p] = held[p] = poses.person[rows[r]]
+    return Matches(row, identity, frame, apart)
+
+
+def frame_of(poses: PoseTable, time: Array) -> Array:
+    """(N,) the frame that each pose belongs to; -1 for none."""
+    if not len(time) or not len(poses.time):
+        return np.full(len(poses.time), NOBODY)
+    frame, late = nearest(time, poses.time)
+    soonest = np.argsort(late, kind="stable")
+    _, first = np.unique(np.column_stack([frame, poses.person])[soonest], axis=0, return_index=True)
+    chosen = np.zeros(len(frame), bool)
+    chosen[soonest[first]] = True
+    return np.where(chosen & (late <= half_interval(time)), frame, NOBODY)
+
+
+def pairs(cost: Array) -> list[tuple[int, int]]:
+    """Row and column of the smallest entry up to `LIMIT`, then of the smallest of other rows and columns."""
+    left = cost.copy()
+    found = []
+    while left.size and left.min() <= LIMIT:
+        r, p = divmod(int(left.argmin()), left.shape[1])
+        found.append((r, p))
+        left[r] = left[:, p] = np.inf
+    return found

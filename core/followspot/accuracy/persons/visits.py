@@ -1,0 +1,106 @@
+"""Persons who come, go and return: how soon they are found and let go, and whether they are known again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot.accuracy.persons.matching import NOBODY, Matches
+from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
+from followspot.messages import Array
+
+SEEN = 0.5
+"""Visible share of the upper body from which a person has to be tracked."""
+GONE = 0.05
+"""Visible share below which a person has left."""
+
+
+@dataclass(frozen=True)
+class Visit:
+    """Frames of one stay: from the first in which the person is seen to the first in which he is gone."""
+
+    start: int
+    end: int
+
+
+@dataclass(frozen=True)
+class Coming:
+    """What became of a person's visits.
+
+    acquire_s: for each, from being seen to the first right position, its whole length where none came;
+    vanish_s: for each that ended, how long the pose stayed; returns, known: visits of a person who was
+    tracked before, and how many of them under the same number.
+    """
+
+    acquire_s: tuple[float, ...] = ()
+    vanish_s: tuple[float, ...] = ()
+    returns: int = 0
+    known: int = 0
+
+
+def visits(visible: Array) -> list[Visit]:
+    """The visits of a person whose visible share is (F,)."""
+    found: list[Visit] = []
+    start = -1
+    for frame, share in enumerate(visible.tolist()):
+        if start < 0 and share >= SEEN:
+            start = frame
+        elif start >= 0 and share < GONE:
+            found.append(Visit(start, frame))
+            start = -1
+    return found if start < 0 else [*found, Visit(start, len(visible))]
+
+
+def coming(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) -> Coming:
+    """How the visits of the truth's person number `own` were tracked."""
+    stays = visits(truth.visible[:, own])
+    identity = matches.identity[:, own]
+    frames = len(truth.time)
+    moment = np.append(truth.time, truth.time[-1:] + _interval(truth.time))
+    acquire, vanish, known = [], [], []
+    last = NOBODY
+    for number, stay in enumerate(stays):
+        right = stay.start + np.flatnonzero(identity[stay.start : stay.end] != NOBODY)
+        found = right[0] if len(right) else stay.end
+        acquire.append(float(moment[found] - moment[stay.start]))
+        if len(right):
+            if last != NOBODY:
+                known.append(identity[right[0]] == last)
+            last = int(identity[right[-1]])
+        if len(right) and stay.end < frames:
+            until = stays[number + 1].start if number + 1 < len(stays) else frames
+            shown = ghosts(poses, matches, own, last, stay.end, until)
+            vanish.append(float(moment[shown[-1] + 1] - moment[stay.end]) if len(shown) else 0.0)
+    return Coming(tuple(acquire), tuple(vanish), len(known), sum(known))
+
+
+def ghosts(poses: PoseTable, matches: Matches, own: int, number: int, start: int, end: int) -> Array:
+    """Ascending frames from start to end in which the number is reported and is no other person's."""
+    frame = matches.frame
+    rows = np.flatnonzero((poses.person == number) & (frame >= start) & (frame < end))
+    others = np.delete(matches.identity, own, axis=1)
+    free = (others[frame[rows]] != number).all(axis=1)
+    return np.sort(frame[rows[free]])
+
+
+def switches(identity: Array) -> Array:
+    """(P,) how often a person got another number, or a number that was another person's.
+
+    identity: (F, P) numbers, -1 where there is none.
+    """
+    persons = identity.shape[1]
+    count = np.zeros(persons, int)
+    number: list[int] = [NOBODY] * persons
+    owner: dict[int, int] = {}
+    for f, p in np.argwhere(identity != NOBODY).tolist():
+        found = int(identity[f, p])
+        count[p] += number[p] not in (NOBODY, found) or owner.get(found, p) != p
+        number[p], owner[found] = found, p
+    return count
+
+
+def _interval(time: Array) -> Sequence[float] | float:
+    """Usual distance of neighbouring times, s."""
+    return float(np.median(np.diff(time))) if len(time) > 1 else 0.0
