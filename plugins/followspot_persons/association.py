@@ -1,0 +1,38 @@
+"""Which observation belongs to which person."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array
+
+
+def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
+    """Pairs (row, column) of lowest cost, each row and column at most once, none above the limit; greedily.
+
+    cost: (K, N), lower is better. Returns the pairs, the surest first.
+    """
+    cost = np.where(np.isfinite(cost), cost, np.inf).astype(float)
+    pairs = []
+    while cost.size and cost.min() <= limit:
+        row, column = np.unravel_index(cost.argmin(), cost.shape)
+        pairs.append((int(row), int(column)))
+        cost[row, :] = np.inf
+        cost[:, column] = np.inf
+    return pairs
+
+
+def box_distance(expected: Array, detected: Array, around: int = 0) -> Array:
+    """Distance of boxes' middles and of their sizes, in heights of the detected box.
+
+    expected: (K, 4) px x0 y0 x1 y1; detected: (N, 4); around: columns of a full turn, 0 for none.
+    Returns (K, N).
+    """
+    a, b = expected[:, None], detected[None]
+    height = np.maximum(b[..., 3] - b[..., 1], 1e-6)
+    across = (a[..., 0] + a[..., 2] - b[..., 0] - b[..., 2]) / 2
+    if around:
+        across = across - around * np.rint(across / around)
+    down = (a[..., 1] + a[..., 3] - b[..., 1] - b[..., 3]) / 2
+    size = np.log(np.maximum(a[..., 3] - a[..., 1], 1e-6) / height)
+    return np.asarray(np.hypot(np.hypot(across, down) / height, size))

@@ -1,0 +1,128 @@
+"""Where the features of posed bodies appear in the picture of a camera.
+
+A body is small against its distance, so five of its points are projected by the camera's own model, and
+the features are placed between them, to first order of their distance from the body's axis. This holds for
+every model of a camera and costs five projections a body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.geometry import project
+from followspot_persons.panorama import full_turn
+from followspot_persons.shape import ShapeModel, turn
+
+X, Y, HEIGHT, HEADING, PAN, TILT = range(6)
+"""Columns of a pose: m, m, m, rad, rad, rad; in the room."""
+ARM = 0.1
+"""Length beside the axis that measures the scale across, m."""
+MIN_DISTANCE = 0.3
+"""Of a body from the camera's axis, m; nearer ones are seen as if they stood there."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bearing:
+    """How P bodies stand towards the camera: distance on the floor (m), relative headings of chest and face
+    (rad, 0 towards the camera), and the unit vectors (P, 2) to the camera and to the right in its picture.
+    """
+
+    distance: Array
+    torso: Array
+    head: Array
+    toward: Array
+    right: Array
+
+
+@dataclass(frozen=True, eq=False)
+class BodyView:
+    """P bodies in a picture.
+
+    edge: (P, E, 2) and surface: (P, F, 2) px float32; normal: (P, E) rad, of the edges; visibility: (P, F);
+    box: (P, 4) px, x0 y0 x1 y1 of the upper body, not cut at the picture's edge nor wrapped.
+    """
+
+    edge: Array
+    normal: Array
+    surface: Array
+    visibility: Array
+    box: Array
+    bearing: Bearing
+
+
+def bearing(camera: Camera, pose: Array) -> Bearing:
+    """How bodies stand towards a camera. pose: (P, 6)."""
+    to_camera = camera.center[:2] - pose[:, :2]
+    distance = np.hypot(to_camera[:, 0], to_camera[:, 1])
+    toward = to_camera / np.maximum(distance, 1e-6)[:, None]
+    torso = pose[:, HEADING] - np.arctan2(toward[:, 1], toward[:, 0])
+    right = np.column_stack([-toward[:, 1], toward[:, 0]])
+    return Bearing(distance, torso, torso + pose[:, PAN], toward, right)
+
+
+def view(camera: Camera, shape: ShapeModel, pose: Array) -> BodyView:
+    """Features of posed bodies in the picture; NaN where a body has no image. pose: (P, 6)."""
+    stand = bearing(camera, pose)
+    turned = turn(shape, stand.torso, stand.head, pose[:, TILT])
+    axes = _axes(camera, shape, pose, stand)
+    normal = shape.outline.normal + np.arctan2(-axes.down[:, 0], axes.down[:, 1])[:, None]
+    edge = _placed(turned.edge, axes)
+    low = axes.top[:, 1] + (1 - shape.waist) * axes.down[:, 1]
+    box = np.column_stack([edge[..., 0].min(axis=1), edge[..., 1].min(axis=1), edge[..., 0].max(axis=1), low])
+    return BodyView(edge, normal, _placed(turned.surface, axes), turned.visibility, box, stand)
+
+
+@dataclass(frozen=True, eq=False)
+class _Axes:
+    """What a body height is in the picture, (P, 2) px each: downwards, to the right, and towards the camera
+    at the height of the head's top (`near`), and how the latter changes downwards (`near_down`).
+    """
+
+    top: Array
+    down: Array
+    right: Array
+    near: Array
+    near_down: Array
+
+
+def _axes(camera: Camera, shape: ShapeModel, pose: Array, stand: Bearing) -> _Axes:
+    """From images of five points: head's top and waist on the axis and before it, and beside the chest."""
+    count, height, waist = len(pose), pose[:, HEIGHT], shape.waist
+    place = stand.toward * np.minimum(stand.distance - MIN_DISTANCE, 0.0)[:, None] + pose[:, :2]
+    before, beside = place + ARM * stand.toward, place + ARM * stand.right
+    points = np.empty((5, count, 3))
+    points[..., :2] = place, place, before, before, beside
+    points[..., 2] = np.outer([1, waist, 1, waist, (1 + waist) / 2], height)
+    pixel = project(camera, points.reshape(-1, 3)).reshape(5, count, 2)
+    if full_turn(camera):
+        around = camera.size[0]
+        pixel[1:, :, 0] -= around * np.rint((pixel[1:, :, 0] - pixel[0, :, 0]) / around)
+    top, low, top_near, low_near, side = pixel
+    per_height = (height / ARM)[:, None]
+    near, below = (top_near - top) * per_height, 1 - waist
+    near_down = ((low_near - low) * per_height - near) / below
+    return _Axes(top, (low - top) / below, (side - (top + low) / 2) * per_height, near, near_down)
+
+
+def _placed(features: Array, axes: _Axes) -> Array:
+    """Features, (P, features, 3) right, up and towards the camera, in the picture: (P, features, 2) px."""
+    right, below, near = features[..., :1], 1 - features[..., 1:2], features[..., 2:]
+    top, down, across, closer, closer_down = (v.astype(np.float32)[:, None] for v in vars(axes).values())
+    return np.asarray(top + below * (down + near * closer_down) + right * across + near * closer)
+
+
+def pixel_index(camera: Camera, points: Array) -> tuple[Array, Array]:
+    """Places in a picture's flattened pixels, and which points lie in the picture.
+
+    points: (..., 2) px. Returns index (...) int, valid everywhere, and inside (...) bool.
+    """
+    width, height = camera.size
+    rounded = np.rint(np.nan_to_num(points, nan=-1e6, posinf=-1e6, neginf=-1e6)).astype(np.int32)
+    column, row = rounded[..., 0], rounded[..., 1]
+    if full_turn(camera):
+        column = column % width
+    inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    return np.where(inside, row * width + column, 0), inside

@@ -1,0 +1,144 @@
+"""The logarithm of a pose's weight: what the picture says (eq. 7), and what bodies do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
+from followspot_persons.color_likelihood import color_likelihood, feature_responses
+from followspot_persons.combination import gamma_operation
+from followspot_persons.edge_likelihood import edge_likelihood
+from followspot_persons.hog_likelihood import box_likelihood, heading_log_likelihood
+from followspot_persons.hsi import hsi
+from followspot_persons.panorama import full_turn
+from followspot_persons.shape import ShapeModel
+
+
+@dataclass(frozen=True)
+class Weights:
+    """How much each cue counts."""
+
+    edge: float = 1.0
+    color: float = 1.0
+    hog: float = 1.0
+    gamma: float = 0.8
+    """Share of the product in eq. 7."""
+    sharpness: float = 40.0
+    """Power of eq. 7 in a particle's weight."""
+    heading: float = 0.5
+    """Share of a detector's log-likelihoods of headings: those of frames in a row are not independent."""
+    orientation_sigma: float = 0.4
+    """Of an edge's orientation, rad."""
+    box_width: float = 0.15
+    """One sigma of the distance between box and body, in heights of the box."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """One picture of a camera, flat: magnitude and orientation (H W,) u1, colours (H W, 3) u1 BGR."""
+
+    camera: Camera
+    magnitude: Array
+    orientation: Array
+    colors: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Detection:
+    """What a detector saw of one person: box (4,) px, log-likelihoods (B,) of headings of chest and face."""
+
+    box: Array
+    torso: Array
+    head: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Habits:
+    """What is known of a person besides this picture: height and its sigma (m); course (rad), where it walks
+    to, and how concentrated headings are about it (0: stands, or not known).
+    """
+
+    height: float = 1.72
+    height_sigma: float = 0.09
+    course: float = 0.0
+    concentration: float = 0.0
+
+
+PAN_SIGMA, TILT_SIGMA = 0.6, 0.2
+"""Of relaxed heads, rad."""
+SIDEWAYS = 0.05
+"""Share of walking in which the chest points anywhere but ahead."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitness:
+    """Weighs poses of one person in one picture; a cue that is None does not count."""
+
+    picture: Picture
+    shape: ShapeModel
+    weights: Weights
+    habits: Habits
+    colors: tuple[Array, Array] | None = None
+    """Mean and variance (F, 3) HSI of the surface features."""
+    detection: Detection | None = None
+
+    def __call__(self, pose: Array) -> Array:
+        """Log-weights, up to a constant. pose: (P, 6). Returns (P,)."""
+        seen = view(self.picture.camera, self.shape, pose)
+        value = self.weights.sharpness * np.log(np.maximum(self.agreement(seen), 1e-9))
+        value += log_prior(pose, self.habits)
+        if self.detection is not None:
+            told = heading_log_likelihood(self.detection.torso, seen.bearing.torso)
+            told += heading_log_likelihood(self.detection.head, seen.bearing.head)
+            value += self.weights.heading * told
+        return np.asarray(value)
+
+    def likelihood(self, pose: Array) -> Array:
+        """P(I | theta) of eq. 7. pose: (P, 6). Returns (P,), 0 to 1."""
+        return self.agreement(view(self.picture.camera, self.shape, pose))
+
+    def agreement(self, seen: BodyView) -> Array:
+        """Eq. 7 of the cues that count, for bodies in view."""
+        w = self.weights
+        cues, shares = [self.edge(seen)], [w.edge]
+        if self.colors is not None:
+            cues.append(self.color(seen))
+            shares.append(w.color)
+        if self.detection is not None:
+            around = self.picture.camera.size[0] if full_turn(self.picture.camera) else 0
+            cues.append(box_likelihood(seen.box, self.detection.box[None], w.box_width, around))
+            shares.append(w.hog)
+        return gamma_operation(cues, shares, w.gamma)
+
+    def edge(self, seen: BodyView) -> Array:
+        """F^E of bodies in view, (P,)."""
+        index, inside = pixel_index(self.picture.camera, seen.edge)
+        magnitude = self.picture.magnitude.take(index) * inside
+        orientation = self.picture.orientation.take(index)
+        return edge_likelihood(magnitude, orientation, seen.normal, self.weights.orientation_sigma)
+
+    def color(self, seen: BodyView) -> Array:
+        """F^C of bodies in view, (P,)."""
+        assert self.colors is not None
+        colors, inside = sampled(self.picture, seen)
+        responses = feature_responses(colors, *self.colors)
+        return color_likelihood(responses * inside, seen.visibility)
+
+
+def sampled(picture: Picture, seen: BodyView) -> tuple[Array, Array]:
+    """HSI of the surface features (P, F, 3), and which of them lie in the picture (P, F)."""
+    index, inside = pixel_index(picture.camera, seen.surface)
+    return hsi(picture.colors.take(index, axis=0)), inside
+
+
+def log_prior(pose: Array, habits: Habits) -> Array:
+    """Of height, head and the heading while walking. pose: (P, 6). Returns (P,)."""
+    value = -0.5 * ((pose[:, HEIGHT] - habits.height) / habits.height_sigma) ** 2
+    value -= 0.5 * (pose[:, PAN] / PAN_SIGMA) ** 2 + 0.5 * (pose[:, TILT] / TILT_SIGMA) ** 2
+    if habits.concentration > 0:
+        ahead = np.exp(habits.concentration * (np.cos(pose[:, HEADING] - habits.course) - 1))
+        value += np.log(SIDEWAYS + (1 - SIDEWAYS) * ahead)
+    return np.asarray(value)

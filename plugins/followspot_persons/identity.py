@@ -1,0 +1,43 @@
+"""Whether two pictures of a person show the same one, by colours and height (sections 3.3 and 5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.color_difference import ColorRelations
+from followspot_persons.color_model import ColorModel
+from followspot_persons.hsi import plane
+
+LIGHT = np.array([0.05, 0.05, 0.10])
+"""One sigma of what light and pose change in the mean colour of a feature, in the plane of `hsi.plane`."""
+STATURE_SIGMA = 0.04
+"""One sigma of the difference between two measured heights of one person, m."""
+POPULATION_SIGMA = 0.13
+"""The same of two different people, m."""
+INDEPENDENT = 0.25
+"""Share of the features that speak independently: neighbours wear the same."""
+
+
+def same_person(
+    a: ColorModel, b: ColorModel, statures: tuple[float, float], relations: ColorRelations
+) -> float:
+    """Log of how much likelier two models are of one person than of two.
+
+    Each feature seen in both counts by its evidence; statures: m, of a and b.
+    """
+    weight = np.minimum(a.evidence, b.evidence)
+    weight = INDEPENDENT * weight / np.maximum(weight + 1.0, 1e-9)
+    difference = plane(a.mean) - plane(b.mean)
+    own = np.column_stack([np.diag(relations.chroma)] * 2 + [np.diag(relations.intensity)])
+    colors = (weight[:, None] * _log_ratio(difference, LIGHT**2, LIGHT**2 + 2 * own)).sum()
+    height = _log_ratio(
+        np.array(statures[0] - statures[1]), np.array(STATURE_SIGMA**2), np.array(POPULATION_SIGMA**2)
+    )
+    return float(colors + height)
+
+
+def _log_ratio(difference: Array, same: Array, other: Array) -> Array:
+    """Log-ratio of two Gaussians about 0 with these variances."""
+    square = difference**2
+    return np.asarray(0.5 * (square / other - square / same + np.log(other / same)))

@@ -1,0 +1,186 @@
+"""The shape of an upper body: features of its outline and of its surface (Weinrich et al. 2010, section 3.1).
+
+A body is a stack of elliptic cross-sections, lengths in body heights. The outline of an ellipse that is
+seen under an angle is known in closed form, so that edge features lie on the silhouette from every side,
+where points fixed to the body would wander into it. Head features turn about the neck by pan and tilt.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from followspot import Array
+from followspot.errors import InputError, Mistake
+
+SHIPPED = Path(__file__).with_name("shape.yaml")
+MAX_BYTES = 1 << 20
+MAX_FEATURES = 1000
+PARTS = ("torso", "head")
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """E edge features. A section gives one on each side; a section without width, the crown, gives one.
+
+    head: (E,) whether it turns with the head; side: (E,) -1 on the left of the picture, 1 on the right,
+    0 in the middle; up, width, depth, forward: (E,) height, semi-axes and displacement of the section from
+    the body's axis, in body heights; normal: (E,) rad, of the edge in the picture, as in `Gradients`.
+    """
+
+    head: Array
+    side: Array
+    up: Array
+    width: Array
+    depth: Array
+    forward: Array
+    normal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """F surface features. head: (F,); position: (F, 3) forward, left, up from the foot of the axis, in
+    body heights; outward: (F, 2) forward and left of the direction from the axis of its part, at most 1 long.
+    """
+
+    head: Array
+    position: Array
+    outward: Array
+
+
+@dataclass(frozen=True, eq=False)
+class ShapeModel:
+    """Outline and surface, and the heights of the joint of the neck and of the waist, in body heights."""
+
+    neck: float
+    waist: float
+    outline: Outline
+    surface: Surface
+    names: tuple[str, ...]
+    """Of the surface features."""
+
+
+def read_shape(path: Path = SHIPPED) -> ShapeModel:
+    """The model in a file. Raises InputError that names the file, what is wrong and the remedy."""
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise ValueError(f"larger than {MAX_BYTES} bytes")
+        return shape_of(yaml.safe_load(path.read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, yaml.YAMLError) as error:
+        reason = f"lacks {error}" if isinstance(error, KeyError) else str(error)
+        remedy = 'make a file with "followspot shape fit"'
+        raise InputError([Mistake(None, f"{path}: no shape model: {reason}", remedy)]) from None
+
+
+@cache
+def shipped_shape() -> ShapeModel:
+    """The model that comes with the plugin."""
+    return read_shape()
+
+
+def shape_of(document: dict[str, Any]) -> ShapeModel:
+    """The model of a parsed file. Raises ValueError, TypeError or KeyError where it is none."""
+    sections, features = document["outline"], document["surface"]
+    if not 0 < len(sections) <= MAX_FEATURES or not 0 < len(features) <= MAX_FEATURES:
+        raise ValueError(f"outline and surface have 1 to {MAX_FEATURES} entries each")
+    neck, waist = float(document["neck"]), float(document["waist"])
+    shape = ShapeModel(
+        neck, waist, _outline(sections), _surface(features), tuple(str(f["name"]) for f in features)
+    )
+    numbers = [[neck, waist], *(vars(shape.outline).values()), shape.surface.position]
+    if not all(np.isfinite(n).all() and np.abs(n).max() < 10 for n in numbers):
+        raise ValueError("a number is not finite, or no share of the body's height")
+    return shape
+
+
+def _outline(sections: list[dict[str, Any]]) -> Outline:
+    """Both sides of each section; the normal of the left one is the mirror image of the right one."""
+    sides = [(s, side) for s in sections for side in ((-1, 1) if float(s["width"]) > 0 else (0,))]
+    rise = np.radians([float(s["rise"]) for s, _ in sides])
+    side = np.array([side for _, side in sides], float)
+    columns = {
+        key: np.array([float(s[key]) for s, _ in sides]) for key in ("up", "width", "depth", "forward")
+    }
+    return Outline(
+        head=np.array([_is_head(s) for s, _ in sides]),
+        side=side,
+        normal=np.where(side > 0, -rise, rise) % np.pi,
+        **columns,
+    )
+
+
+def _surface(features: list[dict[str, Any]]) -> Surface:
+    position = np.array([[float(x) for x in f["position"]] for f in features]).reshape(len(features), 3)
+    outward = np.array([[float(x) for x in f["outward"]] for f in features]).reshape(len(features), 2)
+    return Surface(np.array([_is_head(f) for f in features]), position, outward)
+
+
+def _is_head(entry: dict[str, Any]) -> bool:
+    if entry["part"] not in PARTS:
+        raise ValueError(f'part is "torso" or "head", not "{entry["part"]}"')
+    return bool(entry["part"] == "head")
+
+
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """Features of P bodies as a camera sees them, in body heights, float32.
+
+    edge, surface: (P, E, 3) and (P, F, 3): from the foot of the axis to the right in the picture, up, and
+    towards the camera; visibility: (P, F), from 0 on the far side to 1 for one that faces the camera.
+    """
+
+    edge: Array
+    surface: Array
+    visibility: Array
+
+
+def turn(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> Turned:
+    """The features for headings relative to the camera (0: towards it, + to the person's left) and tilts.
+
+    torso, head: (P,) rad, heading of chest and face; tilt: (P,) rad. A feature is visible by the cosine of
+    the angle between its direction from the axis of its part and the direction to the camera.
+    """
+    return Turned(_turned_outline(shape, torso, head, tilt), *_turned_surface(shape, torso, head, tilt))
+
+
+def _turned_outline(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> Array:
+    o = shape.outline
+    sine, cosine = _per_feature(o.head, torso, head)
+    forward, up = _tilted(shape.neck, o.head, o.forward, o.up, tilt)
+    reach = np.sqrt((_single(o.width) * cosine) ** 2 + (_single(o.depth) * sine) ** 2)
+    return np.stack([forward * sine + _single(o.side) * reach, up, forward * cosine], axis=-1)
+
+
+def _turned_surface(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> tuple[Array, Array]:
+    s = shape.surface
+    sine, cosine = _per_feature(s.head, torso, head)
+    forward, up = _tilted(shape.neck, s.head, s.position[:, 0], s.position[:, 2], tilt)
+    left = _single(s.position[:, 1])
+    place = np.stack([forward * sine + left * cosine, up, forward * cosine - left * sine], axis=-1)
+    facing = _single(s.outward[:, 0]) * cosine - _single(s.outward[:, 1]) * sine
+    return place, np.maximum(facing, np.float32(0))
+
+
+def _single(values: Array) -> Array:
+    return values.astype(np.float32)
+
+
+def _per_feature(is_head: Array, torso: Array, head: Array) -> tuple[Array, Array]:
+    """Sine and cosine of the heading of each feature's part: (P, features) each."""
+    angle = _single(np.stack([torso, head], axis=1))
+    part = is_head.astype(np.intp)
+    return np.sin(angle)[:, part], np.cos(angle)[:, part]
+
+
+def _tilted(neck: float, is_head: Array, forward: Array, up: Array, tilt: Array) -> tuple[Array, Array]:
+    """Forward and up of features, (P, features) each, after the head has turned about the neck."""
+    angle = _single(tilt)[:, None]
+    sine = np.sin(angle) * _single(is_head)
+    cosine = np.where(is_head, np.cos(angle), np.float32(1))
+    forward, above = _single(forward), _single(up) - np.float32(neck)
+    return forward * cosine - above * sine, np.float32(neck) + forward * sine + above * cosine

@@ -1,0 +1,66 @@
+"""Where a person may be whom a detector boxed: the first particles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.geometry import ray
+from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
+from followspot_persons.condensation import systematic
+from followspot_persons.fitness import Detection
+from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.motion import limited
+from followspot_persons.shape import ShapeModel
+from followspot_persons.track import STATURE_SIGMA
+
+STATURE = 1.72
+"""Mean height of adults, m."""
+BOX_SIGMA = 0.08
+"""Error of the size of a detected box, of its size."""
+PLACE_SIGMA = 0.03
+"""Error of its middle, of its height."""
+NEAREST, FARTHEST = 0.6, 12.0
+"""Distances of people, m."""
+
+
+def spawned(
+    camera: Camera, shape: ShapeModel, detection: Detection, count: int, rng: np.random.Generator
+) -> Array:
+    """Poses that would be boxed like this, (count, 6); headings as the detector tells them.
+
+    The rays of the box's top and bottom are as far apart as the upper body is high; the top gives the height.
+    """
+    x0, y0, x1, y1 = detection.box
+    size = (y1 - y0) * np.exp(BOX_SIGMA * rng.standard_normal(count))
+    column = (x0 + x1) / 2 + PLACE_SIGMA * (y1 - y0) * rng.standard_normal(count)
+    middle = (y0 + y1) / 2 + PLACE_SIGMA * (y1 - y0) * rng.standard_normal(count)
+    top = _slopes(camera, column, middle - size / 2)
+    low = _slopes(camera, column, middle + size / 2)
+    stature = STATURE + STATURE_SIGMA * rng.standard_normal(count)
+    apart = np.maximum(top[:, 2] - low[:, 2], 1e-3)
+    by_size = stature * (1 - shape.waist) / apart
+    distance = np.clip(by_size, NEAREST, FARTHEST)
+    pose = np.zeros((count, 6))
+    pose[:, :2] = camera.center[:2] + distance[:, None] * top[:, :2]
+    pose[:, HEIGHT] = camera.center[2] + distance * top[:, 2]
+    bearing = np.arctan2(-top[:, 1], -top[:, 0])
+    torso = _drawn(detection.torso, count, rng)
+    head = _drawn(detection.head, count, rng)
+    pose[:, HEADING] = bearing + torso
+    pose[:, PAN] = (head - torso + np.pi) % (2 * np.pi) - np.pi
+    pose[:, TILT] = 0.1 * rng.standard_normal(count)
+    return limited(pose)
+
+
+def _slopes(camera: Camera, column: Array, row: Array) -> Array:
+    """Rays scaled to one metre on the floor: (N, 3)."""
+    direction = ray(camera, np.column_stack([column, row]))
+    return np.asarray(direction / np.maximum(np.hypot(direction[:, 0], direction[:, 1]), 1e-6)[:, None])
+
+
+def _drawn(table: Array, count: int, rng: np.random.Generator) -> Array:
+    """Headings drawn from a table of log-likelihoods; any heading where there is none."""
+    tried = rng.uniform(-np.pi, np.pi, 4 * count)
+    weight = np.exp(heading_log_likelihood(table, tried))
+    return np.asarray(tried[rng.permutation(systematic(weight / weight.sum(), count, rng))])

@@ -1,0 +1,116 @@
+"""One person followed from picture to picture: particles, the smoothed pose, and what is known besides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
+from followspot_persons.condensation import Search, condense, wrapped
+from followspot_persons.fitness import Habits
+
+PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
+"""Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""
+HEADING_GAIN, HEAD_GAIN = 0.6, 0.5
+"""The same of the heading, and of pan and tilt."""
+TYPICAL_GAIN = 0.05
+"""Share of a new likelihood in the typical one."""
+FASTEST = 2.0
+"""Of a person in a room, m/s."""
+PERIOD = 1 / 15
+"""Of the pictures that the gains are told for, s."""
+STATURE_SIGMA = 0.09
+"""Of people's heights, m."""
+STATURE_FLOOR = 0.015
+"""Uncertainty of a height that was seen for long, m: a step lowers it, a hat raises it."""
+STATURE_MEMORY = 60.0
+"""Pictures that the height is a mean of."""
+WALKING, STRIDING = 0.25, 0.6
+"""Speeds at which the course begins to tell the heading, and does so fully, m/s."""
+CONCENTRATION = 8.0
+"""Of headings about the course of one who walks."""
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: m, a mean of `weight`
+    pictures; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean.
+    """
+
+    particles: Array
+    pose: Array
+    sigma: Array
+    velocity: Array
+    stature: float
+    weight: float = 0.0
+    likelihood: float = 0.0
+    typical: float = 0.0
+
+    @classmethod
+    def begun(cls, particles: Array) -> Track:
+        """A person of whom only these places are known."""
+        pose = particles.mean(axis=0)
+        return cls(particles, pose, particles.std(axis=0), np.zeros(2), float(pose[HEIGHT]))
+
+    @property
+    def habits(self) -> Habits:
+        """What the person's past says of the next pose."""
+        sigma = max(STATURE_FLOOR, STATURE_SIGMA / np.sqrt(1 + self.weight / 2))
+        speed = float(np.hypot(*self.velocity))
+        walking = float(np.clip((speed - WALKING) / (STRIDING - WALKING), 0, 1))
+        course = float(np.arctan2(self.velocity[1], self.velocity[0]))
+        return Habits(self.stature, sigma, course, CONCENTRATION * walking)
+
+
+def followed(
+    track: Track,
+    seconds: float,
+    fitness: Callable[[Array], Array],
+    likelihood: Callable[[Array], Array],
+    eye: Array,
+    search: Search,
+    rng: np.random.Generator,
+) -> Track:
+    """The track after one more picture. seconds: since the last one; eye: (3,) m, the camera's centre."""
+    particles, estimate = condense(track.particles, track.velocity, seconds, fitness, eye, search, rng)
+    forecast = track.pose.copy()
+    forecast[[X, Y]] += track.velocity * seconds
+    pose, velocity = _smoothed(forecast, track.velocity, estimate.pose, seconds, fresh=track.weight == 0)
+    weight = min(track.weight + 1, STATURE_MEMORY)
+    stature = track.stature + (float(estimate.pose[HEIGHT]) - track.stature) / weight
+    pose[HEIGHT] = stature
+    value = float(likelihood(pose[None])[0])
+    typical = value if track.weight == 0 else track.typical + TYPICAL_GAIN * (value - track.typical)
+    return Track(particles, pose, estimate.sigma, velocity, stature, weight, value, typical)
+
+
+def coasted(track: Track, seconds: float) -> Track:
+    """The track after some time in which the person was not seen."""
+    pose = track.pose.copy()
+    pose[[X, Y]] += track.velocity * seconds
+    return replace(track, pose=pose, velocity=track.velocity * np.exp(-seconds), likelihood=0.0)
+
+
+def _smoothed(
+    forecast: Array, velocity: Array, measured: Array, seconds: float, *, fresh: bool
+) -> tuple[Array, Array]:
+    """The g-h filter of the place, and exponential smoothing of the angles; gains scale with the time."""
+    if fresh:
+        return measured.copy(), velocity
+    scale = seconds / PERIOD
+    gain = np.array([PLACE_GAIN] * 3 + [HEADING_GAIN] + [HEAD_GAIN] * 2)
+    gain = 1 - (1 - gain) ** max(scale, 1e-3)
+    difference = measured - forecast
+    difference[HEADING] = wrapped(difference[HEADING])
+    pose = forecast + gain * difference
+    if abs(difference[HEADING]) > np.pi / 2:
+        pose[[HEADING, PAN, TILT]] = measured[[HEADING, PAN, TILT]]
+    pose[HEADING] = wrapped(pose[HEADING])
+    if seconds > 0:
+        share = 1 - (1 - VELOCITY_GAIN) ** scale
+        velocity = velocity + share * difference[[X, Y]] / max(seconds, PERIOD)
+        velocity = velocity * min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9))
+    return pose, velocity
