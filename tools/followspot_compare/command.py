@@ -10,7 +10,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot.accuracy import TruthTable
+from followspot.accuracy import PoseTruthTable, TruthTable
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.deploy.truth import room_truth
@@ -43,7 +43,7 @@ def compare(args: argparse.Namespace) -> int:
     (out / "compare.json").write_text(json.dumps(data(comparison)), encoding="utf-8")
     pictures = draw(comparison, out)
     if not args.json:
-        print("\n" + pictures + f"\noutputs: {out}")
+        print("\n" + (f"{pictures}\n" if pictures else "") + f"outputs: {out}")
     return 0
 
 
@@ -84,7 +84,7 @@ def _check_room(plans: Sequence[Plan], room: str | None, mistakes: list[Mistake]
     """Note a room without truth, and graphs that name different rooms."""
     first = plans[0].room
     if first.truth is None:
-        remedy = "compare needs truth: a recording imported with its truth.csv, or a simulated room"
+        remedy = "compare needs truth: a recording imported with its truth, or a simulated room"
         mistakes.append(Mistake(None, f"room {room or first.name} knows no ground truth", remedy))
     for plan in plans:
         if (plan.room.name, plan.room.truth) != (first.name, first.truth):
@@ -94,7 +94,7 @@ def _check_room(plans: Sequence[Plan], room: str | None, mistakes: list[Mistake]
 
 def run_scene(scene: Scene, variants: Sequence[Variant], out: Path, args: argparse.Namespace) -> list[Trial]:
     """Every variant in one room, one after the other so that they do not slow each other down."""
-    truth: TruthTable | None = None
+    truth: TruthTable | PoseTruthTable | None = None
     trials = []
     for variant, plan in zip(variants, scene.plans, strict=True):
         truth = truth or room_truth(plan, args.frames)

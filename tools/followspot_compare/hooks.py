@@ -13,7 +13,9 @@ HELP = """Run variants of a graph on the same recordings and compare their accur
 Every graph file is a variant; each --variant is one more, of the first graph. Prints per target and as
 means: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden,
 recovery, jerk cost, reprojection error, speed; ratios to the first variant. Plots need matplotlib:
-pip install "followspot[plots]".
+pip install "followspot[plots]". For graphs that write poses of persons (sinks.csv_poses): coverage, errors of
+direction, distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
+acquire and to vanish, and speed.
 
   followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
   followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison

@@ -20,7 +20,12 @@ _LOG_FROM = 20.0
 
 
 def draw(comparison: Comparison, folder: Path) -> str:
-    """Draw errors per target, and iterations where they are known; tell what was drawn, or is missing."""
+    """Draw errors per target, and iterations where they are known; tell what was drawn, or is missing.
+
+    Empty where there are no targets.
+    """
+    if not comparison.trackable:
+        return ""
     try:
         from matplotlib.backends.backend_svg import FigureCanvasSVG
         from matplotlib.figure import Figure

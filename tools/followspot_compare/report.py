@@ -7,9 +7,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from followspot.accuracy import to_json
+from followspot.accuracy import PersonsScore, persons_to_json, to_json
 from followspot.cli.summary import table
 from followspot_compare.columns import COLUMNS, Figures, measured
+from followspot_compare.persons import persons_means, persons_text
 from followspot_compare.trial import Trial
 
 
@@ -61,6 +62,13 @@ class Comparison:
             for variant in self.variants
         }
 
+    def persons(self) -> dict[str, dict[str, PersonsScore]]:
+        """Scores of persons' poses for each variant and room that has them."""
+        return {
+            variant: {t.room: t.persons for t in self.trials_of(variant) if t.persons is not None}
+            for variant in self.variants
+        }
+
     def trials_of(self, variant: str) -> tuple[Trial, ...]:
         """One variant in every room."""
         return tuple(trial for trial in self.trials if trial.variant == variant)
@@ -80,8 +88,11 @@ class Comparison:
 
 
 def text(comparison: Comparison) -> str:
-    """Tables: accuracy, speed, and iterations where they are known."""
-    parts = [_accuracy(comparison), _speed(comparison)]
+    """Tables: accuracy of targets or persons, speed, and iterations where they are known."""
+    persons = comparison.persons()
+    parts = [_accuracy(comparison)] if comparison.targets else []
+    parts += [persons_text(persons)] if any(persons.values()) else []
+    parts.append(_speed(comparison))
     if any(comparison.iterations(variant) for variant in comparison.variants):
         parts.append(_iterations(comparison))
     return "\n\n".join(parts)
@@ -99,6 +110,7 @@ def data(comparison: Comparison) -> dict[str, Any]:
             v: {c.key: _finite(comparison.ratio(v, c.key)) for c in COLUMNS if c.ratio}
             for v in comparison.variants
         },
+        "persons": persons_means(comparison.persons()),
     }
 
 
@@ -114,6 +126,7 @@ def _trial_data(trial: Trial) -> dict[str, Any]:
         "seconds": round(trial.seconds, 6),
         "tracking_ms": round(trial.tracking_ms, 6),
         "targets": scores,
+        "persons": persons_to_json(trial.persons) if trial.persons else {},
         "iterations": list(trial.iterations),
     }
 

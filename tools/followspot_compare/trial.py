@@ -8,13 +8,21 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy import TargetScore, TrackTable, TruthTable, read_tracks_csv, score
+from followspot.accuracy import (
+    PersonsScore,
+    PoseTruthTable,
+    TargetScore,
+    TrackTable,
+    TruthTable,
+    read_tracks_csv,
+    score,
+)
 from followspot.accuracy.targets.figures import jerk_cost
 from followspot.accuracy.targets.scoring import trajectory
 from followspot.deploy.launch import run_plan
 from followspot.deploy.local import OnProgress
 from followspot.deploy.report import RunReport
-from followspot.deploy.truth import TRACKS
+from followspot.deploy.truth import POSES, TRACKS, poses_score
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.messages import Array
@@ -51,13 +59,15 @@ class Trial:
     targets: Mapping[str, TargetFigures]
     iterations: tuple[int, ...]
     """How many positions took 0, 1, 2, ... steps; empty where the graph did not record them."""
+    persons: PersonsScore | None = None
+    """Of a graph that writes poses, in a room whose truth is of persons; it has no targets."""
 
 
 def run_trial(
     variant: str,
     room: str,
     plan: Plan,
-    truth: TruthTable,
+    truth: TruthTable | PoseTruthTable,
     options: RunOptions,
     on_progress: OnProgress | None,
 ) -> Trial:
@@ -68,10 +78,12 @@ def run_trial(
     if not report.ok:
         reasons = "\n".join(report.errors) or "messages are unaccounted for"
         raise FollowspotError(f'variant "{variant}" failed in room {room}:\n{reasons}')
+    measured = (variant, room, report.frames, report.seconds, tracking_ms(report))
+    if isinstance(truth, PoseTruthTable):
+        _require(options.out / POSES, plan, "sinks.csv_poses")
+        return Trial(*measured, {}, (), poses_score(plan.room, options.out, truth))
     targets, iterations = _figures(plan, options.out, truth)
-    return Trial(
-        variant, room, report.frames, report.seconds, tracking_ms(report), targets, tuple(iterations.tolist())
-    )
+    return Trial(*measured, targets, tuple(iterations.tolist()))
 
 
 def tracking_ms(report: RunReport) -> float:
@@ -85,10 +97,7 @@ def tracking_ms(report: RunReport) -> float:
 def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, TargetFigures], Array]:
     """Figures of each target of the truth or the tracks, and the histogram of iterations."""
     room, objects = plan.room, tuple(plan.room.targets)
-    path = out / TRACKS
-    if not path.exists():
-        raise FollowspotError(f"graph {plan.graph} writes no {TRACKS}; it needs a stage sinks.csv")
-    tracks = read_tracks_csv(path)
+    tracks = read_tracks_csv(_require(out / TRACKS, plan, "sinks.csv"))
     scores = score(tracks, truth, room)
     fused = read_fused(out, tracks, objects)
     before = score(fused.tracks, truth, room) if fused else {}
@@ -105,6 +114,13 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
         for name, one in scores.items()
     }
     return figures, np.bincount(fused.iterations) if fused else nothing.astype(int)
+
+
+def _require(path: Path, plan: Plan, stage: str) -> Path:
+    """The path of an output that was written. Raises FollowspotError."""
+    if not path.exists():
+        raise FollowspotError(f"graph {plan.graph} writes no {path.name}; it needs a stage {stage}")
+    return path
 
 
 def true_jerk_cost(tracks: TrackTable, truth: TruthTable, name: str) -> float:
