@@ -12,7 +12,6 @@ from followspot_sim.actor_parameters import ActorParams
 from followspot_sim.actor_texture import TEXTURES, Spots, ceiling, floor, wall
 from followspot_sim.screen import rays_of
 
-
 PARALLEL = 1e-9
 """A direction is never quite along a wall."""
 

@@ -22,14 +22,14 @@ CLOTH: tuple[tuple[Colour, Colour], ...] = (
 """Two colours of a garment; those of two actors differ."""
 TROUSERS: tuple[Colour, ...] = ((46, 54, 82), (70, 66, 54), (44, 42, 44), (104, 92, 74), (58, 84, 108))
 SKIN: tuple[Colour, ...] = ((214, 168, 140), (224, 182, 158), (188, 136, 106), (138, 94, 68), (98, 66, 50))
-FAIR = 2
-"""So many of the skins go with all colours of hair, the others with the dark ones, which stand first."""
+FAIR, DARK_HAIR = 2, 3
+"""So many skins go with all colours of hair, the others with so many of them; both stand first."""
 HAIR: tuple[Colour, ...] = (
     (46, 34, 28),
+    (28, 26, 28),
+    (150, 148, 142),
     (98, 62, 34),
     (150, 76, 36),
-    (172, 170, 164),
-    (28, 26, 28),
     (188, 150, 86),
 )
 SHOES: tuple[Colour, ...] = ((40, 34, 32), (210, 206, 198), (90, 60, 40))
@@ -69,7 +69,7 @@ def _actor(rng: np.random.Generator, cut: str, cloth: tuple[Colour, Colour]) -> 
         trousers=TROUSERS[rng.integers(len(TROUSERS))],
         shoes=SHOES[rng.integers(len(SHOES))],
         skin=SKIN[skin],
-        hair=HAIR[rng.integers(len(HAIR) if skin < FAIR else 3)],
+        hair=HAIR[rng.integers(len(HAIR) if skin < FAIR else DARK_HAIR)],
     )
     body = body_of(build)
     return Actor(body, paint(body, outfit, rng))

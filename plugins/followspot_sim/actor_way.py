@@ -15,13 +15,15 @@ PACE, TURN_RATE = 0.75, 1.9
 """Mean speed of walking, m/s, and of turning, rad/s."""
 APART, ROUND_CUPBOARD = 0.75, 0.75
 """Distance that people keep from each other and from the middle of the cupboard, m."""
+SHORT = 1.0
+"""Shorter walks are taken where no other way is clear, m."""
 HIDE_EVERY = 4
 """Of so many walks, one leads behind the cupboard."""
 STAY = (0.3, 1.6)
 """How long people stay where they arrive, s."""
 HIDDEN = 1.5
 """How long they stay behind the cupboard, s."""
-ATTEMPTS = 16
+ATTEMPTS, MOMENTS = 24, 24
 GLANCES = np.array([[0.45, 0.23], [0.30, 0.61]])
 """Head pan: amplitude in rad and frequency in Hz of its waves."""
 NODS = np.array([[0.12, 0.19], [0.07, 0.47]])
@@ -121,11 +123,11 @@ class Ways:
             self._walks[person].append(self._walk_to(last, goal, HIDDEN if len(plan) == 1 else 0.3, 0.0))
             return
         best, widest = last, -1.0
-        for _ in range(ATTEMPTS):
+        for goal in [*(self._somewhere() for _ in range(ATTEMPTS)), last.goal]:
             spin = float(self._rng.choice([0.0, 0.0, 1.0, -1.0]) * self._rng.uniform(1.5, 2 * np.pi))
-            walk = self._walk_to(last, self._somewhere(), float(self._rng.uniform(*STAY)), spin)
+            walk = self._walk_to(last, goal, float(self._rng.uniform(*STAY)), spin)
             gap = min(self._gap(person, walk) / APART, self._clearance(walk))
-            gap *= 0.5 if _distance(walk.start, walk.goal) < 1.0 else 1.0
+            gap *= 0.5 if _distance(walk.start, walk.goal) < SHORT else 1.0
             if gap > widest:
                 best, widest = walk, gap
             if gap > 1.0:
@@ -135,7 +137,8 @@ class Ways:
     def _walk_to(self, last: Walk, goal: tuple[float, float], stay: float, spin: float) -> Walk:
         way = np.subtract(goal, last.goal)
         length = float(np.hypot(*way))
-        turn = float(np.mod(np.arctan2(way[1], way[0]) - last.after + np.pi, 2 * np.pi) - np.pi)
+        direction = np.arctan2(way[1], way[0]) if length > 0 else last.after
+        turn = float(np.mod(direction - last.after + np.pi, 2 * np.pi) - np.pi)
         turned = last.end + 0.3 + abs(turn) / TURN_RATE
         arrived = turned + 0.4 + length / PACE
         ahead = last.after + turn
@@ -172,7 +175,7 @@ class Ways:
     def _gap(self, person: int, walk: Walk) -> float:
         """Smallest distance from the others during a walk, m."""
         others = [p for p in range(len(self._walks)) if p != person]
-        moments = np.linspace(walk.begin, walk.end, 12)
+        moments = np.linspace(walk.begin, walk.end, MOMENTS)
         return min(
             (_distance(walk.at(t)[:2], self._walk(p, t).at(t)[:2]) for p in others for t in moments),
             default=np.inf,
@@ -181,7 +184,7 @@ class Ways:
     def _clearance(self, walk: Walk) -> float:
         """Distance of a way from the middle of the floor and from the cupboard over what it should be."""
         keep = [((0.0, 0.0), self._params.clear), (self._params.cupboard, ROUND_CUPBOARD)]
-        path = np.linspace(walk.start, walk.goal, 12)
+        path = np.linspace(walk.start, walk.goal, MOMENTS)
         found = [
             float(np.hypot(*(path - place).T).min()) / wanted
             for place, wanted in keep
