@@ -64,11 +64,10 @@ def frame_of(poses: PoseTable, time: Array) -> Array:
     if not len(time) or not len(poses.time):
         return np.full(len(poses.time), NOBODY)
     frame, late = nearest(time, poses.time)
-    soonest = np.argsort(late, kind="stable")
-    _, first = np.unique(np.column_stack([frame, poses.person])[soonest], axis=0, return_index=True)
-    chosen = np.zeros(len(frame), bool)
-    chosen[soonest[first]] = True
-    return np.where(chosen & (late <= half_interval(time)), frame, NOBODY)
+    _, group = np.unique(np.column_stack([frame, poses.person]), axis=0, return_inverse=True)
+    soonest = np.full(len(frame), np.inf)
+    np.minimum.at(soonest, group.ravel(), late)
+    return np.where((late == soonest[group.ravel()]) & (late <= half_interval(time)), frame, NOBODY)
 
 
 def pairs(cost: Array) -> list[tuple[int, int]]:
