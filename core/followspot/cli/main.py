@@ -10,11 +10,18 @@ import os
 import sys
 from collections.abc import Sequence
 
-from followspot.cli import check, graph, plugins, run
+from followspot.cli import agent, check, graph, plugins, router, run
 from followspot.errors import FollowspotError, InputError
 from followspot.plugins.hooks import Command
 
-CORE = (run.COMMAND, check.COMMAND, graph.COMMAND, plugins.COMMAND)
+CORE = (
+    run.COMMAND,
+    check.COMMAND,
+    graph.COMMAND,
+    plugins.COMMAND,
+    agent.COMMAND,
+    router.COMMAND,
+)
 """Commands of the core, in the order of `followspot --help`."""
 
 _ABOUT = """Compose tracking graphs from stage plugins and run them in one process or many.

@@ -5,10 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
 
+from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
 from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command
+
+if TYPE_CHECKING:
+    from followspot.graph.plan import Plan
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +23,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress")
+    parser.add_argument(
+        "--host", metavar="NAME", help="host of the workers that the placement gives none (default: this one)"
+    )
+    parser.add_argument(
+        "--media",
+        metavar="DIR",
+        help="folder here whose files agents have below their --media (default: that of the room file)",
+    )
+    add_network_options(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -26,12 +41,20 @@ def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.launch import run_plan
     from followspot.deploy.truth import run_person_scores, run_scores
     from followspot.runtime.wiring import RunOptions
+    from followspot.transport.zenoh_network import AGENT, LOOPBACK
 
-    plan = plan_of(args)
+    plan = placed(plan_of(args), args.host)
+    network = network_of(args, LOOPBACK, AGENT)
     out = output_folder(args.out, plan.graph)
     bar = ProgressBar()
     try:
-        report = run_plan(plan, RunOptions(out, args.frames), None if args.quiet else bar.show)
+        report = run_plan(
+            plan,
+            RunOptions(out, args.frames),
+            None if args.quiet else bar.show,
+            network=network,
+            media=media_folder(plan, args.media),
+        )
     finally:
         bar.close()
     try:
@@ -47,7 +70,24 @@ def _run(args: argparse.Namespace) -> int:
         tables = [table(targets)] * bool(targets) + ([persons_table(persons)] if persons else [])
         print(summary.text(report, "\n\n".join(tables)))
         print(f"\noutputs: {out}")
+        for host, folder in report.outs.items():
+            print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
+
+
+def placed(plan: Plan, host: str | None) -> Plan:
+    """The plan with the workers that have no host on this one, where it is given."""
+    if host is None:
+        return plan
+    from followspot.graph.arrange import on_host
+
+    return on_host(plan, host)
+
+
+def media_folder(plan: Plan, asked: str | None) -> Path:
+    """The folder that was asked for, or that of the room file."""
+    folders = [camera.source.folder for camera in plan.room.cameras.values() if camera.source]
+    return Path(asked or next(iter(folders), "."))
 
 
 COMMAND = Command(
@@ -57,6 +97,10 @@ COMMAND = Command(
   followspot run graphs/glowballs.yaml
   followspot run graphs/glowballs.yaml --room room.yaml --placement camera
   followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
+  followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
+
+Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host of
+their stage: by default on this one.
 
 Ctrl-C ends the sources; what is in flight is finished and all outputs are complete.
 """,

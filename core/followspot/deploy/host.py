@@ -6,7 +6,7 @@ or comes later, has nothing to catch up on.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Literal, Protocol
 
 import pydantic
@@ -24,7 +24,7 @@ class RunOrder:
 
     run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
     all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
-    started again.
+    started again; detached: whether it goes on without an operator.
     """
 
     run: str
@@ -32,6 +32,15 @@ class RunOrder:
     frames: int | None = None
     out: str | None = None
     restart: bool = False
+    detached: bool = False
+
+    def here(self, plan: dict[str, Any], out: str) -> RunOrder:
+        """The order with the plan and the folder of this host."""
+        return replace(self, plan=plan, out=out)
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
 
 @dataclass(frozen=True)

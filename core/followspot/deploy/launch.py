@@ -1,8 +1,9 @@
-"""Run a plan on this host: in this thread where it has one worker, else one process a worker."""
+"""Run a plan: in this thread where it has one worker, else under an agent in this process and others."""
 
 from __future__ import annotations
 
 import signal
+from pathlib import Path
 from types import FrameType
 from typing import Protocol
 
@@ -12,6 +13,7 @@ from followspot.deploy.local import LocalRun, OnProgress
 from followspot.deploy.report import RunReport
 from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
+from followspot.transport.zenoh_network import Network
 
 
 class Run(Protocol):
@@ -26,8 +28,24 @@ class Run(Protocol):
         """Run to the end."""
 
 
-def run_plan(plan: Plan, options: RunOptions, on_progress: OnProgress | None = None) -> RunReport:
-    """Run on this host to the end of all sources, or until it is interrupted; see `interruptible`."""
+def run_plan(
+    plan: Plan,
+    options: RunOptions,
+    on_progress: OnProgress | None = None,
+    *,
+    network: Network = Network(),
+    media: Path = Path(),
+) -> RunReport:
+    """Run to the end of all sources, or until it is interrupted; see `interruptible`.
+
+    network: leads to the agents of other hosts that the plan names; media: folder here whose files agents
+    have below their own --media folder. Raises InputError where an agent is missing.
+    """
+    if any(worker.host for worker in plan.workers):
+        from followspot.deploy.reach import reached
+
+        with reached(plan, network, media) as hosts:
+            return interruptible(Coordinator(plan, options, hosts), on_progress)
     if len(plan.workers) == 1:
         return interruptible(LocalRun(plan, options), on_progress)
     return interruptible(Coordinator(plan, options, [HostRun("")]), on_progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Literal
 
 from followspot.graph.check import Checked, CheckedStage
@@ -34,6 +35,20 @@ def plan(
         plugin_files=plugin_files,
         notes=(*placed.notes, *_notes(planned, edges)),
     )
+
+
+def on_host(plan: Plan, host: str) -> Plan:
+    """The plan with the workers that were to run on the operator's host on another one."""
+    workers = tuple(replace(worker, host=worker.host or host) for worker in plan.workers)
+    host_of = {worker.name: worker.host for worker in workers}
+    before = {worker.name: worker.host for worker in plan.workers}
+    home = {stage.name: stage.worker for stage in plan.stages}
+    edges = []
+    for edge in plan.edges:
+        ends = home[edge.from_stage], home[edge.to_stage]
+        joined = host_of[ends[0]] == host_of[ends[1]] and before[ends[0]] != before[ends[1]]
+        edges.append(replace(edge, kind="ring") if joined else edge)
+    return replace(plan, workers=workers, edges=tuple(edges))
 
 
 def _order(checked: Checked) -> list[str]:

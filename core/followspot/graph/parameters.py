@@ -37,8 +37,13 @@ def validated(
 
 def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
     """The files that a stage with these validated values writes, relative to the output folder."""
-    names = [name for name, info in params.model_fields.items() if _marked(info, PathOut)]
+    names = path_parameters(params, PathOut)
     return [str(PurePath(values[name])) for name in names if values[name] is not None]
+
+
+def path_parameters(params: type[StageParams], mark: type) -> list[str]:
+    """Names of the parameters that are input files (PathIn) or output files (PathOut)."""
+    return [name for name, info in params.model_fields.items() if _marked(info, mark)]
 
 
 def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake]) -> Any:

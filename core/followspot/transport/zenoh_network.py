@@ -9,6 +9,8 @@ from typing import Any
 
 LOOPBACK = ("tcp/127.0.0.1:0",)
 """Listen on a free port that no other host can reach."""
+AGENT = ("tcp/127.0.0.1:7450",)
+"""Where an agent listens, and operators look for one, unless told otherwise."""
 _SECURE = ("tls/", "quic/", "unixsock-stream/")
 
 

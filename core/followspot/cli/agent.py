@@ -1,0 +1,61 @@
+"""`followspot agent`: stand on a host, start and supervise workers for operators elsewhere."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from pathlib import Path
+
+from followspot.cli.agent_options import add_network_options, network_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--name", required=True, help="of this host, as rooms and placements know it")
+    parser.add_argument("--media", metavar="DIR", help="folder with the files that cameras here may read")
+    parser.add_argument(
+        "--runs", metavar="DIR", default="runs", help="folder for the outputs of stages here (default: runs)"
+    )
+    parser.add_argument(
+        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
+    )
+    add_network_options(parser, listens=True)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.deploy.agent import Agent, AgentOptions
+    from followspot.transport.zenoh_network import AGENT
+
+    network = network_of(args, AGENT, ())
+    options = AgentOptions(
+        args.name,
+        network,
+        Path(args.media) if args.media else None,
+        Path(args.runs),
+        tuple(str(Path(file).absolute()) for file in args.plugin_files),
+    )
+    agent = Agent(options, _tell)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: agent.stop())
+    _tell(f"agent {args.name} listens on {', '.join(agent.locators)}")
+    agent.serve()
+    return 0
+
+
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
+
+
+COMMAND = Command(
+    "agent",
+    """stand on this host, to run the workers that operators elsewhere place here
+
+  followspot agent --name pc-left                                          reached from this host alone
+  followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
+
+It runs installed plugins only, and reads and writes files only below --media and --runs.
+""",
+    _configure,
+    _run,
+)

@@ -1,0 +1,53 @@
+"""The options of every command that speaks with other hosts."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from followspot.transport.zenoh_network import Network
+
+_INSECURE = (
+    "warning: --insecure: whoever reaches {} can watch every picture, start and stop runs on it, and "
+    "pass for a camera; use it only on a network of your own"
+)
+
+
+def add_network_options(parser: argparse.ArgumentParser, *, listens: bool = False) -> None:
+    """--connect, --certificates, --insecure, and --listen where others connect to this command."""
+    group = parser.add_argument_group("other hosts")
+    if listens:
+        group.add_argument(
+            "--listen",
+            action="append",
+            default=[],
+            metavar="ENDPOINT",
+            help="where others reach this one, for example tls/192.168.0.7:7450 (default: this host alone)",
+        )
+    group.add_argument(
+        "--connect",
+        action="append",
+        default=[],
+        metavar="ENDPOINT",
+        help="an agent or a router to connect to; those that it knows are found through it; repeatable",
+    )
+    group.add_argument(
+        "--certificates", default="", metavar="DIR", help="folder with ca.pem, cert.pem and key.pem, for tls/"
+    )
+    group.add_argument(
+        "--insecure", action="store_true", help="allow endpoints beyond this host without TLS: for tests"
+    )
+
+
+def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequence[str]) -> Network:
+    """What the options say; listen, connect: where they say nothing. Says at every start what is open."""
+    from followspot.transport.zenoh_network import Network
+
+    listen = tuple(getattr(args, "listen", None) or listen)
+    network = Network(listen, tuple(args.connect or connect), args.certificates, args.insecure)
+    if network.insecure and network.exposed:
+        print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
+    return network

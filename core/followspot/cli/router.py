@@ -1,0 +1,44 @@
+"""`followspot router`: a Zenoh router through which hosts of several networks reach each other."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+
+from followspot.cli.agent_options import add_network_options, network_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    add_network_options(parser, listens=True)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.transport.zenoh_session import connected, locators
+
+    network = network_of(args, ("tcp/127.0.0.1:7447",), ())
+    over = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: over.set())
+    session = connected(network, "router")
+    try:
+        where = ", ".join(locators(session, "router"))
+        print(f"router listens on {where}", file=sys.stderr, flush=True)
+        over.wait()
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+    return 0
+
+
+COMMAND = Command(
+    "router",
+    """route between agents and operators that cannot reach each other; any zenohd serves as well
+
+  followspot router --listen tls/0.0.0.0:7447 --certificates certs
+  followspot agent --name pc-left --connect tls/router.example:7447 --certificates certs
+""",
+    _configure,
+    _run,
+)

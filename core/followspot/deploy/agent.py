@@ -1,0 +1,180 @@
+"""The agent: it stands on a host, starts and supervises workers there, and answers operators."""
+
+from __future__ import annotations
+
+import re
+import select
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from followspot.deploy.host import order_from_data
+from followspot.deploy.host_run import HostRun
+from followspot.deploy.parcel import unpacked
+from followspot.deploy.requests import Answers, agents
+from followspot.errors import FollowspotError
+from followspot.graph.ship import plan_from_data
+from followspot.plugins.registry import use_plugin_files
+from followspot.transport.bell import Bell
+from followspot.transport.zenoh_network import Network
+from followspot.transport.zenoh_session import connected, locators
+
+_TURN_MS = 100
+"""Longest wait between two looks at the workers, ms."""
+_ABANDONED = 10.0
+"""Seconds after which a run that is not to go on alone ends without its operator."""
+_KEPT = 600.0
+"""Seconds that a run's last status is kept for an operator to fetch."""
+MAX_RUNS = 16
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+"""What a host may be called."""
+
+
+@dataclass(frozen=True)
+class AgentOptions:
+    """What the owner of a host says.
+
+    name: of the host, as rooms and placements know it; media: folder with camera files, None for none;
+    runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here.
+    """
+
+    name: str
+    network: Network = Network()
+    media: Path | None = None
+    runs: Path = Path("runs")
+    plugin_files: tuple[str, ...] = ()
+
+
+class Part:
+    """A run as the agent keeps it, and when an operator last asked for it."""
+
+    def __init__(self, graph: str, plan: dict[str, Any], run: HostRun) -> None:
+        self.graph = graph
+        self.plan = plan
+        self.run = run
+        self.asked = time.monotonic()
+        self.started = False
+
+    @property
+    def over(self) -> bool:
+        """Whether all its workers have ended."""
+        return self.run.status().all("over")
+
+
+class Agent:
+    """Serves until it is stopped. One thread does everything; Zenoh's only ring a bell."""
+
+    def __init__(self, options: AgentOptions, tell: Callable[[str], None] = lambda line: None) -> None:
+        """tell: gets lines for the log. Raises FollowspotError where the name or an endpoint is wrong."""
+        if NAME.fullmatch(options.name) is None:
+            raise FollowspotError(
+                f"{options.name!r} cannot be the name of a host; use letters, digits, - _ ."
+            )
+        use_plugin_files(options.plugin_files)
+        self.options = options
+        self.tell = tell
+        self.parts: dict[str, Part] = {}
+        self._bell = Bell()
+        self._stopping = False
+        self.session = connected(options.network)
+        self.locators = locators(self.session)
+
+    def stop(self) -> None:
+        """End all runs, then `serve`. Safe in a signal handler."""
+        self._stopping = True
+        self._bell.ring()
+
+    def serve(self) -> None:
+        """Answer and supervise until `stop`. Leaves nothing behind."""
+        try:
+            if self.options.name in agents(self.session, timeout=0.5):
+                raise FollowspotError(f"there is an agent {self.options.name} already")
+            answers = Answers(self.session, self.options.name, self._verbs(), self._bell.ring)
+            try:
+                self._loop(answers)
+            finally:
+                answers.close()
+        finally:
+            for part in self.parts.values():
+                part.run.close()
+            self._bell.close()
+            self.session.close()  # type: ignore[no-untyped-call]
+
+    def _loop(self, answers: Answers) -> None:
+        while not (self._stopping and all(part.over for part in self.parts.values())):
+            poll = select.poll()
+            for fd in (self._bell.fileno(), *(part.run.fileno() for part in self.parts.values())):
+                poll.register(fd, select.POLLIN)
+            poll.poll(_TURN_MS)
+            self._bell.hush()
+            answers.answer()
+            for part in self.parts.values():
+                part.run.attend(0)
+            self._tidy(time.monotonic())
+
+    def _tidy(self, now: float) -> None:
+        """End what nobody wants any more, forget what nobody fetched."""
+        for name, part in list(self.parts.items()):
+            abandoned = now - part.asked > _ABANDONED and not part.run.order.detached
+            if self._stopping or (abandoned and not part.over):
+                part.run.stop()
+            if part.over and now - part.asked > _KEPT:
+                self.close(name)
+
+    def _verbs(self) -> dict[str, Callable[..., Any]]:
+        """What operators may ask."""
+        return {
+            "prepare": self.prepare,
+            "start": self.start,
+            "stop": lambda run: self._part(run).run.stop(),
+            "wind_down": lambda run: self._part(run).run.wind_down(),
+            "status": lambda run: self._part(run).run.status().to_data(),
+            "close": self.close,
+            "runs": self.runs,
+            "plan": lambda run: self._part(run).plan,
+        }
+
+    def prepare(self, order: Any) -> None:
+        """Start the workers of a run. Raises FollowspotError, ValueError."""
+        found = order_from_data(order)
+        name = self.options.name
+        if not NAME.fullmatch(found.run) or found.run in self.parts or len(self.parts) >= MAX_RUNS:
+            raise FollowspotError(
+                f"cannot take the run {found.run!r}: named wrongly, there already, or too many"
+            )
+        plan = unpacked(found.plan, name, self.options.media, self.options.plugin_files)
+        graph = plan_from_data(plan).graph
+        out = self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}-{found.run[:8]}"
+        out.mkdir(parents=True, exist_ok=True)
+        hub = (*self.locators, *self.options.network.connect)
+        run = HostRun(name, self.options.network, hub)
+        self.parts[found.run] = Part(graph, found.plan, run)
+        run.prepare(found.here(plan, str(out)))
+        self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
+
+    def start(self, run: str) -> None:
+        """All hosts are ready."""
+        part = self._part(run)
+        if not part.started:
+            part.started = True
+            part.run.start()
+
+    def close(self, run: str) -> None:
+        """Forget a run; what still lives is killed."""
+        part = self.parts.pop(run, None)
+        if part is not None:
+            part.run.close()
+            self.tell(f"run {run[:8]} of {part.graph}: over")
+
+    def runs(self) -> Sequence[dict[str, Any]]:
+        """The runs that this agent has a part in."""
+        return [{"run": name, "graph": p.graph, "over": p.over} for name, p in self.parts.items()]
+
+    def _part(self, run: str) -> Part:
+        part = self.parts.get(run)
+        if part is None:
+            raise FollowspotError(f"there is no run {run!r} here")
+        part.asked = time.monotonic()
+        return part

@@ -1,0 +1,109 @@
+"""A host's part of a run under an agent elsewhere, as the operator's side sees it."""
+
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
+from followspot.deploy.parcel import packed
+from followspot.deploy.requests import ask
+from followspot.deploy.supervision import SILENCE
+from followspot.errors import FollowspotError
+from followspot.graph.ship import plan_from_data
+
+_PERIOD = 0.2
+"""Seconds between two questions for the status."""
+_PREPARING = 30.0
+"""Seconds that an agent may take to start its workers."""
+
+
+class FarHost:
+    """`Host` over Zenoh; a thread asks for its status and keeps the newest.
+
+    media: folder on this host whose files the agent has below its own --media folder.
+    """
+
+    def __init__(self, session: zenoh.Session, name: str, media: Path = Path(), run: str = "") -> None:
+        """run: that the host has a part in already, empty where it is to be prepared."""
+        self.name = name
+        self.run = run
+        self._session = session
+        self._media = media
+        self._status = HostStatus((), ())
+        self._heard = time.monotonic()
+        self._news = threading.Event()
+        self._over = threading.Event()
+        self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
+
+    def prepare(self, order: RunOrder) -> None:
+        """Ship the plan. Raises FollowspotError where the agent refuses, HostLost where it is not there."""
+        self.run = order.run
+        plan = packed(plan_from_data(order.plan), self.name, self._media)
+        self._ask("prepare", _PREPARING, order=replace(order, plan=plan, out=None).to_data())
+        self.watch()
+
+    def watch(self) -> None:
+        """Begin to ask for the status; the first is there on return. Raises HostLost."""
+        self._refresh()
+        self._asking.start()
+
+    def start(self) -> None:
+        """Begin."""
+        self._ask("start", run=self.run)
+
+    def stop(self) -> None:
+        """End the sources; a host that does not answer notices by itself that it was left."""
+        self._try("stop")
+
+    def wind_down(self) -> None:
+        """Start nobody again."""
+        self._try("wind_down")
+
+    def attend(self, timeout: float) -> None:
+        """Wait for news. Raises HostLost where none came for too long."""
+        self._news.wait(timeout)
+        self._news.clear()
+        if time.monotonic() - self._heard > SILENCE:
+            raise HostLost(f"host {self.name} does not answer")
+
+    def status(self) -> HostStatus:
+        """The newest status."""
+        return self._status
+
+    def leave(self) -> None:
+        """Ask no more; the run goes on."""
+        self._over.set()
+        if self._asking.is_alive():
+            self._asking.join()
+
+    def close(self) -> None:
+        """End the run there, if it has not ended."""
+        self.leave()
+        self._try("close")
+
+    def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
+        return ask(self._session, self.name, verb, timeout, **data)
+
+    def _try(self, verb: str) -> None:
+        try:
+            self._ask(verb, run=self.run)
+        except FollowspotError:
+            return
+
+    def _refresh(self) -> None:
+        self._status = status_from_data(self._ask("status", SILENCE, run=self.run))
+        self._heard = time.monotonic()
+        self._news.set()
+
+    def _keep_asking(self) -> None:
+        while not self._over.wait(_PERIOD):
+            try:
+                self._refresh()
+            except (FollowspotError, ValueError, zenoh.ZError):
+                continue

@@ -1,0 +1,98 @@
+"""What of a plan travels to another host: no code, no absolute path, nothing that is not its business."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path, PurePath
+from typing import Any
+
+from followspot.errors import FollowspotError
+from followspot.graph.parameters import path_parameters
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.plugins.registry import load_stage
+from followspot.stage import PathIn, PathOut
+
+
+def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
+    """The plan as a host gets it: input files by their names below the folder `media`.
+
+    Raises FollowspotError where a stage there reads a file from elsewhere.
+    """
+    mine = {worker.name for worker in plan.workers if worker.host == host}
+
+    def stage_for(stage: PlannedStage) -> PlannedStage:
+        if stage.worker not in mine:
+            return replace(stage, params={})
+        return _with_inputs(stage, lambda path: _name_below(path, media, stage.name))
+
+    cameras = {name: replace(camera, source=None) for name, camera in plan.room.cameras.items()}
+    room = replace(plan.room, cameras=cameras, truth=None)
+    stages = tuple(stage_for(stage) for stage in plan.stages)
+    return plan_to_data(replace(plan, room=room, stages=stages, plugin_files=()))
+
+
+def unpacked(data: Any, host: str, media: Path | None, plugin_files: tuple[str, ...]) -> dict[str, Any]:
+    """The plan as the host's workers get it: input files below its own folder `media`, its own plugins.
+
+    Raises FollowspotError where the plan asks for a file elsewhere, or for a stage that is not installed.
+    """
+    plan = plan_from_data(data)
+    if plan.plugin_files:
+        raise FollowspotError("the plan brings code of its own; an agent runs only installed plugins")
+    mine = {worker.name for worker in plan.workers if worker.host == host}
+
+    def stage_here(stage: PlannedStage) -> PlannedStage:
+        if stage.worker not in mine:
+            return stage
+        _check_outputs(stage)
+        return _with_inputs(stage, lambda name: _path_below(name, media, stage.name))
+
+    stages = tuple(stage_here(stage) for stage in plan.stages)
+    return plan_to_data(replace(plan, stages=stages, plugin_files=plugin_files))
+
+
+def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:
+    """The stage with its input files changed."""
+    params = dict(stage.params)
+    for name in path_parameters(load_stage(stage.uses).Params, PathIn):
+        if params.get(name) is not None:
+            params[name] = change(str(params[name]))
+    return replace(stage, params=params)
+
+
+def _check_outputs(stage: PlannedStage) -> None:
+    for name in path_parameters(load_stage(stage.uses).Params, PathOut):
+        value = stage.params.get(name)
+        if value is not None and not _is_below(str(value)):
+            raise FollowspotError(f"stage {stage.name} would write {value!r}, outside the run's folder")
+
+
+def _name_below(path: str, media: Path, stage: str) -> str:
+    try:
+        return Path(path).resolve().relative_to(media.resolve()).as_posix()
+    except ValueError:
+        raise FollowspotError(
+            f"stage {stage} reads {path}, which is not below {media}; "
+            "agents take names below their own --media folder: name that folder here with --media"
+        ) from None
+
+
+def _path_below(name: str, media: Path | None, stage: str) -> str:
+    if media is None:
+        raise FollowspotError(
+            f"stage {stage} reads the file {name!r}; start the agent with --media DIR, the folder it is in"
+        )
+    path = (media / name).resolve()
+    if not _is_below(name) or not path.is_relative_to(media.resolve()):
+        raise FollowspotError(f"stage {stage} would read {name!r}, outside the agent's media folder")
+    if not path.exists():
+        raise FollowspotError(f"stage {stage} reads {name!r}, which is not in the agent's media folder")
+    return str(path)
+
+
+def _is_below(name: str) -> bool:
+    """Whether a name stays below the folder that it is put into."""
+    parts = PurePath(name).parts
+    return bool(parts) and not PurePath(name).is_absolute() and ".." not in parts and "\0" not in name

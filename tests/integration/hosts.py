@@ -1,0 +1,152 @@
+"""Hosts for tests: network namespaces joined by a bridge in a namespace of its own, and agents in them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from running import COMMAND, STAGES
+
+PORT = 7450
+
+
+@cache
+def namespaces_are_permitted() -> bool:
+    """Whether this user may make network namespaces."""
+    name = f"fs{os.getpid()}-try"
+    try:
+        made = subprocess.run(["ip", "netns", "add", name], capture_output=True, check=False)
+    except FileNotFoundError:
+        return False
+    subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
+    return made.returncode == 0
+
+
+def ip(*words: str, inside: str | None = None) -> None:
+    prefix = ["ip", "-n", inside] if inside else ["ip"]
+    subprocess.run([*prefix, *words], check=True, capture_output=True)
+
+
+class Hosts:
+    """Some hosts on one network; `names` become namespaces, the first one is the operator's desk."""
+
+    def __init__(self, folder: Path, names: Sequence[str]) -> None:
+        self.folder = folder
+        self.names = list(names)
+        self.processes: list[subprocess.Popen[str]] = []
+        self.tag = f"fs{os.getpid()}"
+
+    def __enter__(self) -> Self:
+        try:
+            self._make()
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def _make(self) -> None:
+        hub = self.space("hub")
+        ip("netns", "add", hub)
+        ip("link", "add", "switch", "type", "bridge", inside=hub)
+        ip("link", "set", "switch", "up", inside=hub)
+        for number, name in enumerate(self.names):
+            space = self.space(name)
+            ip("netns", "add", space)
+            ip(
+                "link",
+                "add",
+                f"to{number}",
+                "type",
+                "veth",
+                "peer",
+                "name",
+                "eth0",
+                "netns",
+                space,
+                inside=hub,
+            )
+            ip("link", "set", f"to{number}", "master", "switch", "up", inside=hub)
+            ip("addr", "add", f"{self.address(name)}/24", "dev", "eth0", inside=space)
+            ip("link", "set", "eth0", "up", inside=space)
+            ip("link", "set", "lo", "up", inside=space)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        for process in self.processes:
+            process.kill()
+            process.communicate()
+        for name in ["hub", *self.names]:
+            subprocess.run(["ip", "netns", "del", self.space(name)], capture_output=True, check=False)
+
+    def space(self, name: str) -> str:
+        return f"{self.tag}-{name}"
+
+    def address(self, name: str) -> str:
+        return f"10.83.7.{self.names.index(name) + 1}"
+
+    def endpoint(self, name: str) -> str:
+        return f"tcp/{self.address(name)}:{PORT}"
+
+    def link(self, name: str, state: str) -> None:
+        """Pull the cable of a host ("down"), or plug it in again ("up")."""
+        ip("link", "set", f"to{self.names.index(name)}", state, inside=self.space("hub"))
+
+    def start(self, host: str, *words: str | Path) -> subprocess.Popen[str]:
+        """Begin a command of followspot on a host."""
+        process = subprocess.Popen(
+            ["ip", "netns", "exec", self.space(host), *COMMAND, *map(str, words)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            cwd=self.folder,
+        )
+        self.processes.append(process)
+        return process
+
+    def agent(self, name: str, *options: str | Path) -> Agent:
+        """An agent that is ready."""
+        process = self.start(
+            name, "agent", "--name", name, "--listen", self.endpoint(name), "--insecure", *options
+        )
+        return Agent(process, self.folder)
+
+
+class Agent:
+    """A `followspot agent`, on this host or in a namespace, that is ready."""
+
+    def __init__(self, process: subprocess.Popen[str], folder: Path) -> None:
+        self.process = process
+        assert process.stderr is not None
+        self.lines: list[str] = []
+        while not self.lines or "listens on" not in self.lines[-1]:
+            line = process.stderr.readline()
+            assert line, f"the agent ended: {self.lines}"
+            self.lines.append(line.strip())
+        self.folder = folder
+
+    def signal(self, number: signal.Signals) -> None:
+        self.process.send_signal(number)
+
+    def end(self) -> int:
+        self.process.terminate()
+        self.process.communicate(timeout=30)
+        return self.process.returncode
+
+
+def near_agent(name: str, folder: Path, port: int, *options: str | Path) -> Agent:
+    """An agent of this very host, reached at a port of loopback."""
+    words = ["agent", "--name", name, "--listen", f"tcp/127.0.0.1:{port}", "--plugin", STAGES, *options]
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, words)], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder
+    )
+    return Agent(process, folder)

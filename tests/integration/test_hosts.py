@@ -1,0 +1,87 @@
+"""Three hosts, six cameras two by two: the tracks are those of one process, bit for bit."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from hosts import Hosts, namespaces_are_permitted
+from running import COMMAND, balanced
+
+ROOT = Path(__file__).parent.parent.parent
+GRAPH = ROOT / "graphs" / "glowballs.yaml"
+DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
+RECORDING = DATA / "dev3"
+FRAMES = "40"
+HOST_OF = {"cam0": "pc-left", "cam1": "pc-left", "cam2": "pc-right", "cam3": "pc-right"}
+"""The other two cameras are on the operator's own host."""
+
+pytestmark = pytest.mark.skipif(
+    not namespaces_are_permitted(), reason="this user may not make network namespaces"
+)
+
+
+@pytest.fixture
+def hosts(tmp_path: Path) -> Iterator[Hosts]:
+    with Hosts(tmp_path, ["desk", "pc-left", "pc-right"]) as made:
+        yield made
+
+
+def command(*words: str | Path) -> None:
+    subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=True)
+
+
+def spread(room: Path, to: Path) -> Path:
+    """The room with four of its cameras on other hosts: one line more for each."""
+    lines = []
+    for line in room.read_text().splitlines():
+        lines.append(line)
+        camera = line.strip().rstrip(":")
+        if camera in HOST_OF and line.startswith("  cam"):
+            lines.append(f"    host: {HOST_OF[camera]}")
+    to.write_text("\n".join(lines) + "\n")
+    return to
+
+
+def tracks_in_one_process(room: Path, out: Path) -> bytes:
+    command("run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--quiet")
+    return (out / "tracks.csv").read_bytes()
+
+
+def tracks_on_three_hosts(hosts: Hosts, room: Path, out: Path, *options: str | Path) -> bytes:
+    words = ["run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--json", "--quiet"]
+    there = [word for name in ("pc-left", "pc-right") for word in ("--connect", hosts.endpoint(name))]
+    process = hosts.start("desk", *words, "--placement", "camera", "--insecure", *there, *options)
+    stdout, stderr = process.communicate(timeout=90)
+    assert process.returncode == 0, stderr + stdout
+    summary = json.loads(stdout)
+    assert balanced(summary)
+    assert "zenoh" in {edge["kind"] for edge in summary["edges"]}
+    return (out / "tracks.csv").read_bytes()
+
+
+def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
+    hosts: Hosts, tmp_path: Path
+) -> None:
+    room = spread(ROOT / "graphs" / "rooms" / "simulated6.yaml", tmp_path / "room.yaml")
+    hosts.agent("pc-left")
+    hosts.agent("pc-right")
+    alone = tracks_in_one_process(room, tmp_path / "alone")
+    assert len(alone.splitlines()) > 60
+    assert tracks_on_three_hosts(hosts, room, tmp_path / "three") == alone
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
+def test_a_recording_on_three_hosts_gives_the_tracks_of_one_process(hosts: Hosts, tmp_path: Path) -> None:
+    room = tmp_path / "imported.yaml"
+    command("room", "import", DATA / "calibration.json", "--videos", RECORDING, "-o", room)
+    command("calibrate", "targets", "--room", room, "--clips", DATA / "templates")
+    room = spread(room, tmp_path / "room.yaml")
+    for name in ("pc-left", "pc-right"):
+        hosts.agent(name, "--media", RECORDING)
+    alone = tracks_in_one_process(room, tmp_path / "alone")
+    assert len(alone.splitlines()) > 60
+    assert tracks_on_three_hosts(hosts, room, tmp_path / "three", "--media", RECORDING) == alone
