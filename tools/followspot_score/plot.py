@@ -64,7 +64,7 @@ def _histograms(figure: Figure, errors: PoseErrors) -> None:
     for axes, (name, label, end) in zip(figure.subplots(2, 3).flat, PANELS, strict=True):
         values = getattr(errors, name)
         values = np.degrees(values) if name in ANGLES else values
-        axes.hist(np.clip(values, -end, end), BINS, (-end, end), color=REPORTED)
+        axes.hist(np.clip(values, -end, end), bins=BINS, range=(-end, end), color=REPORTED)
         axes.set_xlabel(f"error of {label}")
         axes.spines[["top", "right"]].set_visible(False)
         if len(values):
