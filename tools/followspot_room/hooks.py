@@ -13,7 +13,8 @@ IMPORT = """Make a room file from a calibration and, where there is one, a folde
 The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys Calib.qca.txt,
 a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist, R and t, or JSON of
 pinhole and cylinder cameras by name.
-Recordings are named like the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures;
+Recordings are named like the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures; scaled
+copies, and those that a codec cut off at the right or below, are taken as such with a warning.
 VIDEOS/truth.csv, where it exists, becomes the room's truth; without it VIDEOS/cam0_gt.csv, poses of persons.
 
   followspot room import calibration.toml -o room.yaml

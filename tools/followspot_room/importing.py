@@ -16,6 +16,7 @@ from followspot.room_file import save
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
 from followspot_room.format import Calibration
+from followspot_room.recorded_size import as_recorded, picture_size
 
 TRUTH = "truth.csv"
 
@@ -41,6 +42,7 @@ def import_room(
     missing = [name for name in names if name not in recordings] if videos else []
     if videos and missing and not allow_missing:
         raise InputError([_no_recording(name, videos) for name in missing])
+    known = with_recorded_sizes(known, recordings)
     truth = find_truth(videos, names) if videos else None
     room = room_of(known, recordings, truth, output)
     try:
@@ -68,6 +70,16 @@ def with_infrared(calibration: Calibration, names: Sequence[str]) -> Calibration
     _check_known(calibration, names, "--infrared")
     cameras = (replace(c, kind="infrared") if c.name in names else c for c in calibration.cameras)
     return replace(calibration, cameras=tuple(cameras))
+
+
+def with_recorded_sizes(calibration: Calibration, recordings: Mapping[str, Path]) -> Calibration:
+    """The calibration for pictures as they were recorded; what that changed is noted. Raises InputError."""
+    fitted = [
+        as_recorded(c, picture_size(recordings[c.name])) if c.name in recordings else (c, "")
+        for c in calibration.cameras
+    ]
+    notes = (*calibration.notes, *(note for _, note in fitted if note))
+    return replace(calibration, cameras=tuple(camera for camera, _ in fitted), notes=notes)
 
 
 def _check_known(calibration: Calibration, names: Sequence[str], option: str) -> None:
