@@ -1,0 +1,81 @@
+"""Pictures written as a video or one file each, below the run's output folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import cv2
+
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+
+SLOWEST, FASTEST = 1.0, 240.0
+"""Frames per second that a video is written with at least and at most."""
+
+
+class PictureFile(Protocol):
+    """Where the pictures of one camera go."""
+
+    def write(self, picture: Array, seq: int, time: int) -> None:
+        """Add a picture (H, W, 3) BGR, its number and capture time, ns. Raises FollowspotError."""
+
+    def close(self) -> None:
+        """Complete what was written."""
+
+
+class VideoFile:
+    """An .mp4 with the frame rate of the first two pictures."""
+
+    def __init__(self, folder: Path, camera: str) -> None:
+        self.path = folder / f"{camera}.mp4"
+        self.first: tuple[Array, int] | None = None
+        self.writer: cv2.VideoWriter | None = None
+
+    def write(self, picture: Array, seq: int, time: int) -> None:
+        """Add a picture; the first waits for the second, which tells the rate. Raises FollowspotError."""
+        if self.writer is not None:
+            self.writer.write(picture)
+        elif self.first is None:
+            self.first = picture, time
+        else:
+            self._open(self.first[0], 1e9 / max(1, time - self.first[1])).write(picture)
+
+    def close(self) -> None:
+        """Complete the file, also of a single picture. Raises FollowspotError."""
+        if self.writer is None and self.first is not None:
+            self._open(self.first[0], SLOWEST)
+        if self.writer is not None:
+            self.writer.release()
+
+    def _open(self, first: Array, rate: float) -> cv2.VideoWriter:
+        height, width = first.shape[:2]
+        rate = min(max(rate, SLOWEST), FASTEST)
+        self.writer = cv2.VideoWriter(str(self.path), cv2.VideoWriter.fourcc(*"mp4v"), rate, (width, height))
+        if not self.writer.isOpened():
+            raise FollowspotError(
+                f"{self.path} cannot be written as a video\n    draw pictures instead: form: jpg"
+            )
+        self.writer.write(first)
+        return self.writer
+
+
+class PictureFolder:
+    """A folder with a file for each picture, named by its number; form: jpg or png."""
+
+    def __init__(self, folder: Path, camera: str, form: str) -> None:
+        self.form = form
+        self.folder = folder / camera
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FollowspotError(f"{self.folder} cannot be written: {error.strerror}") from None
+
+    def write(self, picture: Array, seq: int, time: int) -> None:
+        """Write one file. Raises FollowspotError."""
+        path = self.folder / f"{seq:06d}.{self.form}"
+        if not cv2.imwrite(str(path), picture):
+            raise FollowspotError(f"{path} cannot be written\n    free space on the disk")
+
+    def close(self) -> None:
+        """Every file is complete."""
