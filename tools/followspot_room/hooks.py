@@ -1,4 +1,4 @@
-"""Joins `followspot room import` and `followspot room export` to the command line."""
+"""Joins `followspot room import`, `room export` and `room guess` to the command line."""
 
 from __future__ import annotations
 
@@ -32,12 +32,22 @@ The format follows from the name of the output: camera_array.toml is caliscope, 
 """
 
 
+GUESS = """Make a rough room file for one video without a calibration, from the sizes of the people in it.
+
+The camera is assumed level from left to right, without distortion, above a flat floor on which people walk
+upright. Good enough to follow people and to tell near from far; calibrate for places that can be trusted.
+
+  followspot room guess street.avi --field 50 -o street.yaml
+"""
+
+
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands `room import` and `room export`."""
+    """The commands `room import`, `room export` and `room guess`."""
     return [
         Command("import", IMPORT, configure_import, run_import, parent="room"),
         Command("export", EXPORT, configure_export, run_export, parent="room"),
+        Command("guess", GUESS, configure_guess, run_guess, parent="room"),
     ]
 
 
@@ -88,3 +98,26 @@ def run_export(args: argparse.Namespace) -> int:
     from followspot_room.exporting import export_room
 
     return export_room(args.room, args.output, args.format, as_json=args.json)
+
+
+def configure_guess(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `room guess`."""
+    add = parser.add_argument
+    add("video", type=Path, metavar="VIDEO", help="video in which people walk")
+    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
+    add("--field", type=float, default=50.0, metavar="DEG", help="horizontal field of view (default: 50)")
+    add("--person", type=float, default=1.72, metavar="M", help="usual height of people (default: 1.72)")
+    add("--json", action="store_true", help="print one JSON object that says what was guessed")
+
+
+def run_guess(args: argparse.Namespace) -> int:
+    """Look for people, fit, write, report."""
+    from math import radians
+
+    from followspot.errors import InputError, Mistake
+    from followspot_room.guessing import guess_room
+
+    if not 5.0 <= args.field <= 150.0 or not 0.5 <= args.person <= 2.5:
+        text = f"--field {args.field:g} or --person {args.person:g} is out of range"
+        raise InputError([Mistake(None, text, "a field is 5 to 150 degrees, a person 0.5 to 2.5 m")])
+    return guess_room(args.video, args.output, radians(args.field), args.person, as_json=args.json)

@@ -1,0 +1,178 @@
+"""What `followspot room guess` does: a rough camera from the sizes of the people in its video."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from followspot import Camera, Room
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.messages import Array
+from followspot.room import StageUse
+from followspot.room_file import save
+from followspot_cameras.video import announced_frames, open_video
+
+PICTURES = 20
+"""So many pictures of the video, evenly spread, are searched for people."""
+WORKING_HEIGHT = 1100
+"""Pictures are searched at this height, px; OpenCV's detector finds people from about 100 px on."""
+PERSON_OF_BOX, FOOT_OF_BOX = 0.75, 0.875
+"""Shares of the height of the detector's box, which has margins: the person, and where the feet are."""
+SCORE = 0.6
+"""Of a detection that counts."""
+STILL = 0.08
+"""What is found twice within this share of its height is furniture, or somebody who stands there."""
+FEWEST = 8
+"""People that the guess needs."""
+PITCHES = np.radians(np.arange(-5.0, 75.0, 0.25))
+"""Tried angles by which the camera looks down."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What is known of the camera after looking at people.
+
+    pitch: by which it looks down, rad; height: above the floor, m; spread: median deviation of the heights
+    that single people tell, m; people: how many counted.
+    """
+
+    pitch: float
+    height: float
+    spread: float
+    people: int
+
+
+def guess_room(video: Path, output: Path, field: float, person: float, *, as_json: bool) -> int:
+    """Write the room file and say what was guessed; returns the exit code. Raises InputError.
+
+    field: horizontal field of view, rad; person: usual height of people, m.
+    """
+    if not video.is_file():
+        raise InputError([Mistake(None, f"there is no video {video}", "give a video in which people walk")])
+    size, found = people_in(video)
+    focal = size[0] / 2 / np.tan(field / 2)
+    guess = guess_pose(found, size, focal, person)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        save(room_of(video, output, size, focal, guess), output)
+    except OSError as error:
+        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
+    print(_as_json(output, guess) if as_json else _summary(output, guess))
+    return 0
+
+
+def people_in(video: Path) -> tuple[tuple[int, int], Array]:
+    """Size of the pictures and the people found in them: (N, 3) column and row of the feet, height; px."""
+    hog = cv2.HOGDescriptor()
+    hog.setSVMDetector(np.array(cv2.HOGDescriptor.getDefaultPeopleDetector(), np.float32))
+    found, size = [np.empty((0, 3))], (0, 0)
+    for picture in _pictures(video):
+        size = (picture.shape[1], picture.shape[0])
+        scale = WORKING_HEIGHT / size[1]
+        resized = cv2.resize(picture, None, fx=scale, fy=scale)
+        box, score = hog.detectMultiScale(resized, winStride=(8, 8), scale=1.07)
+        sure = np.array(box, float).reshape(-1, 4)[np.ravel(score) > SCORE] / scale
+        feet = np.stack([sure[:, 0] + sure[:, 2] / 2, sure[:, 1] + FOOT_OF_BOX * sure[:, 3]], axis=1)
+        found.append(np.column_stack([feet, PERSON_OF_BOX * sure[:, 3]]))
+    return size, np.concatenate(found)
+
+
+def _pictures(video: Path) -> Iterator[Array]:
+    step = max(1, announced_frames(video) // PICTURES)
+    capture = open_video(video)
+    number = 0
+    try:
+        while capture.grab():
+            if number % step == 0:
+                picture = capture.retrieve()[1]
+                if picture is not None:
+                    yield picture
+                if sys.stderr.isatty():
+                    print(f"\rlooking for people: frame {number}", end="", file=sys.stderr)
+            number += 1
+    finally:
+        capture.release()
+        if sys.stderr.isatty():
+            print(file=sys.stderr)
+
+
+def without_still(people: Array) -> Array:
+    """The people of whom no two are at one place, (N, 3) as :func:`people_in`."""
+    apart = np.abs(people[:, None] - people[None]).max(axis=2) / people[:, 2]
+    np.fill_diagonal(apart, np.inf)
+    return np.asarray(people[(apart > STILL).all(axis=1)])
+
+
+def guess_pose(people: Array, size: tuple[int, int], focal: float, person: float) -> Guess:
+    """The pitch at which people who are all of one height agree best on the height of the camera.
+
+    The feet of a person of height h are seen at an angle a below the horizon, the head at b, both at the
+    distance H / tan(a) = (H - h) / tan(b) from a camera at height H, hence H = h tan(a) / (tan(a) - tan(b)).
+    people: (N, 3) as :func:`people_in`; size, focal: px; person: h, m. Raises InputError for too few people.
+    """
+    moving = without_still(people)
+    if len(moving) < FEWEST:
+        text = f"only {len(moving)} people were found at places of their own"
+        raise InputError(
+            [Mistake(None, text, f"give a video in which {FEWEST} and more people walk upright")]
+        )
+    best = Guess(0.0, 0.0, np.inf, len(moving))
+    for pitch in PITCHES.tolist():
+        feet = _below_horizon(moving[:, :2], size, focal, pitch)
+        head = _below_horizon(moving[:, :2] - moving[:, 2:] * [0.0, 1.0], size, focal, pitch)
+        usable = (feet > 0) & (feet > head)
+        if usable.mean() < 0.8:
+            continue
+        heights = person * feet[usable] / (feet - head)[usable]
+        height = float(np.median(heights))
+        spread = float(np.median(np.abs(heights - height)))
+        if spread / height < best.spread / max(best.height, 1e-9):
+            best = Guess(pitch, height, spread, len(moving))
+    return best
+
+
+def _below_horizon(pixel: Array, size: tuple[int, int], focal: float, pitch: float) -> Array:
+    """Tangent of the angle below the horizon at which pixels are seen, (N,)."""
+    x, y = ((pixel - (np.array(size) - 1) / 2) / focal).T
+    down = np.sin(pitch) + y * np.cos(pitch)
+    return np.asarray(down / np.hypot(x, np.cos(pitch) - y * np.sin(pitch)))
+
+
+def room_of(video: Path, output: Path, size: tuple[int, int], focal: float, guess: Guess) -> Room:
+    """The room whose origin is on the floor below the camera, which looks along x."""
+    c, s = np.cos(guess.pitch), np.sin(guess.pitch)
+    rotation = np.array([[0.0, -1.0, 0.0], [-s, 0.0, -c], [c, 0.0, -s]])
+    matrix = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1]])
+    path = os.path.relpath(video.resolve(), output.parent.resolve())
+    camera = Camera(
+        name="camera",
+        kind="color",
+        size=size,
+        matrix=matrix,
+        distortion=np.zeros(5),
+        rotation=rotation,
+        translation=-rotation @ np.array([0.0, 0.0, guess.height]),
+        source=StageUse("cameras.video", {"path": path}, str(output.parent)),
+    )
+    floor = np.array([0.0, 0.0, 1.0, 0.0])
+    return Room(name=output.stem, cameras={"camera": camera}, planes={"floor": floor})
+
+
+def _summary(output: Path, guess: Guess) -> str:
+    return (
+        f"{output}: camera {guess.height:.2f} m above the floor (people differ by {guess.spread:.2f} m), "
+        f"{np.degrees(guess.pitch):.1f} degrees down, after {guess.people} people\n"
+        "a guess, not a calibration: places are off by tenths of their distance"
+    )
+
+
+def _as_json(output: Path, guess: Guess) -> str:
+    found = {"height_m": guess.height, "spread_m": guess.spread, "pitch_deg": float(np.degrees(guess.pitch))}
+    return json.dumps({"room": output.stem, **found, "people": guess.people})
