@@ -152,5 +152,5 @@ def _unplaced(sightings: Sightings, begin: Beginning, camera: int) -> str:
         )
     return (
         f"{name} shares {common} points with {others}, but sees them where no camera could: "
-        "are its points of the same recording, its lens as the room has it, its clock even?"
+        "are its points of the same recording, its lens as the room has it, and was it not moved?"
     )

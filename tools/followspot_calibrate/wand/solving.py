@@ -23,12 +23,12 @@ from followspot_calibrate.wand.diagnosis import (
     shallow,
 )
 from followspot_calibrate.wand.growing import Beginning, grow
-from followspot_calibrate.wand.guessing import guess, straightened
+from followspot_calibrate.wand.guessing import guess
 from followspot_calibrate.wand.hazards.planar import in_a_plane
-from followspot_calibrate.wand.pairs import Pair, trusted, working_rows
+from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 from followspot_calibrate.wand.rods import rods_of, scale_of
 from followspot_calibrate.wand.rounds import Settled, chosen, settle
-from followspot_calibrate.wand.timing import Timed, in_step, synchronised
+from followspot_calibrate.wand.timing import Timed, in_step, synchronised, with_the_late
 
 Intrinsics = Literal["known", "free", "auto"]
 Outcome = Literal["known", "refined", "free"]
@@ -86,12 +86,15 @@ def solve(
     require_connected(timed.sightings, begin, own, rods)
     planar = own is not None and in_a_plane(_straight(timed.sightings, own), begin.pairs, sightings.sizes)
     require_placed(timed.sightings, begin, own, rods, planar=planar)
-    cameras = [begin.placed[i] for i in range(len(sightings.cameras))]
+    cameras: Sequence[Camera] = [begin.placed[i] for i in range(len(sightings.cameras))]
     if rods is not None:
         cameras = _scaled(cameras, timed.sightings, rods)
     free = REFINED if own is None else Free()
     middle = _middle(sightings, own)
-    timed = synchronised(cameras, sightings, timed, lambda c, pixel: settle(c, pixel, free, rods, middle))
+    if not planar:  # where motion tells nothing sure
+        timed, cameras = synchronised(
+            cameras, sightings, timed, lambda now, pixel: settle(now, pixel, free, rods, middle), free
+        )
     if own is None:
         outcome: Outcome = "free"
         settled = settle(cameras, timed.sightings.pixel, REFINED, rods, middle, progress)
@@ -108,12 +111,13 @@ def _begun(
 ) -> tuple[Timed, Beginning]:
     """The sightings in step, and the first idea of a room that they give."""
     limit = LIMIT * sightings.sizes.max(axis=1)
-    if own is None:
-        timed, _ = in_step(sightings, lambda now: straightened(now, 0.0), limit, progress)
-        return timed, guess(timed.sightings, progress)
     timed, pairs = in_step(sightings, lambda now: _straight(now, own), limit, progress)
-    attempts = [Free(), ROUGH] if intrinsics == "auto" else [Free()]
-    return timed, _begin(timed.sightings, own, pairs, attempts)
+    begin = _begin(timed.sightings, own, pairs, intrinsics, progress)
+    shifted = with_the_late(sightings, timed, begin.placed, own)
+    if shifted is None:
+        return timed, begin
+    pairs = match(_straight(shifted.sightings, own), limit)
+    return shifted, _begin(shifted.sightings, own, pairs, intrinsics, progress)
 
 
 def _with_known(
@@ -140,15 +144,24 @@ def _with_known(
     return settled, "known"
 
 
-def _straight(sightings: Sightings, cameras: Sequence[Camera]) -> Array:
-    """Pixels without the distortion of known lenses: (N, C, 2) px."""
+def _straight(sightings: Sightings, cameras: Sequence[Camera] | None) -> Array:
+    """Pixels without the distortion of known lenses, or as they are: (N, C, 2) px."""
+    if cameras is None:
+        return sightings.pixel
     return np.stack([undistort(c, sightings.pixel[:, i]) for i, c in enumerate(cameras)], axis=1)
 
 
 def _begin(
-    sightings: Sightings, cameras: Sequence[Camera], pairs: list[Pair], attempts: Sequence[Free]
+    sightings: Sightings,
+    cameras: Sequence[Camera] | None,
+    pairs: list[Pair],
+    intrinsics: Intrinsics,
+    progress: Progress | None,
 ) -> Beginning:
     """The cameras with their own intrinsics, placed by the first attempt that places all, or the best."""
+    if cameras is None:
+        return guess(sightings, progress)
+    attempts = [Free(), ROUGH] if intrinsics == "auto" else [Free()]
     fits = trusted(pairs, sightings.seen.shape)
     rows = working_rows(pairs, fits)
     pixel = np.where(fits[rows, :, None], sightings.pixel[rows], np.nan)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,27 +10,26 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
-from followspot_calibrate.adjust import Progress
+from followspot_calibrate.adjust import Free, Progress
 from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.wand.hazards.explaining import agreeing_cameras, lenses_like
 from followspot_calibrate.wand.hazards.offset import Late, drift, lateness, nearest_shift, stretches
 from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.pairs import Pair, match
-from followspot_calibrate.wand.rounds import Settled, chosen
+from followspot_calibrate.wand.rounds import SIGMAS, Settled, chosen
 
 LEAST = 0.2
 """Steps by which a camera must be late to be told; interpolated tracks are no better than that."""
-SUSPECT = 0.25
-"""Share of that from which on a lateness is looked at; at first, places are drawn by the late camera."""
 SURE = 5.0
 """Sigmas of a lateness that is believed."""
 LARGEST = 1.0
 """Clock offset that a room file may have, s."""
 SMALL = 0.01
 """Steps; a change of lateness that small ends the search."""
-ROUNDS = 10
-LONGEST = 10.0
-"""Times by which a step may be longer than the lateness that is left."""
+ROUNDS = 8
+FARTHEST = 3.0
+"""Frames that one round may add: motion is nearly straight for as long."""
 BETTER = 0.9
 """Error of a camera after the correction over that before, from which on the correction is right."""
 
@@ -70,60 +69,75 @@ def in_step(
     return Timed(sightings, late, np.zeros_like(late)), pairs
 
 
-def synchronised(cameras: Sequence[Camera], raw: Sightings, timed: Timed, settle: Settle) -> Timed:
+def with_the_late(
+    raw: Sightings, timed: Timed, placed: Mapping[int, Camera], known: Sequence[Camera] | None
+) -> Timed | None:
+    """The cameras that find a place once their tracks are shifted a little, in step; None without any.
+
+    placed: the cameras that have a place, by number; known: lenses of all cameras, if there are any.
+    """
+    if not 2 <= len(placed) < len(raw.cameras):
+        return None
+    agree, late = agreeing_cameras(timed.sightings, placed), timed.late.copy()
+    lenses = known or lenses_like(agree, raw)
+    for number in (i for i in range(len(late)) if i not in placed):
+        late[number] += nearest_shift(lenses[number], agree.points, timed.sightings, number)
+    if (late == timed.late).all():
+        return None
+    return replace(timed, sightings=replace(raw, pixel=resampled(raw, late)), late=late)
+
+
+def synchronised(
+    cameras: Sequence[Camera], raw: Sightings, timed: Timed, settle: Settle, free: Free
+) -> tuple[Timed, Sequence[Camera]]:
     """Parts of a frame are corrected once the cameras have a place, in rounds with adjusting them.
 
-    raw: as the file has them; timed: in step. Without a lateness that is sure nothing is changed.
+    Also the cameras as they are once that is corrected: adjusted to a late one they are too far off to begin.
+
+    raw: as the file has them; timed: in step; free: what `settle` adjusts. Without a lateness that is sure
+    nothing is changed.
     """
     least, some = LEAST * frame_step(raw), stretches(raw)
-    before, pixel = chosen(cameras, timed.sightings.pixel[some]), timed.sightings.pixel[some]
-    few = raw.rows(some)
-    rest = lateness(before.cameras, before.points, pixel, few)
-    if (
-        not (np.abs(rest.frames) > np.maximum(SUSPECT * least, SURE * rest.sigma)).any()
-        and not timed.late.any()
-    ):
-        return timed
+    few, pixel = raw.rows(some), timed.sightings.pixel[some]
+    begun = chosen(cameras, pixel)
+    rest = lateness(begun, pixel, few, free)
+    if not (np.abs(rest.frames) > np.maximum(least / 2, rest.sigma)).any() and not timed.late.any():
+        return replace(timed, drift=drift(begun, few, timed.late, free, SURE, 2 * least)), cameras
     before = settle(cameras, pixel)
-    start = _started(before, few, pixel)
-    rest = lateness(before.cameras, before.points, pixel, few)
-    if np.abs(start + rest.frames + timed.late).max() < least:
-        return timed
-    now, found = _refined(before, few, timed.late + start, settle)
+    now, found = _refined(before, few, timed.late, settle, free)
     late = _from_most(found.frames, least)
     sure = np.abs(late) > np.maximum(least, SURE * found.sigma)
-    grown = drift(now.cameras, now.points, few, np.where(sure, late, 0.0), SURE, 2 * least)
+    sure &= _error(now) < SIGMAS * now.sigma  # else something else is wrong with that camera
+    grown = drift(now, few, np.where(sure, late, 0.0), free, SURE, 2 * least)
     better = _error(now) < BETTER * _error(before)
     if not timed.late.any() and not better[sure].any():
-        return replace(timed, drift=grown)
-    late = np.where(sure, late, 0.0)
-    return Timed(replace(raw, pixel=resampled(raw, late)), late, grown)
+        return replace(timed, drift=grown), cameras
+    late = np.where(sure, late, _kept(timed.late - np.median(found.frames - late), late, least))
+    return Timed(replace(raw, pixel=resampled(raw, late)), late, grown), now.cameras
 
 
-def _refined(settled: Settled, sightings: Sightings, late: Array, settle: Settle) -> tuple[Settled, Late]:
-    """Lateness from rounds of correcting and adjusting.
-
-    A place that is free takes up the same part of it each time, so steps are as much longer (secant).
-    """
-    gain, before = np.ones(len(late)), np.zeros(len(late))
+def _refined(
+    settled: Settled, sightings: Sightings, late: Array, settle: Settle, free: Free
+) -> tuple[Settled, Late]:
+    """Lateness from rounds of correcting and adjusting."""
+    cameras: Sequence[Camera] = settled.cameras
     for _ in range(ROUNDS):
         pixel = resampled(sightings, late)
-        settled = settle(settled.cameras, pixel)
-        rest = lateness(settled.cameras, settled.points, pixel, sightings)
+        settled = settle(cameras, pixel)
+        rest = lateness(settled, pixel, sightings, free)
+        late, cameras = late + np.clip(rest.frames, -FARTHEST, FARTHEST), rest.cameras
         if np.abs(rest.frames).max() < SMALL * frame_step(sightings):
             break
-        steady = (np.abs(rest.frames) > SURE * rest.sigma) & (rest.frames * before > 0)
-        left = np.divide(rest.frames, before, out=np.zeros(len(late)), where=steady)
-        gain = np.where(steady, np.clip(gain / np.maximum(1 - left, 1 / LONGEST), 1, LONGEST), 1.0)
-        late, before = late + gain * rest.frames, rest.frames
-    return settled, Late(late, rest.sigma)
+    return settled, replace(rest, frames=late)
 
 
-def _started(settled: Settled, sightings: Sightings, pixel: Array) -> Array:
-    """A lateness of each camera to begin with, (C,) frames; pixel: (N, C, 2) px, already nearly in step."""
-    nearly = replace(sightings, pixel=pixel)
-    late = [nearest_shift(c, settled.points, nearly, i) for i, c in enumerate(settled.cameras)]
-    return np.array(late) if len(late) > 2 else np.zeros(len(late))
+def _kept(before: Array, late: Array, least: float) -> Array:
+    """What is believed of cameras of which motion tells nothing sure, (C,) frames: whole frames, or nothing.
+
+    before: lateness in whole frames, relative to the same cameras as `late`.
+    """
+    doubtful = (np.abs(late) > least) & (np.abs(before) > least)
+    return np.where(doubtful, before, 0.0)
 
 
 def _from_most(late: Array, least: float) -> Array:

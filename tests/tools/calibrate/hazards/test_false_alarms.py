@@ -19,7 +19,7 @@ needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")
 @pytest.mark.parametrize(("cameras", "missing"), [(3, 0.1), (6, 0.6)])
 @pytest.mark.parametrize("make", [made_room, waved_room])
 def test_a_clean_room(make, cameras, missing):
-    room = make(cameras, 400, missing=missing, noise=0.4)
+    room = make(cameras, 300, missing=missing, noise=0.4)
     solved = solve(room.sightings, room.cameras)
     assert warnings_of(solved, 1.0) == []
     assert solved.intrinsics == "known"
@@ -27,7 +27,7 @@ def test_a_clean_room(make, cameras, missing):
 
 @pytest.mark.parametrize(("cameras", "missing", "outliers"), [(3, 0.3, 0.1), (6, 0.6, 0.3), (10, 0.1, 0.3)])
 def test_reflections_are_all_that_is_told_of_a_room_full_of_them(cameras, missing, outliers):
-    room = waved_room(cameras, 700, missing=missing, outliers=outliers)
+    room = waved_room(cameras, 600, missing=missing, outliers=outliers)
     solved = solve(room.sightings, room.cameras)
     assert not solved.timed.late.any()
     assert off_by(solved.settled.cameras, room.cameras)[0].max() < 14

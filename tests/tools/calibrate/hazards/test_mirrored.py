@@ -9,8 +9,10 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.wand.solving import solve
 
 
-@pytest.mark.parametrize("lenses", ["known", "unknown"])
-@pytest.mark.parametrize(("axis", "way"), [(0, "left-right"), (1, "up-down")])
+@pytest.mark.parametrize(
+    ("lenses", "axis", "way"),
+    [("known", 0, "left-right"), ("known", 1, "up-down"), ("unknown", 0, "left-right")],
+)
 def test_the_mirrored_camera_and_the_way_are_named(lenses, axis, way):
     room = mirrored(waved_room(5, 300, missing=0.2, outliers=0.1), 2, axis)
     with pytest.raises(

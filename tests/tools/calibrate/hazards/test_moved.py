@@ -19,7 +19,7 @@ from followspot_calibrate.wand.telling import warnings_of
 ROWS = 400
 
 
-@pytest.mark.parametrize(("degrees", "at"), [(0.3, 200), (1.0, 120), (5.0, 200), (30.0, 300)])
+@pytest.mark.parametrize(("degrees", "at"), [(0.3, 200), (5.0, 120), (30.0, 300)])
 def test_the_camera_and_the_frame_are_named(degrees, at):
     room, _ = with_move(waved_room(5, ROWS, missing=0.2), 1, degrees, at)
     told = warnings_of(solve(room.sightings, room.cameras, "known"))
@@ -31,18 +31,18 @@ def test_the_camera_and_the_frame_are_named(degrees, at):
 
 
 def test_reflections_do_not_hide_a_move():
-    room, _ = with_move(waved_room(6, ROWS, outliers=0.2), 4, 3.0, 220)
+    room, _ = with_move(waved_room(6, ROWS, outliers=0.2), 4, 3.0, 160)
     told = warnings_of(solve(room.sightings, room.cameras, "known"))
-    assert told[0].startswith("cam4 was moved at frame 2")
+    assert told[0].startswith("cam4 was moved at frame 1")
     assert not any("cam4" in text for text in told[1:])
 
 
 def test_two_moved_cameras_are_both_named():
     room, _ = with_move(waved_room(6, ROWS), 1, 2.0, 150)
-    room, _ = with_move(room, 4, 2.0, 300)
+    room, _ = with_move(room, 4, 2.0, 220)
     told = warnings_of(solve(room.sightings, room.cameras, "known"))
     named = sorted(text.split(",")[0] for text in told)
-    assert named == ["cam1 was moved at frame 150", "cam4 was moved at frame 300"]
+    assert named == ["cam1 was moved at frame 150", "cam4 was moved at frame 220"]
 
 
 def test_of_three_cameras_one_is_named():

@@ -16,10 +16,9 @@ from followspot_calibrate.wand.alignment import onto_centers
 from followspot_calibrate.wand.solving import solve
 
 
-@pytest.mark.parametrize("intrinsics", ["known", "auto"])
-@pytest.mark.parametrize("zoom", [1.15, 1.3, 2.5])
+@pytest.mark.parametrize(("intrinsics", "zoom"), [("known", 1.15), ("auto", 1.3), ("known", 2.5)])
 def test_lenses_that_belong_to_each_other_name_the_two(intrinsics, zoom):
-    room = waved_room(5, 300, missing=0.1, zooms={1: zoom})
+    room = waved_room(5, 200, missing=0.1, zooms={1: zoom})
     lenses = list(room.cameras)
     lenses[1], lenses[3] = lens_of(lenses[1], lenses[3]), lens_of(lenses[3], lenses[1])
     with pytest.raises(FollowspotError, match=r"^cam1 and cam3 are exchanged: .* exchange their recordings"):

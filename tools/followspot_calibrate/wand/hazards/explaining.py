@@ -38,7 +38,7 @@ def reasons(
 
     Where most cameras see the mirror image of what those with a place see, it is these that are mirrored.
     """
-    lenses = known or _lenses(agree, sightings)
+    lenses = known or lenses_like(agree, sightings)
     absent = [number for number in range(len(lenses)) if number not in agree.placed]
     others = list(agree.placed.values())
     flipped = {i: mirrored(lenses[i], agree.points, sightings.pixel[:, i], others) for i in absent}
@@ -82,7 +82,7 @@ def exchanged(names: Sequence[str], pair: tuple[int, int]) -> str:
     )
 
 
-def _lenses(agree: Agreeing, sightings: Sightings) -> list[Camera]:
+def lenses_like(agree: Agreeing, sightings: Sightings) -> list[Camera]:
     """Unknown lenses as the cameras that agree have them in the middle, for the size of each picture."""
     placed = agree.placed.values()
     share = np.median([camera.matrix[0, 0] / max(camera.size) for camera in placed])

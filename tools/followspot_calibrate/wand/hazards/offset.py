@@ -3,82 +3,183 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from followspot import Camera
-from followspot.geometry import undistort
 from followspot.messages import Array
-from followspot_calibrate.clocks.estimation import estimated
-from followspot_calibrate.clocks.moments import Moments
+from followspot_calibrate.adjust import Free
+from followspot_calibrate.adjust.problem import view_of
+from followspot_calibrate.adjust.projection import linearise, moved
+from followspot_calibrate.clocks.moments import velocities
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.hazards.support import misfit
+from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
+from followspot_calibrate.wand.rounds import Settled
 
-RATE = 30.0
-"""Frames whose errors depend on each other."""
+FEWEST = 12
+"""Sightings of every camera of points whose motion is known; fewer tell nothing."""
+STEPS = 6
+"""Of reweighted least squares."""
+CUTOFF = 2.0
+"""Median errors at which a sighting counts half."""
+CORRELATED = 4.0
+"""Sightings that say as much as one, for errors of neighbours are alike."""
+LEAST, VAGUE, SINGULAR = 1e-6, 1e-9, 1e-10
+"""px^2, 1/m^2 and 1: what keeps equations solvable."""
 MOST = 2000
 """Rows that are enough, in stretches spread over the recording; neighbours tell the velocity."""
-NEAR, STRIDE = 4.0, 0.5
-"""Steps up to which a lateness is sought wherever the place, and between two that are tried."""
-BETTER = 0.8
-"""Error at another lateness over that without, below which it is a better start."""
+NEAR, STRIDE = 6.0, 0.5
+"""Steps up to which the lateness of a camera without a place is sought, and between two that are tried."""
+WHOLE = 0.15
+"""Steps that a number of lost frames may seem to be off."""
 STRETCH = 40
 """Rows of a stretch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Late:
-    """By how many frames cameras are later than most of them, and one standard deviation: (C,) each."""
+    """By how many frames cameras are later than most of them, and one standard deviation: (C,) each.
+
+    cameras: as they are if that is so.
+    """
 
     frames: Array
     sigma: Array
+    cameras: tuple[Camera, ...]
 
 
-def lateness(cameras: Sequence[Camera], points: Array, pixel: Array, sightings: Sightings) -> Late:
+def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -> Late:
     """What motion tells of a rest of lateness in tracks that are already nearly in step.
 
-    points: (N, 3); pixel: (N, C, 2) px of the frames and labels of the sightings.
+    pixel: (N, C, 2) px of the frames and labels of the sightings; free: what else of the cameras is open, for
+    a place or a lens that is adjusted to a late camera hides most of its lateness. A camera sees a point that
+    moves with v where it is after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
     """
+    velocity = _velocities(sightings, settled.points)
+    known = np.isfinite(velocity[:, 0] + settled.points[:, 0])
+    points, speed, count = settled.points[known], velocity[known], len(settled.cameras)
+    linear = [
+        _linear(camera, points, speed, pixel[known, number], free)
+        for number, camera in enumerate(settled.cameras)
+    ]
+    if min(len(one.rows) for one in linear) < FEWEST:
+        return Late(np.zeros(count), np.full(count, np.inf), settled.cameras)
+    change = [np.zeros(free.parameters + 1)] * count
+    shift = np.zeros_like(points)
+    for _ in range(STEPS):
+        weights = [one.weights(step, shift) for one, step in zip(linear, change, strict=True)]
+        change, shift, spread = _solved(linear, weights, len(points), free.parameters + 1)
+    frames = np.array([step[-1] for step in change])
+    cameras = (_stepped(c, step[:-1], free) for c, step in zip(settled.cameras, change, strict=True))
+    return Late(frames - np.median(frames), spread, tuple(cameras))
+
+
+@dataclass(frozen=True, eq=False)
+class _Linear:
+    """What M sightings of a camera say.
+
+    rows: (M,); error: (M, 2) px; by_camera: (M, 2, P), derivatives by its parameters, the lateness
+    last; by_point: (M, 2, 3).
+    """
+
+    rows: Array
+    error: Array
+    by_camera: Array
+    by_point: Array
+
+    def weights(self, step: Array, shift: Array) -> Array:
+        """Cauchy weights of what is left of the errors, relative to their median: (M,)."""
+        left = self.error - self.by_camera @ step - (self.by_point @ shift[self.rows][..., None])[..., 0]
+        square = np.square(left).sum(axis=1)
+        return np.asarray(1 / (1 + square / max(float(np.median(square)) * CUTOFF**2, LEAST)))
+
+
+def _linear(camera: Camera, points: Array, velocity: Array, pixel: Array, free: Free) -> _Linear:
+    flat, view = view_of(camera, pixel, free)
+    seen, by_camera, by_point = linearise(flat, points[view.rows], free)
+    motion = by_point @ velocity[view.rows][..., None]
+    return _Linear(view.rows, view.pixel - seen, np.concatenate([by_camera, motion], axis=2), by_point)
+
+
+def _stepped(camera: Camera, step: Array, free: Free) -> Camera:
+    """The camera after a change of what is open; another model than pinhole keeps its lens."""
+    if camera.model == "pinhole":
+        return moved(camera, step, free)
+    return moved(camera, step[: Free().parameters], Free())
+
+
+def _solved(
+    linear: Sequence[_Linear], weights: Sequence[Array], points: int, size: int
+) -> tuple[list[Array], Array, Array]:
+    """The change of each camera, (P,), of each point, (N, 3), and the sigma of each lateness, (C,) frames."""
+    count = len(linear)
+    own, toward = np.tile(VAGUE * np.eye(3), (points, 1, 1)), np.zeros((points, 3))
+    mixed = np.zeros((points, 3, count * size))
+    normal, aim = np.zeros((count * size, count * size)), np.zeros(count * size)
+    for number, (one, weight) in enumerate(zip(linear, weights, strict=True)):
+        at = slice(number * size, (number + 1) * size)
+        weighted = one.by_camera * weight[:, None, None]
+        normal[at, at] = np.einsum("nip,niq->pq", weighted, one.by_camera)
+        aim[at] = np.einsum("nip,ni->p", weighted, one.error)
+        mixed[one.rows, :, at] = one.by_point.swapaxes(1, 2) @ weighted
+        own[one.rows] += one.by_point.swapaxes(1, 2) @ (one.by_point * weight[:, None, None])
+        toward[one.rows] += np.einsum("nik,ni->nk", one.by_point * weight[:, None, None], one.error)
+    inverse = np.linalg.inv(own)
+    tied = (inverse @ mixed).reshape(-1, count * size)
+    normal -= mixed.reshape(-1, count * size).T @ tied
+    aim -= tied.T @ toward.ravel()
+    scale = np.sqrt(np.maximum(np.diagonal(normal), VAGUE))
+    solved = np.linalg.pinv(normal / np.outer(scale, scale), rcond=SINGULAR, hermitian=True)
+    solved /= np.outer(scale, scale)
+    step = solved @ aim
+    shift = (inverse @ (toward - (mixed @ step))[..., None])[..., 0]
+    noise = np.median(np.concatenate([np.square(one.error).sum(axis=1) for one in linear]))
+    sigma = np.sqrt(CORRELATED * noise * np.maximum(np.diagonal(solved)[size - 1 :: size], 0.0))
+    return np.split(step, count), shift, sigma
+
+
+def _velocities(sightings: Sightings, points: Array) -> Array:
+    """Of points, per frame: (N, 3); NaN where neighbours lack."""
     order = np.lexsort([sightings.frame, sightings.label])
-    xy = np.stack([undistort(c, pixel[order, i]) for i, c in enumerate(cameras)], axis=1)
-    moments = Moments(
-        sightings.frame[order] / RATE, sightings.label[order], points[order], xy, np.zeros(pixel.shape[:2])
-    )
-    found = estimated(moments, np.array([c.projection for c in cameras]), np.zeros(len(cameras)))
-    frames = RATE * found.offset
-    return Late(frames - np.median(frames), RATE * found.sigma)
+    found = np.empty_like(points)
+    found[order] = velocities(sightings.frame[order].astype(float), sightings.label[order], points[order])
+    return found
 
 
-def nearest_shift(camera: Camera, points: Array, sightings: Sightings, number: int) -> float:
-    """By how many frames a camera is late, up to `NEAR` steps, wherever its place among the points may be.
+def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int) -> float:
+    """By how many frames, up to `NEAR` steps, a camera is late that has no place among points; 0 without any.
 
-    points: (N, 3); number: of the camera. Motion alone is slow to tell what the place of a late camera hides.
+    points: (N, 3), NaN where unknown; number: of the camera.
     """
-    shifts = frame_step(sightings) * np.arange(-NEAR, NEAR + STRIDE, STRIDE)
-    late, misfits = np.zeros(len(sightings.cameras)), []
-    for shift in shifts:
+    late = np.zeros(len(sightings.cameras))
+    best, most = 0.0, max(ENOUGH, CLEARLY * support(lens, points, sightings.pixel[:, number]).share)
+    for shift in frame_step(sightings) * np.arange(-NEAR, NEAR + STRIDE, STRIDE):
         late[number] = shift
-        misfits.append(misfit(camera, points, resampled(sightings, late)[:, number]))
-    best = int(np.argmin(misfits))
-    return float(shifts[best]) if misfits[best] < BETTER * misfits[len(shifts) // 2] else 0.0
+        share = support(lens, points, resampled(sightings, late)[:, number]).share
+        if share > most:
+            best, most = float(shift), share
+    return best
 
 
 def drift(
-    cameras: Sequence[Camera], points: Array, sightings: Sightings, late: Array, sure: float, least: float
+    settled: Settled, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
     """By how many frames lateness grew from the first half to the second, (C,); 0 where that is not sure.
 
-    points: (N, 3); late: (C,) frames, in all; only cameras that are late are asked. sure: sigmas, and least:
-    frames, of a growth that is believed.
+    late: (C,) frames, in all; sure: sigmas, and least: frames, of a growth that is believed. One that is not
+    late is believed to have lost whole frames only: a camera that was moved seems to lose parts of them.
     """
     pixel, second = resampled(sightings, late), sightings.frame > np.median(sightings.frame)
     before, after = (
-        lateness(cameras, points[rows], pixel[rows], sightings.rows(rows)) for rows in (~second, second)
+        lateness(replace(settled, points=settled.points[rows]), pixel[rows], sightings.rows(rows), free)
+        for rows in (~second, second)
     )
     grown, sigma = after.frames - before.frames, np.hypot(before.sigma, after.sigma)
-    believed = (late != 0) & (np.abs(grown) > np.maximum(least, sure * sigma))
+    steps = grown / frame_step(sightings)
+    whole = np.abs(steps - np.round(steps)) < WHOLE
+    believed = ((late != 0) | whole) & (np.abs(grown) > np.maximum(least, sure * sigma))
     return np.asarray(np.where(believed, grown, 0.0))
 
 

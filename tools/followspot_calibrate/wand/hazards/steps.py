@@ -25,13 +25,15 @@ TRIALS = 500
 IN_STEP = 0.85
 """Share of agreeing points over that of the best pair from which on a pair is in step."""
 AGREE = 0.45
-"""Share of points that agree in a pair in step; with 30 % of reflections in both views half do."""
+"""Share of points that agree in a pair in step; with 30 % of reflections in both views half do.
+
+At another shift it is their share of what both see as it is, for the few that overlap agree easily."""
 ALONE = 0.9
 """The same where one pair is all there is, so that there is no best."""
-BETTER = 1.25
+BETTER = 1.4
 """Agreement at the right shift over that without one."""
 PARTNERS = 2
-"""Cameras in step with which a further one is compared before it is given up."""
+"""Cameras in step with which a further one is compared until given up, first those that agree least."""
 
 
 def steps_late(
@@ -90,8 +92,9 @@ def _shift(
 ) -> float | None:
     """The shift at which a camera agrees with those that are in step; None where there is none."""
     common = {other: int((tracks.seen[:, other] & tracks.seen[:, camera]).sum()) for other in joined}
-    partners = [other for other in sorted(joined, key=lambda one: -common[one]) if common[other] >= FEWEST]
-    for other in partners[:PARTNERS]:
+    enough = max(FEWEST, max(common.values()) / 2)
+    partners = [other for other in joined if common[other] >= enough]
+    for other in sorted(partners, key=lambda one: float(share[camera, one]))[:PARTNERS]:
         trial = np.zeros(len(late))
         trial[other] = late[other]
         fixed = resampled(tracks, trial)[:, other]
@@ -99,21 +102,17 @@ def _shift(
         best, agree = float(late[other]), 0.0
         for steps in (np.arange(-REACH, REACH + 1, STRIDE), np.arange(1 - STRIDE, STRIDE)):
             shifts = best + step * steps
-            least = max(FEWEST, common[other] // 2)
-            found = [_agreement(tracks, camera, shift, fixed, largest, least) for shift in shifts.tolist()]
-            best, agree = float(shifts[np.argmax(found)]), max(found)
+            found = [_agreeing(tracks, camera, shift, fixed, largest) for shift in shifts.tolist()]
+            best, agree = float(shifts[np.argmax(found)]), max(found) / common[other]
         if agree >= max(AGREE, BETTER * np.nan_to_num(share[camera, other])):
             return best
     return None
 
 
-def _agreement(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float, least: int) -> float:
-    """Share of the points of a shifted track that fit one epipolar geometry with a fixed one.
-
-    limit: px; least: points that both must have, for a few always fit.
-    """
+def _agreeing(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float) -> int:
+    """How many points of a shifted track fit one epipolar geometry with a fixed one. limit: px."""
     trial = np.zeros(len(tracks.cameras))
     trial[camera] = shift
     moved = resampled(tracks, trial)[:, camera]
     both = np.isfinite(moved[:, 0]) & np.isfinite(fixed[:, 0])
-    return float(agreeing(fixed[both], moved[both], limit, TRIALS).mean()) if both.sum() >= least else 0.0
+    return int(agreeing(fixed[both], moved[both], limit, TRIALS).sum())
