@@ -200,7 +200,7 @@ def identical(a: Message, b: Message) -> bool:
     return (
         type(a) is type(b)
         and a.header[:3] == b.header[:3]
-        and all(getattr(a, name) == getattr(b, name) for name, _ in a.scalars)
+        and all(repr(getattr(a, name)) == repr(getattr(b, name)) for name, _ in a.scalars)  # NaN is NaN
         and all(
             getattr(a, c.name).shape == getattr(b, c.name).shape
             and getattr(a, c.name).tobytes() == getattr(b, c.name).tobytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,8 +53,12 @@ class VerifyPairs(Stage):
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
         self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
         self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
+        no_targets = np.zeros((0, len(self.room.targets)), bool)
+        self.nothing = replace(Pairs.empty(), cameras=self.cameras, targets=no_targets)
 
     def process(self, blobs: Joined[Blobs], forecast: Latest[Forecast] = None) -> Pairs:
+        if not blobs:
+            return self.nothing
         view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
         row = np.concatenate([np.arange(len(b.xy)) for b in blobs])
         xy = np.concatenate([b.xy for b in blobs])

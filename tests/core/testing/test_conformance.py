@@ -5,22 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import breaking
 import pytest
 
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
-from followspot.testing import check_stage, findings
+from followspot.testing import PROMISES, check_stage, findings
 from followspot.tracking import Blobs, Frame, ImageTracks
+
+FEW = {"persons.pose_tracker": 100, "persons.appearance": 100}
+"""Messages for which the memory of stages is watched that take tens of milliseconds for each."""
 
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_built_in_stage_keeps_every_promise(name: str) -> None:
-    check_stage(load_stage(name))
+    check_stage(load_stage(name), messages=FEW.get(name, 2000))
 
 
 class Careless(Stage):
     class Params(StageParams):
         size: float = Field(-1.0, gt=0, description="")
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return blobs
+
+
+class Raising(Stage):
+    """Fails at everything."""
 
     def process(self, blobs: Blobs) -> Blobs:
         raise ZeroDivisionError
@@ -51,10 +62,62 @@ def test_the_kit_names_each_broken_promise() -> None:
     assert broken == {
         "is documented",
         "describes its parameters",
+        "states its units",
         "has defaults within its limits",
+    }
+    assert {f.promise for f in findings(Raising)} >= {
         "leaves empty inputs alone",
+        "takes noise",
+        "takes a gap",
     }
     assert [f.promise for f in findings(NotYielding)] == ["has readable ports"]
     assert {f.promise for f in findings(Estranged)} == {"does together what it does alone"}
     with pytest.raises(AssertionError, match="write a docstring"):
         check_stage(Careless)
+
+
+@pytest.mark.parametrize(
+    ("stage", "promise"),
+    [
+        (breaking.Loose, "refuses unknown parameters"),
+        (breaking.Loose, "keeps its parameters"),
+        (breaking.Writing, "leaves its inputs as they were"),
+        (breaking.Reusing, "leaves what it sent alone"),
+        (breaking.Clocked, "gives the same again"),
+        (breaking.Drawing, "leaves the random numbers of others alone"),
+        (breaking.Printing, "prints nothing"),
+        (breaking.WrongType, "sends what it declares"),
+        (breaking.WrongShape, "sends what it declares"),
+        (breaking.NotANumber, "takes unknown numbers"),
+        (breaking.Late, "takes the same frame twice"),
+        (breaking.Late, "takes a late frame"),
+        (breaking.SmallPicture, "takes a picture of one pixel"),
+        (breaking.Hoarding, "keeps its memory"),
+        (breaking.Threaded, "leaves no thread behind"),
+        (breaking.Opening, "leaves no file open"),
+        (breaking.NeedsSetup, "closes without setup"),
+        (breaking.ObjectState, "has a state of plain values"),
+        (breaking.Forgetful, "carries on from its state"),
+        (breaking.Backwards, "never goes back in time"),
+        (breaking.Unsteady, "yields the same again"),
+        (breaking.Undeclared, "yields what it declares"),
+        (breaking.Lonely, "leaves empty inputs alone"),
+    ],
+)
+def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
+    assert promise in {finding.promise for finding in findings(stage, messages=400)}
+
+
+def test_a_class_inside_a_function_cannot_be_started_in_a_worker() -> None:
+    class Hidden(Stage):
+        """Nobody else can import it."""
+
+        def process(self, blobs: Blobs) -> Blobs:
+            return blobs
+
+    assert {finding.promise for finding in findings(Hidden, messages=0)} == {"is found by its name"}
+
+
+def test_there_are_at_least_thirty_promises_each_with_a_name_and_a_reason() -> None:
+    assert len(set(PROMISES)) >= 30
+    assert all(promise.__doc__ for promise in PROMISES)

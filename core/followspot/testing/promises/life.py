@@ -1,0 +1,185 @@
+"""Beginning and end of a stage, and what it keeps in between."""
+
+from __future__ import annotations
+
+import gc
+import mmap
+import subprocess
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from followspot.stage import Stage
+from followspot.testing.promises.work import contents
+from followspot.testing.trial import Trial, noise, outputs, reason
+
+GROWTH = 8 << 20
+"""Bytes that a stage may grow by while it handles the second half of many messages."""
+PATIENCE = 60.0
+"""Seconds for a fresh process to import a stage."""
+
+
+def closes_without_setup(trial: Trial) -> Iterator[str]:
+    """A run that is called off closes stages that were never set up."""
+    yield from _closed(trial, setup=False, times=1)
+
+
+def closes_twice(trial: Trial) -> Iterator[str]:
+    """After an error a stage may be closed again."""
+    yield from _closed(trial, setup=not trial.ports.source, times=2)
+
+
+def leaves_no_thread_behind(trial: Trial) -> Iterator[str]:
+    """What `setup` starts `close` ends."""
+    before = set(threading.enumerate())
+    _work(trial, 3)
+    left = [thread.name for thread in set(threading.enumerate()) - before if thread.is_alive()]
+    if left:
+        yield f"threads go on after close: {', '.join(sorted(left))}"
+
+
+def leaves_no_file_open(trial: Trial) -> Iterator[str]:
+    """Files and sockets are closed by `close`, not by chance."""
+    folder = Path("/proc/self/fd")
+    if not folder.is_dir() or not trial.computes:
+        return
+    _work(trial, 1)  # what the first call imports and opens for good
+    gc.disable()
+    try:
+        before = len(list(folder.iterdir()))
+        _work(trial, 1)
+        if len(list(folder.iterdir())) > before:
+            yield "a file or socket is still open after close"
+    finally:
+        gc.enable()
+
+
+def has_a_state_of_plain_values(trial: Trial) -> Iterator[str]:
+    """The state goes to a successor in another process: numbers, text, arrays, lists and dicts."""
+    if not trial.computes:
+        return
+    try:
+        with trial.at_work() as stage:
+            _feed(trial, stage, range(3))
+            wrong = _not_plain(stage.state())
+    except Exception:
+        return  # others say so
+    if wrong is not None:
+        yield f"state() holds a {type(wrong).__name__}, which does not travel"
+
+
+def carries_on_from_its_state(trial: Trial) -> Iterator[str]:
+    """A successor that took over gives what its predecessor would have given, bit for bit."""
+    if not trial.computes or trial.stage.state is Stage.state:
+        return
+    try:
+        with trial.at_work() as first, trial.at_work() as second:
+            _feed(trial, first, range(4))
+            second.restore(first.state())
+            for n in range(4, 7):
+                inputs = trial.inputs("plausible", n, noise(n))
+                pairs = zip(outputs(first.process(*inputs)), outputs(second.process(*inputs)), strict=True)
+                if not all(contents(a) == contents(b) for a, b in pairs):
+                    yield f"{n - 3} frames after the hand-over the successor gives something else"
+                    return
+    except Exception as error:
+        yield f"the hand-over raises {reason(error)}"
+
+
+def keeps_its_memory(trial: Trial) -> Iterator[str]:
+    """A show lasts hours: many messages leave no trace, neither objects nor memory."""
+    if not trial.computes or trial.messages < 2:
+        return
+    half = trial.messages // 2
+    frames = [trial.inputs("plausible", n, noise(n)) for n in range(8)]
+    try:
+        with trial.at_work() as stage:
+            sizes = []
+            for _ in range(2):
+                for n in range(half):
+                    stage.process(*frames[n % len(frames)])
+                gc.collect()
+                sizes.append((sys.getallocatedblocks(), _resident()))
+    except Exception:
+        return  # others say so
+    objects, size = (after - before for before, after in zip(*sizes, strict=True))
+    if objects > half // 2:
+        yield f"it keeps {objects / half:.1f} objects a message"
+    if size > GROWTH:
+        yield f"it grows by {size / half:.0f} bytes a message"
+
+
+def _resident() -> int:
+    """Memory of this process, bytes; 0 where the system does not say."""
+    statistics = Path("/proc/self/statm")
+    return int(statistics.read_text().split()[1]) * mmap.PAGESIZE if statistics.exists() else 0
+
+
+def starts_in_a_fresh_process(trial: Trial) -> Iterator[str]:
+    """A worker imports the stage with nothing else imported before."""
+    stage = trial.stage
+    file = sys.modules[stage.__module__].__file__
+    if stage.__module__ == "__main__" or "<locals>" in stage.__qualname__ or file is None:
+        return  # is_found_by_its_name says so
+    code = f"import importlib; importlib.import_module({stage.__module__!r}).{stage.__qualname__}"
+    places = ":".join(path for path in sys.path if path)
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": places, "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=PATIENCE,
+    )
+    if done.returncode != 0:
+        yield f"a fresh process cannot import it: {(done.stderr.strip().splitlines() or ['?'])[-1]}"
+
+
+def _closed(trial: Trial, *, setup: bool, times: int) -> Iterator[str]:
+    if not trial.buildable:
+        return
+    with tempfile.TemporaryDirectory(prefix="followspot-") as folder:
+        stage = trial.build(Path(folder))
+        try:
+            if setup:
+                stage.setup()
+            for _ in range(times):
+                stage.close()
+        except Exception as error:
+            yield f"close raises {reason(error)}"
+
+
+def _work(trial: Trial, frames: int) -> None:
+    """A short life; what fails in it is told by others."""
+    if not trial.computes:
+        return
+    try:
+        with trial.at_work() as stage:
+            _feed(trial, stage, range(frames))
+    except Exception:
+        return
+
+
+def _feed(trial: Trial, stage: Stage, frames: range) -> None:
+    for n in frames:
+        stage.process(*trial.inputs("plausible", n, noise(n)))
+
+
+def _not_plain(value: Any) -> Any:
+    """The first part that is no number, text, array, list or dict; None where all are."""
+    if value is None or isinstance(value, bool | int | float | str | bytes | np.generic):
+        return None
+    if isinstance(value, np.ndarray):
+        return None if value.dtype.kind in "biufcSU" else value
+    if isinstance(value, list | tuple):
+        return next((wrong for item in value if (wrong := _not_plain(item)) is not None), None)
+    if isinstance(value, Mapping):
+        return next(
+            (wrong for item in (*value, *value.values()) if (wrong := _not_plain(item)) is not None), None
+        )
+    return value

@@ -1,0 +1,69 @@
+"""What a source promises; devices, which deliver in their own time, are not asked."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from itertools import islice, pairwise
+
+from followspot.messages import InvalidMessage, Message, seal
+from followspot.testing.promises.work import contents
+from followspot.testing.trial import Trial, outputs, reason
+
+FRAMES = 4
+
+
+def yields_what_it_declares(trial: Trial) -> Iterator[str]:
+    """Messages have the declared type, dtypes and shapes."""
+    if not trial.yields:
+        return
+    declared = {port.type for port in trial.ports.outputs}
+    try:
+        for message in _first(trial):
+            if type(message) not in declared:
+                yield f"it yields a {type(message).__name__}, which it does not declare"
+            seal(message)
+    except InvalidMessage as error:
+        yield f"a message breaks its contract: {error}"
+    except Exception as error:
+        yield f"it raises {reason(error)}"
+
+
+def never_goes_back_in_time(trial: Trial) -> Iterator[str]:
+    """Capture times rise; `at(time, message)` says them."""
+    times = [message.header.time for message in _first_or_none(trial)]
+    if any(later <= earlier for earlier, later in pairwise(dict.fromkeys(times))):
+        yield f"capture times do not rise: {times} ns"
+
+
+def yields_the_same_again(trial: Trial) -> Iterator[str]:
+    """A recording and a simulation are the same each time."""
+    first, second = _first_or_none(trial), _first_or_none(trial)
+    if [contents(message) for message in first] != [contents(message) for message in second]:
+        yield "two instances with one seed yield different messages"
+
+
+def stops_within_a_second(trial: Trial) -> Iterator[str]:
+    """Ctrl-C closes the generator and then the stage."""
+    if not trial.yields:
+        return
+    with trial.at_work() as stage:
+        generator = stage.process()
+        next(generator, None)
+        started = time.monotonic()
+        generator.close()
+    if time.monotonic() - started > 1.0:
+        yield f"it took {time.monotonic() - started:.1f} s to stop"
+
+
+def _first(trial: Trial) -> list[Message]:
+    with trial.at_work(seed=1) as stage:
+        return [message for output in islice(stage.process(), FRAMES) for message in outputs(output)]
+
+
+def _first_or_none(trial: Trial) -> list[Message]:
+    """Nothing where it fails, which `yields_what_it_declares` tells."""
+    try:
+        return _first(trial) if trial.yields else []
+    except Exception:
+        return []

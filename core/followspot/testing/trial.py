@@ -1,0 +1,120 @@
+"""What a stage is tried with: a room, parameters, instances that are always closed, and inputs."""
+
+from __future__ import annotations
+
+import inspect
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pydantic
+
+from followspot.messages import Array, Header, Message, seal, stamped
+from followspot.ports import Ports, ports
+from followspot.room import Room
+from followspot.stage import Context, Stage
+from followspot.testing.samples import BLACK, Content, sample
+from followspot.testing.tiny_room import tiny_room
+
+PERIOD = 33_333_333
+"""Between two frames, ns."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One stage class under examination.
+
+    params: for the stages that need some; messages: how many of them its memory is watched for.
+    """
+
+    stage: type[Stage]
+    params: Mapping[str, Any] = field(default_factory=dict)
+    room: Room = field(default_factory=tiny_room)
+    messages: int = 2000
+
+    @cached_property
+    def ports(self) -> Ports:
+        """The stage's ports. Raises SignatureError."""
+        return ports(self.stage)
+
+    @property
+    def complete(self) -> bool:
+        """Whether every required parameter is given."""
+        fields = self.stage.Params.model_fields
+        return all(name in self.params or not info.is_required() for name, info in fields.items())
+
+    @cached_property
+    def buildable(self) -> bool:
+        """Whether its parameters are complete and accepted."""
+        try:
+            self.stage.Params(**self.params)
+        except pydantic.ValidationError:
+            return False
+        return True
+
+    @property
+    def computes(self) -> bool:
+        """Whether it can be called with messages."""
+        return self.buildable and not self.ports.source
+
+    @property
+    def yields(self) -> bool:
+        """Whether it is a source that can be asked at any time: no device."""
+        generator = inspect.isgeneratorfunction(self.stage.process)
+        return self.buildable and self.ports.source and generator and not self.stage.live
+
+    def build(self, out: Path, camera: str | None = None, seed: int = 0) -> Stage:
+        """An instance that was not set up; camera: the first one unless told."""
+        name = camera or next(iter(self.room.cameras))
+        place = self.room.cameras[name] if self.stage.per_camera else None
+        return self.stage(Context(room=self.room, camera=place, out=out, seed=seed), **self.params)
+
+    @contextmanager
+    def at_work(self, camera: str | None = None, seed: int = 0) -> Iterator[Stage]:
+        """An instance that is set up, and closed in the end; what it writes goes to a folder of its own."""
+        with tempfile.TemporaryDirectory(prefix="followspot-") as folder:
+            instance = self.build(Path(folder), camera, seed)
+            try:
+                instance.setup()
+                yield instance
+            finally:
+                instance.close()
+
+    def inputs(
+        self, content: Content = "empty", frame: int = 0, pixels: Array = BLACK, camera: str | None = None
+    ) -> list[Any]:
+        """Arguments of `process` for one frame; held inputs have nothing yet where the content is empty."""
+        name = camera or next(iter(self.room.cameras))
+        header = Header("conformance", frame, frame * PERIOD, 5)
+        return [
+            self._input(port.type, port.kind, content, header, pixels, name) for port in self.ports.inputs
+        ]
+
+    def _input(
+        self, kind: type[Message], how: str, content: Content, header: Header, pixels: Array, camera: str
+    ) -> Any:
+        if how == "latest" and content == "empty":
+            return None
+        made = stamped(seal(sample(kind, content, self.room, camera, pixels, header.seq)), header)
+        return (made,) if how == "joined" else made
+
+
+def outputs(output: object) -> list[Message]:
+    """What goes out of all ports."""
+    sent = [output] if output is None or isinstance(output, Message) else vars(output).values()
+    return [message for message in sent if message is not None]
+
+
+def noise(seed: int = 0) -> Array:
+    """A picture without any sense, (48, 64, 3) uint8."""
+    return np.random.default_rng(seed).integers(0, 256, BLACK.shape, np.uint8)
+
+
+def reason(error: BaseException) -> str:
+    """An exception in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())[:300]

@@ -1,0 +1,215 @@
+"""Stages that each break one promise."""
+
+from __future__ import annotations
+
+import threading
+import time
+from typing import Any
+
+import numpy as np
+from pydantic import ConfigDict
+
+from followspot import Field, Latest, Source, Stage, StageParams, at
+from followspot.messages import Array, Message
+from followspot.tracking import Blobs, Forecast, Frame, Tracks
+
+
+class LooseParams(StageParams):
+    model_config = ConfigDict(extra="ignore", frozen=False)
+
+
+class Loose(Stage):
+    """Takes any parameter."""
+
+    Params = LooseParams  # type: ignore[assignment]
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return blobs
+
+
+class Writing(Stage):
+    """Unlocks the arrays of others."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        object.__setattr__(blobs, "area", blobs.area + 1)
+        return blobs
+
+
+class Reusing(Stage):
+    """Sends one array again and again."""
+
+    def setup(self) -> None:
+        self.pixels = np.zeros((4, 4, 1), np.uint8)
+
+    def process(self, frame: Frame) -> Frame:
+        self.pixels.flags.writeable = True
+        self.pixels += 1
+        return Frame(frame.camera, self.pixels)
+
+
+class Clocked(Stage):
+    """Sends the time of day."""
+
+    def process(self, frame: Frame) -> Frame:
+        return Frame(frame.camera, np.array([[[time.perf_counter_ns() % 251]]], np.uint8))
+
+
+class Drawing(Stage):
+    """Draws from the generator of all."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        np.random.random()  # noqa: NPY002
+        return blobs
+
+
+class Printing(Stage):
+    """Prints."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        print("blobs")
+        return blobs
+
+
+class WrongType(Stage):
+    """Returns what it does not declare."""
+
+    def process(self, blobs: Blobs) -> Tracks:
+        return blobs  # type: ignore[return-value]
+
+
+class WrongShape(Stage):
+    """Returns arrays of other shapes than it declares."""
+
+    def process(self, frame: Frame) -> Frame:
+        return Frame(frame.camera, np.zeros((2, 2), np.uint8))
+
+
+class NotANumber(Stage):
+    """Trusts its input."""
+
+    def process(self, forecast: Forecast) -> Forecast:
+        forecast.xyz.astype(int)
+        if np.isnan(forecast.xyz).any():
+            raise ValueError("not a number")
+        return forecast
+
+
+class Late(Stage):
+    """Trusts the clock."""
+
+    last = -1
+
+    def process(self, blobs: Blobs) -> Blobs:
+        if blobs.header.time <= self.last:
+            raise ValueError("time goes back")
+        self.last = blobs.header.time
+        return blobs
+
+
+class SmallPicture(Stage):
+    """Trusts the size of pictures."""
+
+    def process(self, frame: Frame) -> Frame:
+        return Frame(frame.camera, frame.pixels[20:21, 20:21] // frame.pixels[20, 20].shape)
+
+
+class Hoarding(Stage):
+    """Keeps everything."""
+
+    def setup(self) -> None:
+        self.kept: list[Array] = []
+
+    def process(self, frame: Frame) -> Frame:
+        self.kept.append(frame.pixels.astype(float))
+        return Frame(frame.camera, frame.pixels.copy())
+
+
+class Threaded(Stage):
+    """Leaves a thread behind."""
+
+    def setup(self) -> None:
+        threading.Thread(target=threading.Event().wait, args=(20,), daemon=True).start()
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return blobs
+
+
+class Opening(Stage):
+    """Leaves a file open."""
+
+    kept: list[Any] = []  # noqa: RUF012
+
+    def process(self, blobs: Blobs) -> Blobs:
+        self.kept.append(open("/dev/null"))  # noqa: SIM115, PTH123
+        return blobs
+
+
+class NeedsSetup(Stage):
+    """Cannot be closed before it was set up."""
+
+    def setup(self) -> None:
+        self.file = open("/dev/null")  # noqa: SIM115, PTH123
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return blobs
+
+    def close(self) -> None:
+        self.file.close()
+
+
+class ObjectState(Stage):
+    """Has a state that does not travel."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return blobs
+
+    def state(self) -> Any:
+        return {"lock": threading.Lock()}
+
+
+class Forgetful(Stage):
+    """Says its state and forgets it."""
+
+    count = 0
+
+    def process(self, frame: Frame) -> Frame:
+        self.count += 1
+        return Frame(frame.camera, np.full((1, 1, 1), self.count, np.uint8))
+
+    def state(self) -> Any:
+        return self.count
+
+
+class Backwards(Stage):
+    """Yields times that fall."""
+
+    class Params(StageParams):
+        start: int = Field(5, description="first time", unit="ns")
+
+    params: Params
+
+    def process(self) -> Source[Frame]:
+        for n in range(self.params.start):
+            yield at(self.params.start - n, Frame("cam0", np.zeros((1, 1, 1), np.uint8)))
+
+
+class Unsteady(Stage):
+    """Yields something else each time."""
+
+    def process(self) -> Source[Frame]:
+        for n in range(3):
+            yield at(n, Frame("cam0", np.array([[[time.perf_counter_ns() % 251]]], np.uint8)))
+
+
+class Undeclared(Stage):
+    """Yields what it does not declare."""
+
+    def process(self) -> Source[Frame]:
+        yield at(0, Blobs.empty())  # type: ignore[misc]
+
+
+class Lonely(Stage):
+    """Needs what is only held."""
+
+    def process(self, blobs: Blobs, forecast: Latest[Forecast] = None) -> Message:
+        return blobs.where(np.arange(len(forecast.xyz)))  # type: ignore[union-attr]
