@@ -11,6 +11,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.keys import port_key
 from followspot.transport.ring_reader import RingReader
 from followspot.transport.ring_writer import RingWriter
 
@@ -27,7 +28,8 @@ class EdgeLinks:
     """Makes edge ends for one worker.
 
     sending, receiving: this worker's ends of the ring edges' socket pairs, by edge number;
-    session: open where the worker has Zenoh edges; run: name that keeps the keys of two runs apart.
+    session: open where the worker has Zenoh edges; run: name that keeps the keys of two runs apart;
+    incarnation: how often the worker was started before.
     """
 
     def __init__(
@@ -37,12 +39,16 @@ class EdgeLinks:
         receiving: Mapping[int, socket.socket],
         session: zenoh.Session | None,
         run: str,
+        incarnation: int = 0,
     ) -> None:
         self.plan = plan
         self.sending = sending
         self.receiving = receiving
         self.session = session
         self.run = run
+        self.incarnation = incarnation
+        hosts = {worker.name: worker.host for worker in plan.workers}
+        self._host = {stage.name: hosts[stage.worker] for stage in plan.stages}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
@@ -53,12 +59,20 @@ class EdgeLinks:
         from followspot.transport.zenoh_edge import ZenohReader
 
         assert self.session is not None
-        reader = ZenohReader(self.session, self._key(planned), str(edge), kind, _depth([planned]))
+        reader = ZenohReader(
+            self.session,
+            self._key(planned),
+            str(edge),
+            kind,
+            _depth([planned]),
+            codec=planned.codec,
+            incarnation=self.incarnation,
+        )
         self._zenoh_ends.append((planned.name, reader))
         return reader
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """The writing end of all edges of one output port that have the same kind."""
+        """The writing end of all edges of one output port that have the same kind and codec."""
         planned = [self.plan.edges[edge] for edge in edges]
         if kind == "ring":
             return RingWriter([self.sending[edge] for edge in edges], _depth(planned))
@@ -66,7 +80,14 @@ class EdgeLinks:
 
         assert self.session is not None
         names = [str(edge) for edge in edges]
-        writer = ZenohWriter(self.session, self._key(planned[0]), names, _depth(planned))
+        writer = ZenohWriter(
+            self.session,
+            self._key(planned[0]),
+            names,
+            _depth(planned),
+            codec=planned[0].codec,
+            incarnation=self.incarnation,
+        )
         self._zenoh_ends.append((planned[0].name, writer))
         return writer
 
@@ -92,7 +113,7 @@ class EdgeLinks:
             self.session = None
 
     def _key(self, edge: PlannedEdge) -> str:
-        return f"followspot/{self.run}/{edge.from_stage}/{edge.from_port}"
+        return port_key(self.run, self._host[edge.from_stage], edge.from_stage, edge.from_port)
 
 
 def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:

@@ -47,7 +47,7 @@ def on_host(plan: Plan, host: str) -> Plan:
     for edge in plan.edges:
         ends = home[edge.from_stage], home[edge.to_stage]
         joined = host_of[ends[0]] == host_of[ends[1]] and before[ends[0]] != before[ends[1]]
-        edges.append(replace(edge, kind="ring") if joined else edge)
+        edges.append(replace(edge, kind="ring", codec="raw") if joined else edge)
     return replace(plan, workers=workers, edges=tuple(edges))
 
 
@@ -83,14 +83,16 @@ def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
 
 def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
     wire = edge.wire
+    kind = _kind(wire.source.name, wire.target.name, placed, choice)
     return PlannedEdge(
         from_stage=wire.source.name,
         from_port=edge.output,
         to_stage=wire.target.name,
         to_port=wire.port,
-        kind=_kind(wire.source.name, wire.target.name, placed, choice),
+        kind=kind,
         delay=wire.feed.delay,
         depth=wire.feed.depth,
+        codec=wire.feed.codec if kind == "zenoh" else "raw",
     )
 
 

@@ -10,12 +10,13 @@ from typing import cast
 from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.form import Form, is_name, kind_of
-from followspot.graph.plan import ErrorPolicy, PlannedEdge, PlannedStage
+from followspot.graph.plan import EdgeCodec, ErrorPolicy, PlannedEdge, PlannedStage
 from followspot.graph.selector import Selector, read_selector
 
 ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
 """Keys of a stage; parameters stand below `with`."""
 _POLICIES = ("fail", "skip", "restart")
+_CODECS = ("raw", "lossless", "jpeg")
 _MAX_DELAY = 1000
 _MAX_DEPTH = 10_000
 _FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
@@ -29,6 +30,7 @@ class Feed:
     port: str | None
     delay: int
     depth: int
+    codec: EdgeCodec
     place: Place
 
 
@@ -90,13 +92,14 @@ def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
 
 
 def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
-    delay, depth = 0, PlannedEdge.depth
+    delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
     origin: Node | None = node
     if isinstance(node.value, Mapping):
-        form = Form(node, "an input", ("from", "delay", "depth"), mistakes)
+        form = Form(node, "an input", ("from", "delay", "depth", "codec"), mistakes)
         origin = form.get("from", required=True)
         delay = form.whole("delay", least=0, most=_MAX_DELAY) or 0
         depth = form.whole("depth", least=1, most=_MAX_DEPTH) or depth
+        codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
     if origin is None:
         return None
     named = _FEED.fullmatch(origin.value) if isinstance(origin.value, str) else None
@@ -104,4 +107,4 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, origin.place)
+    return Feed(named[1], named[2], delay, depth, codec, origin.place)

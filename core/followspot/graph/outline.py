@@ -21,13 +21,14 @@ class Box:
 
 @dataclass(frozen=True)
 class Line:
-    """All edges of one kind between the same ports of two boxes; back: it leads against the flow."""
+    """All edges of one kind and codec between the same ports of two boxes; back: it leads against the flow."""
 
     start: Box
     port: str
     end: Box
     input: str
     kind: EdgeKind
+    way: str
     delay: int
     count: int
     back: bool
@@ -52,7 +53,7 @@ def outline(plan: Plan) -> Outline:
             stage.worker, stage.group, stage.uses, cameras, columns[stage.group]
         )
     box_of = {stage.name: boxes[stage.worker, stage.group] for stage in plan.stages}
-    counts: dict[tuple[Box, str, Box, str, EdgeKind, int], int] = {}
+    counts: dict[tuple[Box, str, Box, str, EdgeKind, str, int], int] = {}
     for edge in plan.edges:
         key = (
             box_of[edge.from_stage],
@@ -60,6 +61,7 @@ def outline(plan: Plan) -> Outline:
             box_of[edge.to_stage],
             edge.to_port,
             edge.kind,
+            edge.way,
             edge.delay,
         )
         counts[key] = counts.get(key, 0) + 1

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from followspot.room import Room
 
 EdgeKind = Literal["reference", "ring", "zenoh"]
+EdgeCodec = Literal["raw", "lossless", "jpeg"]
 ErrorPolicy = Literal["fail", "skip", "restart"]
 
 
@@ -46,11 +47,18 @@ class PlannedEdge:
     """Feedback: deliver the message of this many firings ago; 0 for a forward edge."""
     depth: int = 8
     """Most messages in flight."""
+    codec: EdgeCodec = "raw"
+    """How arrays travel on an edge over Zenoh."""
 
     @property
     def name(self) -> str:
         """Shown to users: ``color/cam0.out -> verify.blobs``."""
         return f"{self.from_stage}.{self.from_port} -> {self.to_stage}.{self.to_port}"
+
+    @property
+    def way(self) -> str:
+        """Shown to users: the kind, and the codec where it is not raw."""
+        return self.kind if self.codec == "raw" else f"{self.kind} {self.codec}"
 
 
 @dataclass(frozen=True)

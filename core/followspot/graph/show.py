@@ -39,7 +39,7 @@ def mermaid(plan: Plan) -> str:
         lines.append("  end")
     for line in found.lines:
         arrow = "-.->" if line.delay else "-->"
-        label = f"{_escaped(line.input)} · {_kind(line.kind, line.count, line.delay)}"
+        label = f"{_escaped(line.input)} · {_kind(line.way, line.count, line.delay)}"
         lines.append(f'  {number[line.start]} {arrow}|"{label}"| {number[line.end]}')
     return "\n".join(lines)
 
@@ -56,7 +56,7 @@ def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:
         apart = line.start.worker != line.end.worker
         way = f" ({line.start.worker} to {line.end.worker})" if apart else ""
         of_ports = counts.setdefault(ports, {})
-        key = (line.kind, way, line.delay)
+        key = (line.way, way, line.delay)
         of_ports[key] = of_ports.get(key, 0) + line.count
     return [
         (*ports, _kind(kind, count, delay) + way)

@@ -96,7 +96,7 @@ def _curve(line: Line, layout: _Layout) -> str:
         half = (x1 - x0) // 2
         path = f"M{x0},{y0} C{x0 + half},{y0} {x1 - half},{y1} {x1},{y1}"
     dash = ' stroke-dasharray="5 4"' if line.delay else ""
-    name = f"{line.start.group}.{line.port} -> {line.end.group}.{line.input}: {line.kind} × {line.count}"
+    name = f"{line.start.group}.{line.port} -> {line.end.group}.{line.input}: {line.way} × {line.count}"
     return (
         f'<path d="{path}" fill="none" stroke="{_COLORS[line.kind]}" stroke-width="1.5"{dash}>'
         f"<title>{escape(name)}</title></path>"

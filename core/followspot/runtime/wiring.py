@@ -35,7 +35,7 @@ class Links(Protocol):
         """The reading end of one edge."""
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """The writing end of all edges of one output port that have the same kind."""
+        """The writing end of all edges of one output port that have the same kind and codec."""
 
 
 class NoLinks:
@@ -206,12 +206,13 @@ class _Builder:
         for port in self.wiring.ports[stage.name].outputs:
             outlet = Outlet(port.type, self.words, slack=self.wiring.slack[stage.name])
             numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edges[n].from_port == port.name]
-            for kind, group in groupby(sorted(numbers, key=self._kind), key=self._kind):
-                self._attach(outlet, kind, list(group), rank)
+            for _, group in groupby(sorted(numbers, key=self._way), key=self._way):
+                self._attach(outlet, list(group), rank)
             outlets[port.name] = outlet
         return outlets
 
-    def _attach(self, outlet: Outlet, kind: EdgeKind, numbers: list[int], rank: int) -> None:
+    def _attach(self, outlet: Outlet, numbers: list[int], rank: int) -> None:
+        kind = self.plan.edges[numbers[0]].kind
         if kind == "reference":
             outlet.inlets += [self.inlets[n] for n in numbers]
             return
@@ -238,8 +239,9 @@ class _Builder:
         members = tuple(self.inlets[n] for n in numbers)
         return InputPort(port.name, joined=port.kind == "joined", members=members)
 
-    def _kind(self, number: int) -> EdgeKind:
-        return self.plan.edges[number].kind
+    def _way(self, number: int) -> str:
+        """What edges must have in common to share a writer."""
+        return self.plan.edges[number].way
 
 
 def _loan(outlets: Sequence[Outlet], shape: tuple[int, ...], dtype: str) -> Array:

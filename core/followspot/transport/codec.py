@@ -60,7 +60,7 @@ class Codec:
         values = self._scalars(head[5])
         shaped = self._shaped
         if head[6] != shaped[0]:  # mostly, the columns are like those before
-            shaped = self._shaped = (head[6], *self._shapes(head[6]))
+            shaped = self._shaped = (head[6], *self.shapes(head[6]))
         _, shapes, spans = shaped
         if places is None:
             starts: Sequence[int] = _successive(spans, len(body))
@@ -93,8 +93,8 @@ class Codec:
             values[name] = value
         return values
 
-    def _shapes(self, found: Any) -> tuple[list[tuple[int, ...]], list[int]]:
-        """Shape and size in bytes of each array."""
+    def shapes(self, found: Any) -> tuple[list[tuple[int, ...]], list[int]]:
+        """Shape and size in bytes of each array, from the columns in a head. Raises InvalidMessage."""
         if type(found) is not list or len(found) != len(self._columns):
             raise InvalidMessage(f"the columns are not those of {self.name}")
         sizes: dict[str, int] = {}

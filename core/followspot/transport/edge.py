@@ -64,6 +64,10 @@ class PortReader(Protocol):
     def lost(self) -> bool:
         """Whether the writer is gone without having ended the stream; `poll` still gives what had arrived."""
 
+    @property
+    def broken(self) -> bool:
+        """Whether nothing will ever come from here any more, not even when the writer is started again."""
+
     def matched(self) -> bool:
         """Whether the writer is there."""
 

@@ -57,6 +57,11 @@ class RingReader:
         """Whether the writer is gone without an end."""
         return self._closed and not self._ended
 
+    @property
+    def broken(self) -> bool:
+        """Whether the writer is gone: another one comes over another socket."""
+        return self._closed
+
     def matched(self) -> bool:
         """True: the socket exists before the processes do."""
         return True

@@ -12,37 +12,75 @@ from urllib.parse import quote
 import zenoh
 from zenoh.handlers import Callback
 
+from followspot.graph.plan import EdgeCodec
 from followspot.messages import InvalidMessage, Message
 from followspot.transport.bell import Bell
-from followspot.transport.codec import MAX_PACKED, unpack
+from followspot.transport.codec import MAX_PACKED
 from followspot.transport.token import END, Invalid, Settled, Token
-from followspot.transport.zenoh_terms import CREDIT, NUMBER, WINDOW, presence, publisher, reached, undeclare
+from followspot.transport.zenoh_codec import unpack_as
+from followspot.transport.zenoh_terms import (
+    CREDIT,
+    NUMBER,
+    START,
+    WINDOW,
+    chunks,
+    codec_key,
+    presence,
+    publisher,
+    reached,
+    undeclare,
+)
 
 
 class ZenohReader:
-    """`PortReader` of a `ZenohWriter`."""
+    """`PortReader` of a `ZenohWriter`, and of those that come in its place when it dies."""
 
-    def __init__(self, session: zenoh.Session, key: str, name: str, kind: type[Message], depth: int) -> None:
-        """key, name, depth: as the writer knows them; kind: type of the messages."""
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        name: str,
+        kind: type[Message],
+        depth: int,
+        *,
+        codec: EdgeCodec = "raw",
+        incarnation: int = 0,
+    ) -> None:
+        """key, name, depth, codec: as the writer knows them; kind: type of the messages.
+
+        incarnation: how many readers of this name there were before.
+        """
         self._kind = kind
         self._limit = depth + WINDOW
-        self._arrived: deque[zenoh.Sample] = deque()
+        self._arrived: deque[zenoh.Sample | None] = deque()
+        """Samples as they came; None where the writer was seen to go."""
+        self._writer = -1
+        """Incarnation of the writer that told where to start; -1 before the first."""
         self._tokens = 0
         self._messages = 0
+        self._got = 0
+        """Messages, and `Invalid`s in their place, from this writer."""
+        self._unread = 0
+        """Messages handed out that a former writer sent: the present one gets no credit for them."""
         self._consumed = 0
         self._reported = 0
+        self._joined = False
+        """Whether the writer knows that this reader is there: what comes else was not meant for it."""
         self._ended = False
-        self._writer = False
-        self._gone = False
+        self._there: set[str] = set()
+        self._gone = incarnation > 0
         self._bell = Bell()
+        key = codec_key(key, codec)
         name = quote(name, safe="")
         self._session = session
-        self._done_key = f"{key}/alive/done/{name}"
+        self._start_key = f"{key}/start/{name}"
+        self._done_key = f"{key}/alive/done/{name}/{incarnation}"
         self._report = publisher(session, f"{key}/credit/{name}")
         self._declared = [
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
-            presence(session, f"{key}/alive/writer", self._on_presence),
-            session.liveliness().declare_token(f"{key}/alive/reader/{name}"),
+            session.declare_subscriber(self._start_key, Callback(self._on_arrival, indirect=False)),
+            presence(session, f"{key}/alive/writer/*", self._on_presence),
+            session.liveliness().declare_token(f"{key}/alive/reader/{name}/{incarnation}"),
         ]
 
     @property
@@ -50,9 +88,15 @@ class ZenohReader:
         """Whether the writer was there and is gone without an end."""
         return self._gone and not self._ended and not self._arrived
 
+    @property
+    def broken(self) -> bool:
+        """False: another writer may come."""
+        return False
+
     def matched(self) -> bool:
-        """Whether the writer is there, and would get reports."""
-        return self._writer and reached(self._report)
+        """Whether the writer is there, has told where to start, and would get reports."""
+        self._begin()
+        return self._writer >= 0 and reached(self._report)
 
     def fileno(self) -> int:
         """The bell."""
@@ -70,7 +114,9 @@ class ZenohReader:
 
     def consumed(self, count: int = 1) -> None:
         """Give credit for messages that were taken out of the queue."""
-        self._consumed += count
+        former = min(count, self._unread)
+        self._unread -= former
+        self._consumed += count - former
         self._send_report()
 
     def close(self) -> None:
@@ -78,17 +124,48 @@ class ZenohReader:
         undeclare([*reversed(self._declared), self._report])
         self._bell.close()
 
-    def _take(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
+    def _begin(self) -> None:
+        """Before the first token: look whether the writer has told where to start."""
+        while self._writer < 0 and self._arrived:
+            self._take(self._arrived.popleft(), [])
+
+    def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
+        """A writer tells where its stream begins, or goes on after the link was cut."""
+        data = sample.payload.to_bytes()
+        if len(data) != START.size:
+            return
+        writer, number, messages, given = START.unpack(data)
+        if writer < self._writer:
+            return
+        if writer > self._writer:
+            self._unread += self._got - self._consumed
+            self._writer, self._got, self._consumed = writer, given, given
+        else:
+            missing = min(max(0, given - self._got), self._limit)
+            tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
+            self._got += missing
+        self._tokens, self._messages, self._joined = number, messages, True
+        self._send_report()
+
+    def _take(self, sample: zenoh.Sample | None, tokens: list[Token]) -> None:
         """Append the sample's token, and before it an `Invalid` for each message that is missing.
 
-        What does not carry on the numbers comes from a stranger; no ledger knows it, so it is passed over.
+        What does not carry on the numbers comes from a stranger, or from a writer that is gone; no ledger
+        knows it, so it is passed over.
         """
+        if sample is None or str(sample.key_expr) == self._start_key:
+            self._joined = False
+            if sample is not None:
+                self._start(sample, tokens)
+            return
         attachment = b"" if sample.attachment is None else sample.attachment.to_bytes()
         if len(attachment) != NUMBER.size:
             return
-        number, messages = NUMBER.unpack(attachment)
+        writer, number, messages = NUMBER.unpack(attachment)
         skipped = number - self._tokens
         new = messages - self._messages
+        if not self._joined or writer != self._writer:
+            return
         if not 0 <= skipped <= self._limit or not 0 <= new <= skipped + 1:
             return
         token = self._token(sample)
@@ -96,6 +173,7 @@ class ZenohReader:
         if missing < 0:
             return
         self._tokens, self._messages = number + 1, messages
+        self._got += new
         tokens += [Invalid(f"gap: it is one of {missing} messages that never came")] * missing
         tokens.append(token)
 
@@ -103,7 +181,7 @@ class ZenohReader:
         if len(sample.payload) > MAX_PACKED:
             return Invalid(f"{len(sample.payload)} bytes, at most {MAX_PACKED} allowed")
         try:
-            token = unpack(sample.payload.to_bytes(), self._kind)
+            token = unpack_as(sample.payload.to_bytes(), self._kind)
         except InvalidMessage as error:
             return Invalid(str(error))
         if not self._ended and isinstance(token, Settled) and token.bound == END:
@@ -117,9 +195,13 @@ class ZenohReader:
             self._declared.insert(0, self._session.liveliness().declare_token(self._done_key))
 
     def _send_report(self) -> None:
+        """In the writer's own numbers: what this reader was not there for counts as consumed."""
         self._reported = self._tokens
+        if self._writer < 0:
+            return
+        consumed = self._messages - self._got + self._consumed
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._report.put(CREDIT.pack(self._consumed, self._tokens))
+            self._report.put(CREDIT.pack(self._writer, consumed, self._tokens))
 
     def _on_arrival(self, sample: zenoh.Sample) -> None:
         if len(self._arrived) < self._limit:  # a flood from a stranger; the numbers show what is missing
@@ -127,6 +209,11 @@ class ZenohReader:
         self._bell.ring()
 
     def _on_presence(self, sample: zenoh.Sample) -> None:
-        self._writer = sample.kind == zenoh.SampleKind.PUT
-        self._gone = not self._writer
+        incarnation = chunks(sample, 1)[0]
+        if sample.kind == zenoh.SampleKind.PUT:
+            self._there.add(incarnation)
+        else:
+            self._there.discard(incarnation)
+            self._arrived.append(None)
+        self._gone = not self._there
         self._bell.ring()

@@ -10,10 +10,14 @@ from typing import Any
 import zenoh
 from zenoh.handlers import Callback
 
-NUMBER = Struct("<QQ")
-"""Attachment: number of the token, and of messages up to and with it."""
-CREDIT = Struct("<QQ")
-"""What a reader reports: messages consumed, tokens taken."""
+from followspot.graph.plan import EdgeCodec
+
+NUMBER = Struct("<QQQ")
+"""Attachment: the writer's incarnation, number of the token, and of messages up to and with it."""
+CREDIT = Struct("<QQQ")
+"""What a reader reports: incarnation of its writer, messages consumed, tokens taken."""
+START = Struct("<QQQQ")
+"""Where a reader joins: incarnation of the writer, tokens and messages before, those given to it."""
 WINDOW = 256
 """Most tokens under way: as many settled times do not fill any buffer, so that a put does not block."""
 
@@ -40,6 +44,11 @@ def undeclare(entities: Iterable[Any]) -> None:
             entity.undeclare()
 
 
-def chunks(sample: zenoh.Sample) -> list[str]:
-    """The sample's key: what goes before, and its last two chunks."""
-    return str(sample.key_expr).rsplit("/", 2)
+def chunks(sample: zenoh.Sample, count: int) -> list[str]:
+    """The last chunks of the sample's key."""
+    return str(sample.key_expr).split("/")[-count:]
+
+
+def codec_key(key: str, codec: EdgeCodec) -> str:
+    """The key of an output port's tokens: edges of another codec have one of their own."""
+    return key if codec == "raw" else f"{key}/{codec}"

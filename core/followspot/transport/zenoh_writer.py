@@ -6,21 +6,28 @@ Its threads only note reports and ring a bell; all else happens in the worker's 
 
 from __future__ import annotations
 
+import contextlib
+from collections import deque
 from collections.abc import Sequence
+from typing import NamedTuple
 from urllib.parse import quote
 
 import zenoh
 from zenoh.handlers import Callback
 
+from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, Message
 from followspot.transport.bell import Bell
 from followspot.transport.codec import pack
 from followspot.transport.token import END, Settled
+from followspot.transport.zenoh_codec import pack_as
 from followspot.transport.zenoh_terms import (
     CREDIT,
     NUMBER,
+    START,
     WINDOW,
     chunks,
+    codec_key,
     presence,
     publisher,
     reached,
@@ -28,29 +35,62 @@ from followspot.transport.zenoh_terms import (
 )
 
 
-class ZenohWriter:
-    """`PortWriter` for readers anywhere that a session reaches."""
+class _News(NamedTuple):
+    """A liveliness token of a reader came or went."""
 
-    def __init__(self, session: zenoh.Session, key: str, readers: Sequence[str], depth: int) -> None:
-        """key: of the port, for example ``followspot/RUN/color/cam0/out``; readers: their names."""
+    role: str
+    reader: int
+    incarnation: str
+    there: bool
+
+
+class ZenohWriter:
+    """`PortWriter` for readers anywhere that a session reaches.
+
+    A reader that comes, comes back, or comes as another incarnation joins at the next token: it is told
+    which that is, and how many messages were meant for it before.
+    """
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        readers: Sequence[str],
+        depth: int,
+        *,
+        codec: EdgeCodec = "raw",
+        incarnation: int = 0,
+    ) -> None:
+        """key: of the port, for example ``followspot/RUN/color/cam0/out``; readers: their names.
+
+        incarnation: how many writers this port had before; a later one waits for nobody.
+        """
+        self._key = key = codec_key(key, codec)
+        self._codec = codec
+        self._incarnation = incarnation
         self._depth = depth
-        self._index = {quote(name, safe=""): index for index, name in enumerate(readers)}
+        self._names = [quote(name, safe="") for name in readers]
+        self._index = {name: index for index, name in enumerate(self._names)}
         self._reports = [(0, 0)] * len(readers)
-        self._present: set[int] = set()
+        self._given = [0] * len(readers)
+        """Messages put for each reader's present incarnation."""
+        self._news: deque[_News] = deque()
+        self._present: dict[int, str] = {}
+        self._known: dict[int, str] = {}
         self._done: set[int] = set()
-        self._leaving: set[int] = set()
-        self._gone: set[int] = set()
+        self._gone: set[int] = set(range(len(readers))) if incarnation else set()
         self._tokens = 0
         self._messages = 0
         self._held: Settled | None = None
         self._ending = False
         self._waiting = False
         self._bell = Bell()
+        self._session = session
         self._publisher = publisher(session, key)
         self._declared = [
             session.declare_subscriber(f"{key}/credit/*", Callback(self._on_report, indirect=False)),
-            presence(session, f"{key}/alive/*/*", self._on_presence),
-            session.liveliness().declare_token(f"{key}/alive/writer"),
+            presence(session, f"{key}/alive/*/*/*", self._on_presence),
+            session.liveliness().declare_token(f"{key}/alive/writer/{incarnation}"),
         ]
 
     @property
@@ -60,6 +100,7 @@ class ZenohWriter:
 
     def matched(self) -> bool:
         """Whether every reader is there, and would get what is sent."""
+        self._notice()
         return len(self._present) == len(self._reports) and reached(self._publisher)
 
     def credit(self) -> int:
@@ -78,11 +119,13 @@ class ZenohWriter:
             self._ending |= token.bound == END
             self._send_held()
             return
-        payload = pack(token)
+        payload = pack_as(token, self._codec)
         if self.credit() <= 0:
             raise RuntimeError("a message was sent without credit")
         self._send_held()
         self._messages += 1
+        for index in self._present:
+            self._given[index] += 1
         self._put(payload)
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
@@ -92,6 +135,7 @@ class ZenohWriter:
     def flush(self) -> bool:
         """Send the settled time that had to wait. True when nothing waits; the end must have arrived."""
         self._waiting = True
+        self._notice()
         self._send_held()
         arrived = len(self._done | self._gone) == len(self._reports)
         return self._held is None and (arrived or not self._ending)
@@ -105,15 +149,40 @@ class ZenohWriter:
         self._waiting = True
 
     def drain(self) -> None:
-        """Hush the bell, notice who died, send what waited."""
+        """Hush the bell, notice who came and who died, send what waited."""
         self._bell.hush()
-        self._gone |= self._leaving - self._done
+        self._notice()
         self._send_held()
 
     def close(self) -> None:
         """Undeclare everything; the session stays open."""
         undeclare([*reversed(self._declared), self._publisher])
         self._bell.close()
+
+    def _notice(self) -> None:
+        """Take over what Zenoh's threads saw."""
+        while self._news:
+            role, index, incarnation, there = self._news.popleft()
+            if role == "done":
+                self._done.add(index)
+            elif there:
+                self._welcome(index, incarnation)
+            elif self._present.get(index) == incarnation:
+                del self._present[index]
+                self._gone |= {index} - self._done
+
+    def _welcome(self, index: int, incarnation: str) -> None:
+        """A reader is there: from now on it counts, and what it missed before does not."""
+        if self._known.get(index) != incarnation:
+            self._given[index] = 0
+        self._present[index] = self._known[index] = incarnation
+        self._gone.discard(index)
+        self._reports[index] = self._messages, self._tokens
+        start = START.pack(self._incarnation, self._tokens, self._messages, self._given[index])
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._session.put(f"{self._key}/start/{self._names[index]}", start)
+        if self._ending and self._held is None:
+            self._put(pack(Settled(END)))
 
     def _living(self) -> list[tuple[int, int]]:
         return [report for index, report in enumerate(self._reports) if index not in self._gone]
@@ -130,33 +199,33 @@ class ZenohWriter:
             self._put(pack(held))
 
     def _put(self, payload: bytes) -> None:
-        number = NUMBER.pack(self._tokens, self._messages)
+        number = NUMBER.pack(self._incarnation, self._tokens, self._messages)
         self._tokens += 1
         try:
             if reached(self._publisher):  # a put that nobody gets is still copied
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
-            self._leaving.update(range(len(self._reports)))
+            self._present.clear()
+            self._gone = set(range(len(self._reports))) - self._done
             self._bell.ring()
 
     def _on_report(self, sample: zenoh.Sample) -> None:
-        index = self._index.get(chunks(sample)[-1])
+        index = self._index.get(chunks(sample, 1)[0])
         report = sample.payload.to_bytes()
         if index is None or len(report) != CREDIT.size:
             return
-        consumed, taken = CREDIT.unpack(report)
+        incarnation, consumed, taken = CREDIT.unpack(report)
+        if incarnation != self._incarnation:
+            return
         self._reports[index] = min(consumed, self._messages), min(taken, self._tokens)
         if self._waiting:
             self._waiting = False
             self._bell.ring()
 
     def _on_presence(self, sample: zenoh.Sample) -> None:
-        _, role, name = chunks(sample)
+        role, name, incarnation = chunks(sample, 3)
         index = self._index.get(name)
-        if index is None:
-            return
-        if sample.kind == zenoh.SampleKind.PUT:
-            (self._done if role == "done" else self._present).add(index)
-        else:
-            self._leaving.add(index)
-        self._bell.ring()
+        there = sample.kind == zenoh.SampleKind.PUT
+        if index is not None and (there or role != "done"):
+            self._news.append(_News(role, index, incarnation, there))
+            self._bell.ring()

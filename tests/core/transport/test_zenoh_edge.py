@@ -115,13 +115,13 @@ def test_what_strangers_put_on_the_key_is_passed_over(pair: Pair) -> None:
     intruder = pair.intruder(KEY)
     intruder.put(b"hello")
     intruder.put(b"", attachment=b"")
-    intruder.put(pack(frame(9)), attachment=NUMBER.pack(10**6, 10**6))
-    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 0))
-    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 9))
-    intruder.put(b"nonsense", attachment=NUMBER.pack(0, 0))
+    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 10**6, 10**6))
+    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 0, 0))
+    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 0, 9))
+    intruder.put(b"nonsense", attachment=NUMBER.pack(0, 0, 0))
     until(lambda: len(pair.reader._arrived) == 6)
     pair.writer.send(frame(0))
-    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 1))
+    intruder.put(pack(frame(9)), attachment=NUMBER.pack(0, 0, 1))
     pair.writer.send(frame(1))
     tokens = arrived(pair.reader, 2)
     assert all(isinstance(token, Message) and identical(token, frame(n)) for n, token in enumerate(tokens))
@@ -130,7 +130,7 @@ def test_what_strangers_put_on_the_key_is_passed_over(pair: Pair) -> None:
 def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None:
     """A stranger takes the numbers of the writer: two are skipped, the third is of another type."""
     blobs = pack(stamped(seal(Blobs.empty()), Header("", 0, 0)))
-    pair.intruder(KEY).put(blobs, attachment=NUMBER.pack(2, 3))
+    pair.intruder(KEY).put(blobs, attachment=NUMBER.pack(0, 2, 3))
     *missing, wrong = arrived(pair.reader, 3)
     assert missing == [Invalid("gap: it is one of 2 messages that never came")] * 2
     assert isinstance(wrong, Invalid)
@@ -138,7 +138,7 @@ def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None
 
 
 def test_settled_times_that_never_came_are_no_loss(pair: Pair) -> None:
-    pair.intruder(KEY).put(pack(Settled(7)), attachment=NUMBER.pack(5, 0))
+    pair.intruder(KEY).put(pack(Settled(7)), attachment=NUMBER.pack(0, 5, 0))
     assert arrived(pair.reader, 1) == [Settled(7)]
 
 
@@ -165,10 +165,10 @@ def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
 
 def test_false_reports_give_no_more_credit_than_was_sent(pair: Pair) -> None:
     pair.writer.send(frame(0))
-    pair.intruder(f"{KEY}/credit/nobody").put(CREDIT.pack(5, 5))
+    pair.intruder(f"{KEY}/credit/nobody").put(CREDIT.pack(0, 5, 5))
     reports = pair.intruder(f"{KEY}/credit/color%2Fcam0.frame")
     reports.put(b"short")
-    reports.put(CREDIT.pack(2**63, 2**63))
+    reports.put(CREDIT.pack(0, 2**63, 2**63))
     until(lambda: pair.writer.credit() == DEPTH)
 
 
