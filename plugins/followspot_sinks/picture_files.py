@@ -6,10 +6,13 @@ from pathlib import Path
 from typing import Protocol
 
 import cv2
+import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 
+SMALLEST = 16
+"""Width and height that the codec takes at least, px; it wants even ones."""
 SLOWEST, FASTEST = 1.0, 240.0
 """Frames per second that a video is written with at least and at most."""
 
@@ -34,6 +37,7 @@ class VideoFile:
 
     def write(self, picture: Array, seq: int, time: int) -> None:
         """Add a picture; the first waits for the second, which tells the rate. Raises FollowspotError."""
+        picture = fitted(picture)
         if self.writer is not None:
             self.writer.write(picture)
         elif self.first is None:
@@ -58,6 +62,14 @@ class VideoFile:
             )
         self.writer.write(first)
         return self.writer
+
+
+def fitted(picture: Array) -> Array:
+    """The picture with a black margin at the right and below where the codec needs one."""
+    missing = [max(SMALLEST, side + side % 2) - side for side in picture.shape[:2]]
+    if not any(missing):
+        return picture
+    return np.pad(picture, ((0, missing[0]), (0, missing[1]), (0, 0)))
 
 
 class PictureFolder:

@@ -1,0 +1,63 @@
+"""A recording as a live camera."""
+
+import threading
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from tests.plugins.cameras.recordings import context, numbers, record
+
+from followspot.testing import check_stage
+from followspot_cameras.playback import Playback
+
+
+class Waits(threading.Event):
+    """Notes how long it is asked to wait, and does not."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.asked: list[float] = []
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.asked.append(timeout or 0.0)
+        return self.is_set()
+
+
+def playback(path: Path, **params: object) -> tuple[Playback, Waits]:
+    stage = Playback(context(), path=path, **params)
+    stage.setup()
+    waits = Waits()
+    stage.__dict__["stopped"] = waits
+    return stage, waits
+
+
+def test_stage_keeps_the_promises_of_stages() -> None:
+    check_stage(Playback)
+    assert Playback.live
+
+
+def test_frames_are_those_of_the_recording_with_its_times(tmp_path: Path) -> None:
+    stage, _ = playback(record(tmp_path / "a.mkv", frames=4))
+    frames = list(stage.process())
+    assert [numbers(frame.pixels) for frame in frames] == [0, 1, 2, 3]
+    assert [frame.header.time for frame in frames] == [n * 1_000_000_000 // 30 for n in range(4)]
+
+
+@pytest.mark.parametrize("speed", [1.0, 0.25])
+def test_each_frame_waits_until_it_is_due(tmp_path: Path, speed: float) -> None:
+    """500 s a frame, so that the time which the test itself takes does not matter."""
+    stage, waits = playback(record(tmp_path / "a.mkv", frames=4), fps=1 / (500 * speed), speed=speed)
+    assert len(list(stage.process())) == 4
+    assert [round(wait / 100) for wait in waits.asked] == [0, 5, 10, 15]
+    assert all(later > earlier for earlier, later in pairwise(waits.asked))
+
+
+def test_closing_ends_the_waiting_from_another_thread(tmp_path: Path) -> None:
+    stage = Playback(context(), path=record(tmp_path / "a.mkv", frames=4), fps=0.002)
+    stage.setup()
+    frames = stage.process()
+    next(frames)
+    closer = threading.Timer(0.05, stage.close)
+    closer.start()
+    assert list(frames) == []
+    closer.join()

@@ -1,0 +1,181 @@
+"""Results drawn into pictures."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from followspot import Camera, Context, FollowspotError, Header, InputError, Room, Target
+from followspot.geometry import project
+from followspot.messages import stamped
+from followspot.people import Boxes, Poses
+from followspot.testing import check_stage
+from followspot.tracking import Frame, Tracks
+from followspot_sinks.draw import Draw
+from followspot_sinks.pose_drawing import arrows, images, outline
+
+ALONG_X = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
+SIZE = (640, 480)
+
+
+def camera(name: str = "left", model: str = "pinhole") -> Camera:
+    """A level camera 1.2 m above the origin that looks along x."""
+    f, size = (460.0, SIZE) if model == "pinhole" else (100.0, (628, 200))
+    K = np.array([[f, 0, (size[0] - 1) / 2], [0, f, (size[1] - 1) / 2], [0, 0, 1]])
+    distortion = np.zeros(5 if model == "pinhole" else 0)
+    return Camera(name, "color", size, K, distortion, ALONG_X, -ALONG_X @ [0, 0, 1.2], model)  # type: ignore[arg-type]
+
+
+ROOM = Room(cameras={"left": camera(), "right": camera("right")}, targets={"red": Target("red", 0.1)})
+
+
+def frame(seq: int = 0, name: str = "left", size: tuple[int, int] = SIZE, channels: int = 3) -> Frame:
+    pixels = np.zeros((size[1], size[0], channels), "u1")
+    return stamped(Frame(camera=name, pixels=pixels), Header(f"camera/{name}", seq, seq * 100_000_000))
+
+
+def poses(seen_by: str = "left", place: tuple[float, float] = (3.0, 0.0), heading: float = np.pi) -> Poses:
+    return Poses(
+        camera=seen_by,
+        person=np.array([1], "i4"),
+        state=np.ones(1, "u1"),
+        xy=np.array([place]),
+        height=np.array([1.75]),
+        heading=np.array([heading]),
+        pan=np.zeros(1),
+        tilt=np.zeros(1),
+        sigma=np.zeros((1, 6)),
+        confidence=np.ones(1),
+    )
+
+
+def boxes(*corners: float) -> Boxes:
+    none = np.zeros((1, 0))
+    return Boxes(camera="left", box=np.array([corners]), score=np.ones(1), torso=none, head=none)
+
+
+def drawn(folder: Path, room: Room, *inputs: tuple[object, ...]) -> Path:
+    sink = Draw(Context(room=room, out=folder), form="png")
+    sink.setup()
+    sink.process(*inputs)  # type: ignore[arg-type]
+    sink.close()
+    return folder / "drawn"
+
+
+def picture(folder: Path, name: str = "left", seq: int = 0) -> np.ndarray:
+    found = cv2.imread(str(folder / name / f"{seq:06d}.png"))
+    assert found is not None
+    return found
+
+
+def extent(image: np.ndarray) -> tuple[int, int, int, int]:
+    rows, columns = np.nonzero(image.any(axis=2))
+    return int(columns.min()), int(rows.min()), int(columns.max()), int(rows.max())
+
+
+def test_stage_keeps_the_promises_of_stages() -> None:
+    check_stage(Draw)
+
+
+def test_outline_begins_at_the_head_is_as_wide_as_shoulders_and_narrower_from_the_side() -> None:
+    eye = np.array([0.0, 0.0, 1.2])
+    front = outline(np.array([3.0, 0.0]), 1.75, np.pi, eye)
+    side = outline(np.array([3.0, 0.0]), 1.75, np.pi / 2, eye)
+    assert front[:, 2].max() == 1.75
+    assert np.ptp(front[:, 1]) == pytest.approx(0.44)
+    assert np.ptp(side[:, 1]) == pytest.approx(0.24)
+    np.testing.assert_allclose(front[:, 0], 3.0)
+    child = outline(np.array([3.0, 0.0]), 0.875, np.pi, eye)
+    assert np.ptp(child[:, 1]) == pytest.approx(0.22)
+
+
+def test_arrows_point_where_chest_and_face_do() -> None:
+    head, chest = arrows(np.array([1.0, 2.0]), 1.75, 0.0, np.pi / 2, 0.0)
+    np.testing.assert_allclose(head[1] - head[0], [0, 0.35, 0], atol=1e-12)
+    np.testing.assert_allclose(chest[1] - chest[0], [0.45, 0, 0], atol=1e-12)
+    raised = arrows(np.array([1.0, 2.0]), 1.75, 0.0, 0.0, np.pi / 6)[0]
+    assert raised[1, 2] - raised[0, 2] == pytest.approx(0.175)
+
+
+def test_line_is_broken_at_the_seam_of_a_panorama_and_behind_a_pinhole() -> None:
+    behind = np.array([[-2.0, 0.4, 1.2], [-2.0, 0.2, 1.2], [-2.0, -0.2, 1.2], [-2.0, -0.4, 1.2]])
+    runs = list(images(camera(model="cylinder"), behind))
+    assert [len(run) for run in runs] == [2, 2]
+    assert all(np.ptp(run[:, 0]) < 20 for run in runs)
+    assert list(images(camera(), behind)) == []
+
+
+def test_pose_is_drawn_where_the_person_stands(tmp_path: Path) -> None:
+    image = picture(drawn(tmp_path, ROOM, (frame(),), (poses(),)))
+    left, _, right, bottom = extent(image[200:])
+    top_of_head, shoulder = project(camera(), np.array([[3, 0, 1.75], [3, 0.22, 1.33]]))
+    assert abs(left - shoulder[0]) <= 3
+    assert abs(right - (SIZE[0] - 1 - shoulder[0])) <= 3
+    assert extent(image)[1] < top_of_head[1] < 200 + bottom
+
+
+def test_pose_of_one_camera_is_not_drawn_in_another_and_a_fused_one_is_in_all(tmp_path: Path) -> None:
+    frames = (frame(), frame(name="right"))
+    one = drawn(tmp_path / "one", ROOM, frames, (poses("left"),))
+    assert picture(one).any()
+    assert not picture(one, "right").any()
+    fused = drawn(tmp_path / "fused", ROOM, frames, (poses(""),))
+    assert picture(fused).any()
+    np.testing.assert_array_equal(picture(fused), picture(fused, "right"))
+
+
+def test_person_behind_the_camera_is_not_drawn(tmp_path: Path) -> None:
+    assert not picture(drawn(tmp_path, ROOM, (frame(),), (poses(place=(-3.0, 0.0)),))).any()
+
+
+def test_box_beyond_the_edge_of_a_panorama_goes_on_at_its_other_end(tmp_path: Path) -> None:
+    room = Room(cameras={"left": camera(model="cylinder")})
+    image = picture(drawn(tmp_path, room, (frame(size=(628, 200)),), (), (boxes(600, 50, 660, 120),)))
+    assert image[80, 600].any()
+    assert image[80, 32].any()
+
+
+def test_track_is_a_circle_as_large_as_its_target(tmp_path: Path) -> None:
+    tracks = Tracks(
+        target=np.zeros(1, "i4"),
+        state=np.ones(1, "u1"),
+        xyz=np.array([[2.0, 0.0, 1.2]]),
+        velocity=np.zeros((1, 3)),
+        sigma=np.zeros((1, 3)),
+    )
+    image = picture(drawn(tmp_path, ROOM, (frame(),), (), (), (tracks,)))
+    left = extent(image)[0]
+    assert abs(left - (319.5 - 23)) <= 2
+
+
+def test_infrared_picture_is_drawn_on_in_color(tmp_path: Path) -> None:
+    image = picture(drawn(tmp_path, ROOM, (frame(channels=1),), (poses(),)))
+    assert (image.max(axis=2) != image.min(axis=2)).any()
+
+
+def test_pictures_that_were_sent_stay_as_they_are(tmp_path: Path) -> None:
+    sent = frame()
+    drawn(tmp_path, ROOM, (sent,), (poses(),))
+    assert not sent.pixels.any()
+
+
+@pytest.mark.parametrize("count", [1, 5])
+def test_video_has_every_picture_and_the_rate_of_the_recording(tmp_path: Path, count: int) -> None:
+    sink = Draw(Context(room=ROOM, out=tmp_path))
+    sink.setup()
+    for seq in range(count):
+        sink.process((frame(seq),), (poses(),))
+    sink.close()
+    video = cv2.VideoCapture(str(tmp_path / "drawn/left.mp4"))
+    assert video.get(cv2.CAP_PROP_FRAME_COUNT) == count
+    assert video.get(cv2.CAP_PROP_FPS) == pytest.approx(10 if count > 1 else 1)
+    assert video.read()[0]
+
+
+def test_folder_that_cannot_be_written_and_one_outside_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "drawn").write_text("a file")
+    with pytest.raises(FollowspotError, match="cannot be written"):
+        Draw(Context(room=ROOM, out=tmp_path)).setup()
+    with pytest.raises(InputError, match="outside the output folder"):
+        Draw(Context(room=ROOM, out=tmp_path), path="../up").setup()
