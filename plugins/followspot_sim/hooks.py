@@ -10,7 +10,8 @@ from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """Record a simulated room: one lossless video per camera, and the ground truth.
 
-The room file says with which parameters its cameras are simulated (source: {uses: sim.camera, with: ...}).
+The room file says with which parameters its cameras are simulated (source: {uses: sim.camera, with: ...}, or
+sim.person_camera for people; the true poses are then in CAMERA_gt.csv).
 DIR gets CAMERA.mkv and truth.csv; with --templates it gets TARGET/CAMERA.mkv instead, 20 frames of each
 target alone, for `followspot calibrate targets`.
 
@@ -36,9 +37,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the room, record."""
     from followspot import room_file
+    from followspot_sim.actor_recording import actor_parameters_of, has_people, record_people
     from followspot_sim.recording import parameters_of, record, record_templates
 
     room = room_file.load(args.room)
+    if has_people(room) and not args.templates:
+        record_people(room, actor_parameters_of(room, frames=args.frames, seed=args.seed), args.out)
+        return 0
     params = parameters_of(room, frames=args.frames, seed=args.seed)
     if args.templates:
         record_templates(room, params, args.out, args.frames)

@@ -79,7 +79,7 @@ def write_videos(room: Room, params: SimParams, folder: Path) -> None:
     with contextlib.ExitStack() as open_videos:
         videos = []
         for camera in room.cameras.values():
-            videos.append(_open_video(folder / f"{camera.name}.mkv", params.fps, camera.size))
+            videos.append(open_video(folder / f"{camera.name}.mkv", params.fps, camera.size))
             open_videos.callback(videos[-1].release)
         for frame in range(params.frames):
             for picture, pixels, video in zip(pictures, buffers, videos, strict=True):
@@ -87,7 +87,8 @@ def write_videos(room: Room, params: SimParams, folder: Path) -> None:
                 video.write(pixels if pixels.shape[2] == 3 else cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
 
 
-def _open_video(path: Path, fps: float, size: tuple[int, int]) -> cv2.VideoWriter:
+def open_video(path: Path, fps: float, size: tuple[int, int]) -> cv2.VideoWriter:
+    """A lossless video to write colour pictures of this size into. Raises FollowspotError."""
     video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), fps, size, True)
     if not video.isOpened():
         raise FollowspotError(f"{path}: cannot write a video; is the folder writable and the disk not full?")

@@ -7,10 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
 from followspot import Camera, Context, Room, room_file
+from followspot.accuracy import read_pose_truth_csv
+from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.messages import Header, seal
 from followspot_sim.actor_body import SKULL
@@ -240,3 +243,20 @@ def test_in_the_ready_panorama_people_leave_and_return():
     assert (visible.min(axis=0) < 0.1).any()
     assert ((visible > 0.5).mean(axis=0) > 0.7).all()
     assert (visible[-1] > 0.5).any()
+
+
+def test_a_recording_of_people_holds_the_pictures_and_the_poses_that_the_stages_give(tmp_path):
+    path = ROOMS / "simulated_persons.yaml"
+    command = ["simulate", "--room", str(path), "--out", str(tmp_path), "--frames", "2", "--seed", "5"]
+    assert main(command) == 0
+    room = room_file.load(path)
+    camera = room.cameras["front"]
+    assert camera.source is not None
+    params = ActorParams(**{**camera.source.params, "seed": 5, "frames": 2})
+    video = cv2.VideoCapture(str(tmp_path / "front.mkv"))
+    assert np.array_equal(video.read()[1], shot(ActorPicture(params, camera), 0))
+    table = read_pose_truth_csv(*(tmp_path / f"{name}_gt.csv" for name in room.cameras))
+    now = truth_of(params, *room.cameras.values()).truth(1)
+    wanted = np.column_stack([now.xy, now.height, now.heading, now.pan, now.tilt])
+    assert np.allclose(table.pose[1], wanted, atol=1e-4)
+    assert np.allclose(table.visible[1], now.visible, atol=1e-4)
