@@ -11,37 +11,45 @@ import numpy as np
 from followspot import Array, Field, InputPath, Stage, StageParams
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.association import box_distance, matched
-from followspot_persons.body_view import view
+from followspot_persons.association import box_distance, carried, matched
+from followspot_persons.body_view import BodyView, view
 from followspot_persons.color_difference import SHIPPED as SHIPPED_RELATIONS
 from followspot_persons.color_difference import completed, read_relations
+from followspot_persons.color_likelihood import color_likelihood, feature_responses
 from followspot_persons.color_model import ColorModel, learnt
 from followspot_persons.condensation import Search
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
+from followspot_persons.girth import girths_of
 from followspot_persons.identity import same_person
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
-from followspot_persons.shape import read_shape
+from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.spawning import spawned
 from followspot_persons.track import Track, coasted, followed
 
 NANOSECOND = 1e-9
 SHARP_VISIBILITY = 0.3
 """Cosine of the steepest view of a feature whose colour is learnt."""
-COLOR_SHARE = 0.6
-"""Weight of colours against places when boxes are given to persons."""
+NEAR, FAR = 0.5, 1.5
+"""Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
+each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
+COLOR_SHARE = 0.3
+"""Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
+STRANGE = 2.0
+"""Minus log F^C of a person who wears something else."""
 
 
 @dataclass(frozen=True, eq=False)
 class Acquaintance:
     """A person, known or not yet: number 0 until enough boxes have shown that somebody is there.
 
-    seen: ns, of the last box; hits: boxes so far; absent: whether the person is away.
+    begun, seen: ns, of the first and of the last box; hits: boxes so far; absent: whether the person is away.
     """
 
     number: int
     track: Track
     colors: ColorModel
+    begun: int
     seen: int
     hits: int = 1
     absent: bool = False
@@ -84,6 +92,7 @@ class Appearance(Stage):
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
         self.relations = read_relations(self.params.relations)
+        self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
         self.people: list[Acquaintance] = []
@@ -97,7 +106,7 @@ class Appearance(Stage):
         picture = pictured(self.camera, frame, gradients)
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
-        pairs = self.assigned(present, detections, picture, seconds)
+        pairs = self.assigned(present, detections, picture, now)
         for person, box in pairs:
             present[person] = self.updated(present[person], detections[box], picture, seconds, now)
         missed = set(range(len(present))) - {person for person, _ in pairs}
@@ -106,35 +115,52 @@ class Appearance(Stage):
         free = set(range(len(detections))) - {box for _, box in pairs}
         kept += [self.begun(detections[i], now) for i in sorted(free) if boxes.score[i] >= self.params.score]
         gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.keep]
-        self.people = self.recognised(kept, gone)
+        self.people = self.recognised(kept + gone)
         return self.appearances(frame.camera)
 
     def assigned(
-        self, people: list[Acquaintance], detections: list[Detection], picture: Picture, seconds: float
+        self, people: list[Acquaintance], detections: list[Detection], picture: Picture, now: int
     ) -> list[tuple[int, int]]:
         """Pairs of person and box: near in the picture, and of the person's colours."""
         if not people or not detections:
             return []
-        forecast = np.array([coasted(p.track, seconds).pose for p in people])
         boxes = np.array([d.box for d in detections])
-        distance = box_distance(view(self.camera, self.shape, forecast).box, boxes, self.around)
-        return matched(distance, 0.8)
+        cost = np.empty((len(people), len(boxes)))
+        for i, person in enumerate(people):
+            age = (now - person.seen) * NANOSECOND
+            seen = view(self.camera, self.shape, person.track.pose[None])
+            distance = box_distance(seen.box, boxes, self.around)[0]
+            cost[i] = distance / (NEAR + FAR * age)
+            for j in np.flatnonzero(cost[i] < 1):
+                cost[i, j] += COLOR_SHARE * self.strangeness(person, seen, boxes[j], picture)
+        return matched(cost, 1 + COLOR_SHARE * STRANGE)
+
+    def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
+        """Minus log F^C of a person, standing in a box as in the last picture; 0 where no colour is known."""
+        if person.colors.evidence.sum() == 0:
+            return 0.0
+        placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
+        colors, inside = sampled(picture, placed)
+        model = completed(person.colors, self.relations)
+        responses = feature_responses(
+            colors, model.mean.astype(np.float32), model.variance.astype(np.float32)
+        )
+        return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
     def updated(
         self, person: Acquaintance, detection: Detection, picture: Picture, seconds: float, now: int
     ) -> Acquaintance:
         """The person after a box: pose by edges and box, colours by the pose."""
-        fitness = Fitness(picture, self.shape, self.weights, person.track.habits, None, detection)
+        fitness = Fitness(picture, self.shape, self.weights, detection=detection)
         search = Search(self.params.particles)
-        track = followed(
-            person.track, seconds, fitness, fitness.likelihood, self.camera.center, search, self.rng
-        )
-        seen = view(self.camera, self.shape, track.pose[None])
+        track = followed(person.track, seconds, fitness, self.bodies, search, self.rng)
+        body = with_girth(self.shape, track.girth.mean)
+        seen = view(self.camera, body, track.pose[None])
         colors, inside = sampled(picture, seen)
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
         model = learnt(person.colors, colors[0].astype(float), weight, self.params.memory)
-        return Acquaintance(person.number, track, model, now, person.hits + 1)
+        return replace(person, track=track, colors=model, seen=now, hits=person.hits + 1)
 
     def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
         """The person after a picture without a box; None for one whom nobody knows yet."""
@@ -146,33 +172,27 @@ class Appearance(Stage):
     def begun(self, detection: Detection, now: int) -> Acquaintance:
         """Somebody whom one box has shown."""
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
-        return Acquaintance(0, Track.begun(particles), ColorModel.unseen(len(self.shape.names)), now)
+        return Acquaintance(0, Track.begun(particles), ColorModel.unseen(len(self.shape.names)), now, now)
 
-    def recognised(self, here: list[Acquaintance], gone: list[Acquaintance]) -> list[Acquaintance]:
-        """Everybody, newcomers with the number of one who was away and looks the same, or with a new one."""
-        people = []
-        for person in here:
-            if person.number == 0 and person.hits >= self.params.confirm:
-                person, gone = self.named(person, gone)
-            people.append(person)
-        return people + gone
+    def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:
+        """Everybody, newcomers with the number of one who was lost and looks the same, or with a new one."""
+        newcomers = [p for p in people if p.number == 0 and p.hits >= self.params.confirm]
+        others = [p for p in people if p.number or p.hits < self.params.confirm]
+        for newcomer in newcomers:
+            lost = [p for p in others if p.number and p.seen < newcomer.begun]
+            likeness = [self.likeness(newcomer, p) for p in lost]
+            if likeness and max(likeness) >= self.params.likeness:
+                known = lost[int(np.argmax(likeness))]
+                others = [p for p in others if p is not known]
+                others.append(replace(newcomer, number=known.number, colors=known.colors))
+            else:
+                self.numbers += 1
+                others.append(replace(newcomer, number=self.numbers))
+        return others
 
-    def named(
-        self, person: Acquaintance, gone: list[Acquaintance]
-    ) -> tuple[Acquaintance, list[Acquaintance]]:
-        """A newcomer with a number, and those who are still away."""
-        likeness = [
-            same_person(
-                person.colors, other.colors, (person.track.stature, other.track.stature), self.relations
-            )
-            for other in gone
-        ]
-        if likeness and max(likeness) >= self.params.likeness:
-            known = gone[int(np.argmax(likeness))]
-            merged = replace(person, number=known.number, colors=known.colors)
-            return merged, [p for p in gone if p is not known]
-        self.numbers += 1
-        return replace(person, number=self.numbers), gone
+    def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
+        """Log of how much likelier two acquaintances are one person than two."""
+        return same_person(a.colors, b.colors, (a.track.stature, b.track.stature), self.relations)
 
     def appearances(self, camera: str) -> Appearances:
         """Everybody who has a number."""

@@ -36,3 +36,13 @@ def box_distance(expected: Array, detected: Array, around: int = 0) -> Array:
     down = (a[..., 1] + a[..., 3] - b[..., 1] - b[..., 3]) / 2
     size = np.log(np.maximum(a[..., 3] - a[..., 1], 1e-6) / height)
     return np.asarray(np.hypot(np.hypot(across, down) / height, size))
+
+
+def carried(points: Array, source: Array, target: Array) -> Array:
+    """Points (F, 2) px of one box as they would lie in another: shifted, and scaled by the boxes' heights.
+
+    source, target: (4,) px x0 y0 x1 y1; their widths do not count, for a detector's are all alike.
+    """
+    scale = (target[3] - target[1]) / max(source[3] - source[1], 1e-6)
+    middle = np.array([(source[0] + source[2]) / 2, source[1]])
+    return np.asarray((points - middle) * scale + [(target[0] + target[2]) / 2, target[1]])

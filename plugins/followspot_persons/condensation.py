@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
+from followspot.geometry import wrap
 from followspot_persons.ascent import ascend
 from followspot_persons.body_view import HEADING, PAN, TILT
 from followspot_persons.motion import limited, predicted
@@ -88,11 +89,11 @@ def estimated(cloud: Array, weight: Array) -> Estimate:
     share /= share.sum()
     reference = cloud[share.argmax()]
     difference = cloud - reference
-    difference[:, HEADING] = wrapped(difference[:, HEADING])
+    difference[:, HEADING] = wrap(difference[:, HEADING])
     mean = share @ difference
     sigma = np.sqrt(share @ (difference - mean) ** 2)
     pose = reference + mean
-    pose[HEADING] = wrapped(pose[HEADING])
+    pose[HEADING] = wrap(pose[HEADING])
     return Estimate(pose, sigma)
 
 
@@ -102,8 +103,3 @@ def best_heading(heading: Array, weight: Array) -> float:
     bins = np.bincount(place.astype(np.intp) % BINS, weight, BINS)
     smooth = sum(np.roll(bins, k) * (3 - abs(k)) for k in range(-2, 3))
     return float((np.argmax(smooth) + 0.5) * 2 * np.pi / BINS)
-
-
-def wrapped(angle: Array) -> Array:
-    """Angles in -pi to pi, rad."""
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -80,7 +80,7 @@ class Fitness:
     picture: Picture
     shape: ShapeModel
     weights: Weights
-    habits: Habits
+    habits: Habits = Habits()
     colors: tuple[Array, Array] | None = None
     """Mean and variance (F, 3) HSI of the surface features."""
     detection: Detection | None = None

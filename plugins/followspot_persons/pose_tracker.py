@@ -14,6 +14,7 @@ from followspot_persons.association import box_distance, matched
 from followspot_persons.body_view import HEADING, view
 from followspot_persons.condensation import Search, scattered
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
+from followspot_persons.girth import girths_of
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape
@@ -79,6 +80,7 @@ class PoseTracker(Stage):
 
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
+        self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
         self.search = Search(self.params.particles, self.params.random, self.params.climbing)
@@ -155,18 +157,9 @@ class PoseTracker(Stage):
     ) -> None:
         """One person in one picture."""
         known = self.people[number]
-        fitness = Fitness(
-            picture,
-            self.shape,
-            self.weights,
-            known.track.habits,
-            colors if self.params.color else None,
-            detection,
-        )
-        plain = replace(fitness, detection=None)
-        track = followed(
-            known.track, seconds, fitness, plain.likelihood, self.camera.center, self.search, self.rng
-        )
+        known_colors = colors if self.params.color else None
+        fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
+        track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         agrees = track.likelihood >= self.params.fade * track.typical
         self.people[number] = Followed(
             number, track, now if agrees else known.good, TRACKED if agrees else PREDICTED

@@ -7,7 +7,7 @@ where points fixed to the body would wander into it. Head features turn about th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -146,6 +146,18 @@ def turn(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> Turned:
     the angle between its direction from the axis of its part and the direction to the camera.
     """
     return Turned(_turned_outline(shape, torso, head, tilt), *_turned_surface(shape, torso, head, tilt))
+
+
+def with_girth(shape: ShapeModel, girth: float) -> ShapeModel:
+    """The model with a torso that is wider and deeper by this factor."""
+    o, s = shape.outline, shape.surface
+    girths = np.where(o.head, 1.0, girth)
+    across = np.where(s.head, 1.0, girth)[:, None] * [1.0, 1.0, 0.0] + [0.0, 0.0, 1.0]
+    return replace(
+        shape,
+        outline=replace(o, width=o.width * girths, depth=o.depth * girths),
+        surface=replace(s, position=s.position * np.where(s.head[:, None], 1.0, across)),
+    )
 
 
 def _turned_outline(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> Array:

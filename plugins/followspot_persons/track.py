@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from followspot import Array
+from followspot.geometry import wrap
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
-from followspot_persons.condensation import Search, condense, wrapped
-from followspot_persons.fitness import Habits
+from followspot_persons.condensation import Search, condense
+from followspot_persons.fitness import Fitness, Habits
+from followspot_persons.girth import Girth, observed
+from followspot_persons.shape import ShapeModel, with_girth
 
 PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""
@@ -26,6 +28,8 @@ STATURE_SIGMA = 0.09
 """Of people's heights, m."""
 STATURE_FLOOR = 0.015
 """Uncertainty of a height that was seen for long, m: a step lowers it, a hat raises it."""
+SCALE_SIGMA = 0.06
+"""Error of a distance that is told by a body's size, of the distance."""
 STATURE_MEMORY = 60.0
 """Pictures that the height is a mean of."""
 WALKING, STRIDING = 0.25, 0.6
@@ -45,6 +49,7 @@ class Track:
     sigma: Array
     velocity: Array
     stature: float
+    girth: Girth = field(default_factory=Girth.unknown)
     weight: float = 0.0
     likelihood: float = 0.0
     typical: float = 0.0
@@ -68,23 +73,43 @@ class Track:
 def followed(
     track: Track,
     seconds: float,
-    fitness: Callable[[Array], Array],
-    likelihood: Callable[[Array], Array],
-    eye: Array,
+    fitness: Fitness,
+    bodies: tuple[ShapeModel, ...],
     search: Search,
     rng: np.random.Generator,
 ) -> Track:
-    """The track after one more picture. seconds: since the last one; eye: (3,) m, the camera's centre."""
-    particles, estimate = condense(track.particles, track.velocity, seconds, fitness, eye, search, rng)
-    forecast = track.pose.copy()
-    forecast[[X, Y]] += track.velocity * seconds
-    pose, velocity = _smoothed(forecast, track.velocity, estimate.pose, seconds, fresh=track.weight == 0)
+    """The track after one more picture.
+
+    seconds: since the last one; fitness: of anybody in this picture, its shape and habits are made the
+    person's; bodies: the shape model with each of `GIRTHS`.
+    """
+    eye = fitness.picture.camera.center
+    own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
+    particles, estimate = condense(track.particles, track.velocity, seconds, own, eye, search, rng)
+    girth = observed(track.girth, own, bodies, estimate.pose)
     weight = min(track.weight + 1, STATURE_MEMORY)
     stature = track.stature + (float(estimate.pose[HEIGHT]) - track.stature) / weight
-    pose[HEIGHT] = stature
-    value = float(likelihood(pose[None])[0])
+    measured = _with_stature(estimate.pose, stature, eye)
+    forecast = track.pose.copy()
+    forecast[[X, Y]] += track.velocity * seconds
+    pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=track.weight == 0)
+    value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
     typical = value if track.weight == 0 else track.typical + TYPICAL_GAIN * (value - track.typical)
-    return Track(particles, pose, estimate.sigma, velocity, stature, weight, value, typical)
+    return Track(particles, pose, estimate.sigma, velocity, stature, girth, weight, value, typical)
+
+
+def _with_stature(pose: Array, stature: float, eye: Array) -> Array:
+    """The pose with the person's known height, at the distance where the head's top stays in place.
+
+    Where the head is about as high as the camera its place says nothing of the distance, which then stays.
+    """
+    above = pose[HEIGHT] - eye[2]
+    above = np.copysign(max(abs(above), 1e-3), above)
+    share = SCALE_SIGMA**2 / (SCALE_SIGMA**2 + (STATURE_FLOOR / above) ** 2)
+    out = pose.copy()
+    out[[X, Y]] += share * (stature - pose[HEIGHT]) / above * (pose[[X, Y]] - eye[:2])
+    out[HEIGHT] = stature
+    return out
 
 
 def coasted(track: Track, seconds: float) -> Track:
@@ -104,11 +129,11 @@ def _smoothed(
     gain = np.array([PLACE_GAIN] * 3 + [HEADING_GAIN] + [HEAD_GAIN] * 2)
     gain = 1 - (1 - gain) ** max(scale, 1e-3)
     difference = measured - forecast
-    difference[HEADING] = wrapped(difference[HEADING])
+    difference[HEADING] = wrap(difference[HEADING])
     pose = forecast + gain * difference
     if abs(difference[HEADING]) > np.pi / 2:
         pose[[HEADING, PAN, TILT]] = measured[[HEADING, PAN, TILT]]
-    pose[HEADING] = wrapped(pose[HEADING])
+    pose[HEADING], pose[HEIGHT] = wrap(pose[HEADING]), measured[HEIGHT]
     if seconds > 0:
         share = 1 - (1 - VELOCITY_GAIN) ** scale
         velocity = velocity + share * difference[[X, Y]] / max(seconds, PERIOD)

@@ -1,0 +1,184 @@
+"""Poses of several cameras become one pose per person, in the room."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.geometry import wrap
+from followspot.people import Poses
+from followspot.tracking import PREDICTED, TRACKED
+from followspot_persons.association import matched
+from followspot_persons.sightings import Sightings, blended, sightings_of
+
+NANOSECOND = 1e-9
+FAMILIAR = 0.5
+"""Factor of the distance to a camera's person who was this one before."""
+PLACE_GAIN, VELOCITY_GAIN = 0.7, 0.3
+"""Share of the difference to the forecast that place and velocity take over at a picture."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fused:
+    """A person of the room. pose, sigma: (6,); velocity: (2,) m/s; seen: ns; hits: times seen so far;
+    members: camera's name -> the number of this person there.
+    """
+
+    number: int
+    pose: Array
+    sigma: Array
+    velocity: Array
+    confidence: float
+    seen: int
+    hits: int
+    members: dict[str, int]
+
+
+class Fusion(Stage):
+    """Fuse what several cameras see: places by their uncertain directions, headings by a vote."""
+
+    class Params(StageParams):
+        direction: float = Field(
+            0.012, gt=0, unit="rad", description="one sigma of the direction in which a camera sees a person"
+        )
+        distance: float = Field(
+            0.07, gt=0, unit="1", description="one sigma of the distance, of the distance"
+        )
+        gate: float = Field(
+            0.7,
+            gt=0,
+            unit="m",
+            description="farthest that a camera's place may lie from a person's; raising it joins two",
+        )
+        confirm: int = Field(
+            3,
+            ge=1,
+            unit="frames",
+            description="frames that must show a new person; raising it avoids false ones",
+        )
+        gone: float = Field(
+            0.6, gt=0, unit="s", description="time without a camera's pose after which a person is gone"
+        )
+        keep: float = Field(
+            120.0, gt=0, unit="s", description="time for which the numbers of one who is gone are remembered"
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        self.people: list[Fused] = []
+        self.gone: list[Fused] = []
+        self.numbers = 0
+        self.time = -1
+
+    def process(self, poses: Joined[Poses]) -> Poses:
+        now = max(p.header.time for p in poses)
+        seconds = (now - self.time) * NANOSECOND if self.time >= 0 else 0.0
+        self.time = now
+        seen = sightings_of(poses, self.room.cameras, self.params.direction, self.params.distance)
+        groups, free = self.assigned(seen, seconds)
+        self.people = [
+            self.moved(person, seen, groups[i], seconds, now) for i, person in enumerate(self.people)
+        ]
+        self.people += [self.begun(seen, rows, now) for rows in self.grouped(seen, free)]
+        self.forget(now)
+        return self.fused()
+
+    def assigned(self, seen: Sightings, seconds: float) -> tuple[list[list[int]], list[int]]:
+        """The rows of each person, at most one a camera, and the rows of nobody."""
+        groups: list[list[int]] = [[] for _ in self.people]
+        free = set(range(len(seen.pose)))
+        if self.people:
+            forecast = np.array([p.pose[:2] + seconds * p.velocity for p in self.people])
+            for camera in np.unique(seen.camera):
+                rows = np.flatnonzero(seen.camera == camera)
+                cost = np.linalg.norm(forecast[:, None] - seen.pose[None, rows, :2], axis=2)
+                cost *= np.where(self.known(seen, rows), FAMILIAR, 1.0)
+                for person, column in matched(cost, self.params.gate):
+                    groups[person].append(int(rows[column]))
+                    free.discard(int(rows[column]))
+        return groups, sorted(free)
+
+    def known(self, seen: Sightings, rows: Array) -> Array:
+        """Whether a camera's person was this one before: (people, rows)."""
+        names = [[(seen.names[i], int(seen.person[i])) for i in rows]] * len(self.people)
+        return np.array(
+            [
+                [p.members.get(name) == number for name, number in row]
+                for p, row in zip(self.people, names, strict=True)
+            ]
+        )
+
+    def grouped(self, seen: Sightings, free: list[int]) -> list[list[int]]:
+        """Rows of nobody, those of different cameras at one place together."""
+        groups: list[list[int]] = []
+        for row in sorted(free, key=lambda i: -seen.confidence[i]):
+            for group in groups:
+                apart = np.linalg.norm(seen.pose[row, :2] - seen.pose[group[0], :2])
+                if apart < self.params.gate and all(seen.camera[row] != seen.camera[i] for i in group):
+                    group.append(row)
+                    break
+            else:
+                groups.append([row])
+        return groups
+
+    def moved(self, person: Fused, seen: Sightings, rows: list[int], seconds: float, now: int) -> Fused:
+        """The person after a picture; carried on by its velocity where no camera saw it."""
+        forecast = person.pose.copy()
+        forecast[:2] += person.velocity * seconds
+        if not rows:
+            return replace(person, pose=forecast, velocity=person.velocity * np.exp(-seconds), confidence=0.0)
+        pose, sigma = blended(seen, rows, person.pose)
+        difference = pose[:2] - forecast[:2]
+        pose[:2] = forecast[:2] + PLACE_GAIN * difference
+        velocity = person.velocity + VELOCITY_GAIN * difference / max(seconds, 1e-3)
+        members = person.members | {seen.names[i]: int(seen.person[i]) for i in rows}
+        confidence = float(seen.confidence[rows].max())
+        return Fused(person.number, pose, sigma, velocity, confidence, now, person.hits + 1, members)
+
+    def begun(self, seen: Sightings, rows: list[int], now: int) -> Fused:
+        """Somebody whom no one knew, or one who was gone and whom a camera knows again."""
+        pose, sigma = blended(seen, rows, None)
+        members = {seen.names[i]: int(seen.person[i]) for i in rows}
+        confidence = float(seen.confidence[rows].max())
+        for old in self.gone:
+            if members.items() & old.members.items():
+                self.gone.remove(old)
+                return Fused(
+                    old.number, pose, sigma, np.zeros(2), confidence, now, old.hits, old.members | members
+                )
+        return Fused(0, pose, sigma, np.zeros(2), confidence, now, 1, members)
+
+    def forget(self, now: int) -> None:
+        """Give numbers to the confirmed; let go who was not seen for long."""
+        people = []
+        for person in self.people:
+            age = (now - person.seen) * NANOSECOND
+            if person.number == 0 and person.hits >= self.params.confirm:
+                self.numbers += 1
+                person = replace(person, number=self.numbers)
+            if age <= self.params.gone:
+                people.append(person)
+            elif person.number:
+                self.gone.append(person)
+        self.people = people
+        self.gone = [p for p in self.gone if (now - p.seen) * NANOSECOND <= self.params.keep]
+
+    def fused(self) -> Poses:
+        """Everybody who has a number."""
+        people = sorted((p for p in self.people if p.number), key=lambda p: p.number)
+        pose = np.array([p.pose for p in people]).reshape(-1, 6)
+        return Poses(
+            camera="",
+            person=np.array([p.number for p in people], np.int32),
+            state=np.array([TRACKED if p.seen == self.time else PREDICTED for p in people], np.uint8),
+            xy=pose[:, :2].copy(),
+            height=pose[:, 2].copy(),
+            heading=wrap(pose[:, 3]),
+            pan=pose[:, 4].copy(),
+            tilt=pose[:, 5].copy(),
+            sigma=np.array([p.sigma for p in people]).reshape(-1, 6),
+            confidence=np.array([p.confidence for p in people]),
+        )

@@ -1,0 +1,108 @@
+"""Poses of several cameras side by side, and how those of one person blend."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.geometry import wrap
+from followspot.people import Poses
+from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
+
+AGREE = np.radians(70)
+"""Headings within this angle of the best one are averaged; others are taken for mistakes."""
+PRIOR_CONFIDENCE = 0.15
+"""Confidence of the heading that the person had before, in the vote."""
+MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
+"""Least that a camera is believed to err: m, m, m, rad, rad, rad."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sightings:
+    """Rows of all cameras' poses. camera: (K,) number in the room; names: theirs, one a row; person: (K,)
+    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; confidence: (K,).
+    """
+
+    camera: Array
+    names: tuple[str, ...]
+    person: Array
+    pose: Array
+    sigma: Array
+    information: Array
+    confidence: Array
+
+
+def sightings_of(
+    poses: Sequence[Poses], cameras: Mapping[str, Camera], direction: float, distance: float
+) -> Sightings:
+    """Poses side by side, each place as uncertain as a camera is: little across its view, much along it.
+
+    direction: one sigma, rad; distance: one sigma, of the distance.
+    """
+    order = list(cameras)
+    pose = np.concatenate([_states(p) for p in poses])
+    eyes = np.concatenate([np.tile(cameras[p.camera].center[:2], (len(p.person), 1)) for p in poses])
+    return Sightings(
+        camera=np.concatenate([np.full(len(p.person), order.index(p.camera)) for p in poses]),
+        names=tuple(p.camera for p in poses for _ in p.person),
+        person=np.concatenate([p.person for p in poses]),
+        pose=pose,
+        sigma=np.concatenate([p.sigma for p in poses]),
+        information=information(pose[:, :2] - eyes, direction, distance),
+        confidence=np.concatenate([p.confidence for p in poses]),
+    )
+
+
+def _states(poses: Poses) -> Array:
+    return np.column_stack([poses.xy, poses.height, poses.heading, poses.pan, poses.tilt])
+
+
+def information(offset: Array, direction: float, distance: float) -> Array:
+    """Inverse covariance of places seen from a camera: (K, 2) m from it -> (K, 2, 2) 1/m^2."""
+    length = np.maximum(np.hypot(offset[:, 0], offset[:, 1]), 0.1)
+    along = offset / length[:, None]
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    weights = 1 / np.array([distance, direction])[:, None] ** 2 / length**2
+    return np.asarray(
+        weights[0, :, None, None] * along[:, :, None] * along[:, None, :]
+        + weights[1, :, None, None] * across[:, :, None] * across[:, None, :]
+    )
+
+
+def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array]:
+    """Pose and sigma, (6,) each, of one person from these rows; before: the last pose (6,), if there is one.
+
+    Places by their information, heights, pans and tilts by their variances, headings by a vote.
+    """
+    trust = seen.confidence[rows] + 1e-3
+    weight = trust[:, None] / np.maximum(seen.sigma[rows], MIN_SIGMA) ** 2
+    pose = (weight * seen.pose[rows]).sum(axis=0) / weight.sum(axis=0)
+    sigma = 1 / np.sqrt((weight / trust[:, None]).sum(axis=0))
+    precision = (trust[:, None, None] * seen.information[rows]).sum(axis=0)
+    moment = (trust[:, None] * np.einsum("kij,kj->ki", seen.information[rows], seen.pose[rows, :2])).sum(
+        axis=0
+    )
+    pose[[X, Y]] = np.linalg.solve(precision, moment)
+    sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
+    pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
+    for column in (PAN, TILT, HEIGHT):
+        own = weight[:, column] * (agreeing if column == PAN else 1.0)
+        pose[column] = own @ seen.pose[rows, column] / own.sum()
+    return pose, sigma
+
+
+def _heading(heading: Array, weight: Array, before: Array | None) -> tuple[float, Array]:
+    """The heading that most of the weight agrees on, and which rows agree with it (K,)."""
+    candidates, support = heading, weight / weight.sum()
+    if before is not None:
+        candidates = np.append(heading, before[HEADING])
+        support = np.append(support, PRIOR_CONFIDENCE)
+    near = np.exp(4 * (np.cos(candidates[:, None] - candidates) - 1))
+    best = heading[(near @ support)[: len(heading)].argmax()]
+    difference = wrap(heading - best)
+    agreeing = np.abs(difference) < AGREE
+    share = weight * agreeing
+    return float(wrap(best + share @ difference / share.sum())), agreeing.astype(float)
