@@ -1,0 +1,1 @@
+"""`followspot train`: makes the weights that detectors of people ship with."""

@@ -1,0 +1,109 @@
+"""What `followspot train hog` does: try on strangers, then learn from all, then tell."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import reduce
+from operator import add
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from followspot.errors import InputError, Mistake
+from followspot_persons.hog_model import HogModel, save
+from followspot_train import baseline, figures, recipe
+from followspot_train.pictures import Pictures, read_folder
+from followspot_train.recipe import Tell, Trial
+
+
+def train_hog(args: argparse.Namespace) -> int:
+    """Read, try, learn, write, print. Returns the exit code."""
+    tell = _told if sys.stderr.isatty() else _untold
+    pictures = reduce(add, [read_folder(folder) for folder in args.folders])
+    _check(pictures, args.out)
+    rng = np.random.default_rng(args.seed)
+    material = recipe.material(pictures, rng, tell)
+    trials = []
+    for number, split in enumerate(recipe.splits(pictures), start=1):
+        of_trial = _prefixed(tell, f"trial {number} of {recipe.FOLDS}: ")
+        model = recipe.learn(material, split, rng, of_trial)
+        trials.append(recipe.attempt(material, split, model))
+    model = recipe.learn(material, recipe.everything(pictures), rng, _prefixed(tell, "all: "))
+    save(calibrated(model, trials), args.out)
+    tell("comparing with OpenCV's detector of people")
+    report = {**told_figures(trials, pictures), "opencv": baseline.recall(pictures, figures.RATE)}
+    print(json.dumps(report) if args.json else text(report, args.out))
+    return 0
+
+
+def calibrated(model: HogModel, trials: Sequence[Trial]) -> HogModel:
+    """The model with 0 as its threshold, and as sure of headings as the trials allow."""
+    bias = model.output_bias.copy()
+    bias[0] -= figures.threshold(trials)
+    trust = np.array([figures.trust(trials, "torso"), figures.trust(trials, "head")])
+    return replace(model, output_bias=bias, trust=trust)
+
+
+def told_figures(trials: Sequence[Trial], pictures: Pictures) -> dict[str, Any]:
+    """All figures in JSON types."""
+    return {
+        "persons": len(pictures.persons),
+        "backgrounds": len(pictures.backgrounds),
+        "windows": sum(trial.searched for trial in trials),
+        "found": figures.recall(trials, pictures.persons, figures.RATE),
+        "found_at_threshold": figures.recall(trials, pictures.persons, figures.THRESHOLD_RATE),
+        "torso": figures.headings(trials, "torso"),
+        "head": figures.headings(trials, "head"),
+    }
+
+
+def text(report: dict[str, Any], out: Path) -> str:
+    """The figures for people."""
+    lines = [f"{report['persons']} persons, {report['backgrounds']} backgrounds; of strangers:"]
+    for name, title in (
+        ("found", "found at 1 false positive in 1,000 windows"),
+        ("found_at_threshold", "found at the threshold, 1 in 10,000"),
+        ("opencv", "OpenCV's detector, 1 in 1,000"),
+    ):
+        parts = [f"{kind} {100 * value['recall']:.1f} %" for kind, value in report[name].items()]
+        lines.append(f"  {title}: {', '.join(parts)}")
+    for part in ("torso", "head"):
+        numbers = report[part]
+        lines.append(
+            f"  direction of the {part}: median {numbers['median_deg']:.1f} degrees, within 22.5:"
+            f" {100 * numbers['within_22_5']:.0f} %, within 45: {100 * numbers['within_45']:.0f} %,"
+            f" flipped: {100 * numbers['flipped']:.1f} %"
+        )
+    return "\n".join([*lines, f"weights: {out}"])
+
+
+def _check(pictures: Pictures, out: Path) -> None:
+    """Raises InputError where there is too little to learn from, or nowhere to write."""
+    mistakes = []
+    bodies = {person.body for person in pictures.persons if person.body >= 0}
+    rooms = {background.place for background in pictures.backgrounds}
+    if len(bodies) < recipe.FOLDS or len(rooms) < 2:
+        found = f"{len(bodies)} numbered bodies, backgrounds of {len(rooms)} rooms"
+        remedy = f"at least {recipe.FOLDS} bodies and 2 rooms are needed, for some are held out"
+        mistakes.append(Mistake(None, f"too little to learn from: {found}", remedy))
+    if out.suffix != ".npz" or not out.parent.is_dir():
+        mistakes.append(Mistake(None, f"cannot write {out}", "name a file .npz in a folder that exists"))
+    if mistakes:
+        raise InputError(mistakes)
+
+
+def _prefixed(tell: Tell, prefix: str) -> Tell:
+    return lambda text: tell(prefix + text)
+
+
+def _told(text: str) -> None:
+    print(f"\r\x1b[K{text}", end="", file=sys.stderr, flush=True)
+
+
+def _untold(_: str) -> None:
+    """Without a terminal there is nobody to tell."""

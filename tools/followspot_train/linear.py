@@ -1,0 +1,106 @@
+"""The proposing detector: a linear classifier, taught with the backgrounds that deceive it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+
+from followspot import Array
+from followspot_persons.hog_window import HEIGHT, STRIDE, WIDTH, describe, descriptor
+from followspot_train import svm
+from followspot_train.pictures import Background
+from followspot_train.windows import anywhere
+
+COST = 0.003
+ROUNDS = 3
+"""Times that the backgrounds are searched for windows that deceive the detector of the round before."""
+FIRST = 6000
+"""Windows anywhere, to begin with."""
+HARD = 5000
+"""Most windows that one round adds."""
+EACH = 40
+"""Most of them from one background in one size."""
+PASSING = 0.97
+"""Share of the persons' windows that the detector must propose."""
+SIZES = (0.4, 2.2)
+"""Smallest and largest scale of a background."""
+STEP = 1.15
+
+
+class Seen(NamedTuple):
+    """A window of a background, and what the detector says of it."""
+
+    score: float
+    window: Array
+
+
+def train(
+    persons: Array, backgrounds: Sequence[Background], rng: np.random.Generator, tell: Callable[[str], None]
+) -> tuple[Array, list[Array]]:
+    """Weights (FEATURES + 1,), bias last, and the windows of backgrounds that they were taught with.
+
+    persons: (N, FEATURES); tell: called with progress.
+    """
+    windows = anywhere(backgrounds, FIRST, rng)
+    negatives = describe(np.stack(windows))
+    weights = _fitted(persons, negatives, rng)
+    for number in range(ROUNDS):
+        tell(f"searching backgrounds for what deceives, {number + 1} of {ROUNDS}")
+        seen = [s for picture in backgrounds for s in hardest(picture.pixels, weights, -0.5)]
+        seen.sort(key=lambda s: -s.score)
+        windows += [s.window for s in seen[:HARD]]
+        negatives = np.vstack([negatives, describe(np.stack([s.window for s in seen[:HARD]]))])
+        weights = _fitted(persons, negatives, rng)
+    weights[-1] -= np.quantile(persons @ weights[:-1] + weights[-1], 1 - PASSING)
+    return weights, windows
+
+
+def _fitted(persons: Array, negatives: Array, rng: np.random.Generator) -> Array:
+    X = np.vstack([persons, negatives])
+    X = np.hstack([X, np.ones((len(X), 1), np.float32)])
+    sign = np.repeat([1.0, -1.0], [len(persons), len(negatives)])
+    cost = np.repeat([COST * len(negatives) / len(persons), COST], [len(persons), len(negatives)])
+    return svm.fit(X, sign, cost, rng)
+
+
+def hardest(pixels: Array, weights: Array, above: float) -> list[Seen]:
+    """The best windows of each size."""
+    seen = []
+    for picture in sizes(pixels):
+        corners, scores = _detected(picture, weights, above)
+        for row in np.argsort(-scores)[:EACH]:
+            x, y = corners[row]
+            seen.append(Seen(float(scores[row]), picture[y : y + HEIGHT, x : x + WIDTH].copy()))
+    return seen
+
+
+def passing(pixels: Array, weights: Array) -> tuple[Array, int]:
+    """All windows that the detector proposes, (N, HEIGHT, WIDTH, 3) u8, and the number that it searched."""
+    windows, searched = [], 0
+    for picture in sizes(pixels):
+        height, width = picture.shape[:2]
+        searched += ((width - WIDTH) // STRIDE + 1) * ((height - HEIGHT) // STRIDE + 1)
+        corners, _ = _detected(picture, weights, 0.0)
+        windows += [picture[y : y + HEIGHT, x : x + WIDTH] for x, y in corners]
+    return np.reshape(windows, (-1, HEIGHT, WIDTH, 3)).astype(np.uint8), searched
+
+
+def sizes(pixels: Array, window: tuple[int, int] = (WIDTH, HEIGHT)) -> Iterator[Array]:
+    """The picture in all sizes that hold a window, largest first."""
+    height, width = pixels.shape[:2]
+    scale = SIZES[1]
+    while scale >= max(SIZES[0], window[1] / height, window[0] / width):
+        size = (int(width * scale), int(height * scale))
+        kind = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR
+        yield np.asarray(cv2.resize(pixels, size, interpolation=kind))
+        scale /= STEP
+
+
+def _detected(picture: Array, weights: Array, above: float) -> tuple[Array, Array]:
+    hog = descriptor()
+    hog.setSVMDetector(weights)
+    corners, scores = hog.detect(picture, above, (STRIDE, STRIDE), (0, 0))
+    return np.reshape(corners, (-1, 2)).astype(int), np.ravel(scores)

@@ -1,0 +1,121 @@
+"""The judging network: one hidden layer, taught with Adam (Kingma & Ba 2015), dropout and weight decay."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.hog_model import DIRECTIONS, OUTPUTS, HogModel
+
+UNITS = 64
+EPOCHS = 10
+BATCH = 128
+RATE = 1e-3
+DECAY = 1e-2
+"""Weight decay, over the learning rate."""
+DROPPED_INPUT, DROPPED_UNITS = 0.2, 0.4
+SHARPNESS = 6.0
+"""Concentration of the directions that are taught, so that neighbours of the true one count too."""
+ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+
+
+@dataclass(frozen=True, eq=False)
+class Lessons:
+    """Looks (N, LOOKS) f4 and what the network shall say of them."""
+
+    looks: Array
+    person: Array
+    """(N,) 1 or 0."""
+    torso: Array
+    """(N, DIRECTIONS) shares, all 0 where unknown."""
+    head: Array
+
+
+def directions(angle: Array) -> Array:
+    """Shares of directions around angles (N,), rad; all 0 where the angle is NaN: (N, DIRECTIONS) f4."""
+    share = np.exp(SHARPNESS * (np.cos(angle[:, None] - ANGLES) - 1))
+    share /= share.sum(axis=1, keepdims=True)
+    return np.nan_to_num(share).astype(np.float32)
+
+
+def train(
+    model: HogModel, lessons: Lessons, rng: np.random.Generator, tell: Callable[[str], None]
+) -> HogModel:
+    """The model with a network that knows the lessons."""
+    mean, spread = lessons.looks.mean(axis=0), lessons.looks.std(axis=0) + 1e-3
+    inputs = lessons.looks.shape[1]
+    weights = [
+        rng.normal(0, 1 / np.sqrt(inputs), (inputs, UNITS)).astype(np.float32),
+        np.zeros(UNITS, np.float32),
+        rng.normal(0, 0.5 / np.sqrt(UNITS), (UNITS, OUTPUTS)).astype(np.float32),
+        np.zeros(OUTPUTS, np.float32),
+    ]
+    adam = Adam(weights, EPOCHS * (len(lessons.looks) // BATCH))
+    for epoch in range(EPOCHS):
+        tell(f"teaching the network, {epoch + 1} of {EPOCHS}")
+        order = rng.permutation(len(lessons.looks))
+        for start in range(0, len(order) - BATCH + 1, BATCH):
+            rows = order[start : start + BATCH]
+            x = (lessons.looks[rows] - mean) / spread
+            taught = (lessons.person[rows], lessons.torso[rows], lessons.head[rows])
+            adam.step(gradients(weights, x, taught, rng))
+    first = weights[0] / spread[:, None]
+    return replace(
+        model,
+        hidden=first,
+        hidden_bias=weights[1] - mean @ first,
+        output=weights[2],
+        output_bias=weights[3],
+    )
+
+
+def gradients(
+    weights: list[Array], x: Array, taught: tuple[Array, Array, Array], rng: np.random.Generator
+) -> list[Array]:
+    """Of the mean cross entropy of person, torso and head, with parts of the inputs and units dropped."""
+    x = x * _kept(x.shape, DROPPED_INPUT, rng)
+    hidden = x @ weights[0] + weights[1]
+    mask = (hidden > 0) * _kept(hidden.shape, DROPPED_UNITS, rng)
+    active = hidden * mask
+    wrong = errors(active @ weights[2] + weights[3], *taught) / np.float32(len(x))
+    back = (wrong @ weights[2].T) * mask
+    return [x.T @ back, back.sum(axis=0), active.T @ wrong, wrong.sum(axis=0)]
+
+
+def errors(out: Array, person: Array, torso: Array, head: Array) -> Array:
+    """Derivative of the cross entropies by the outputs: what was said less what is true, (N, OUTPUTS)."""
+    wrong = np.empty_like(out)
+    wrong[:, 0] = 1 / (1 + np.exp(-out[:, 0])) - person
+    for first, true in ((1, torso), (1 + DIRECTIONS, head)):
+        part = slice(first, first + DIRECTIONS)
+        share = np.exp(out[:, part] - out[:, part].max(axis=1, keepdims=True))
+        share /= share.sum(axis=1, keepdims=True)
+        wrong[:, part] = share * true.sum(axis=1, keepdims=True) - true
+    return wrong
+
+
+def _kept(shape: tuple[int, ...], dropped: float, rng: np.random.Generator) -> Array:
+    return (rng.random(shape, np.float32) > dropped) / np.float32(1 - dropped)
+
+
+class Adam:
+    """Moves weights, in place, against their gradients; the rate falls to nothing at the last step."""
+
+    def __init__(self, weights: list[Array], steps: int) -> None:
+        self.weights, self.steps, self.done = weights, steps, 0
+        self.mean = [np.zeros_like(w) for w in weights]
+        self.square = [np.zeros_like(w) for w in weights]
+
+    def step(self, slopes: list[Array], fast: float = 0.9, slow: float = 0.99) -> None:
+        self.done += 1
+        rate = RATE * max(0.01, 1 - self.done / self.steps)
+        for w, slope, mean, square in zip(self.weights, slopes, self.mean, self.square, strict=True):
+            mean += (1 - fast) * (slope - mean)
+            square += (1 - slow) * (slope * slope - square)
+            size = np.sqrt(square / (1 - slow**self.done)) + 1e-6
+            w -= rate * (mean / (1 - fast**self.done) / size)
+            if w.ndim == 2:  # biases do not decay
+                w -= rate * DECAY * w

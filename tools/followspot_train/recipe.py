@@ -1,0 +1,145 @@
+"""How a model is made from pictures, and how it does on people and places that it never saw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.hog_cells import looks
+from followspot_persons.hog_model import DIRECTIONS, HogModel, Judgement, judge
+from followspot_train import linear, network
+from followspot_train.pictures import Pictures
+from followspot_train.windows import Windows, exact, found, missed
+
+VIEWS, MISSES = 14, 5
+"""Windows of each person that are learnt from: found and missed ones."""
+DECEIVING = 10_000
+"""Most windows of backgrounds that the network learns from, besides those that taught the linear detector."""
+FOLDS = 4
+UNKNOWN = np.array([[1.0, 0.0], [1.0, 0.0]])
+"""Trust in a network that was not tried on strangers: its own word."""
+
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Material:
+    """All windows of persons, described once for all folds."""
+
+    pictures: Pictures
+    found: Windows
+    missed: Windows
+    exact: Windows
+
+
+@dataclass(frozen=True)
+class Split:
+    """Which persons (by number) and backgrounds (by place) are learnt from, and which are held out."""
+
+    learnt: Array
+    held: Array
+    held_places: frozenset[str]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What a model that learnt from the rest says of what was held out."""
+
+    model: HogModel
+    person: Array
+    """(N,) numbers of the held-out persons."""
+    linear: Array
+    """(N,) score of the proposing detector for their exact windows, 0 at its threshold."""
+    judgement: Judgement
+    """Of the same windows."""
+    found: Judgement
+    """Of their windows as a search finds them, with the true directions below."""
+    torso: Array
+    head: Array
+    background: Array
+    """Scores of all windows of held-out backgrounds that were proposed."""
+    searched: int
+    """How many windows of backgrounds were searched."""
+
+
+def material(pictures: Pictures, rng: np.random.Generator, tell: Tell) -> Material:
+    """Cut and describe the windows of all persons."""
+    tell(f"describing {len(pictures.persons)} persons")
+    persons = pictures.persons
+    return Material(pictures, found(persons, VIEWS, rng), missed(persons, MISSES, rng), exact(persons))
+
+
+def splits(pictures: Pictures) -> Iterator[Split]:
+    """Each fold holds out every fourth body, and a room and a street: strangers in strange places."""
+    bodies = np.array([person.body for person in pictures.persons])
+    places = np.array([person.place for person in pictures.persons])
+    rooms = sorted(set(places[bodies >= 0]))
+    streets = sorted(set(places[bodies < 0]))
+    for fold in range(FOLDS):
+        held_bodies = sorted(set(bodies[bodies >= 0]))[fold::FOLDS]
+        held_places = [kind[fold % len(kind)] for kind in (rooms, streets) if kind]
+        known_body = (bodies < 0) | ~np.isin(bodies, held_bodies)
+        known_place = ~np.isin(places, held_places)
+        strange_body = (bodies < 0) | np.isin(bodies, held_bodies)
+        yield Split(
+            np.flatnonzero(known_body & known_place),
+            np.flatnonzero(strange_body & ~known_place),
+            frozenset(held_places),
+        )
+
+
+def learn(material: Material, split: Split, rng: np.random.Generator, tell: Tell) -> HogModel:
+    """A model from the persons and places of a split that are not held out."""
+    positive = material.found.where(np.isin(material.found.owner, split.learnt))
+    near = material.missed.where(np.isin(material.missed.owner, split.learnt))
+    backgrounds = [b for b in material.pictures.backgrounds if b.place not in split.held_places]
+    weights, windows = linear.train(positive.features, backgrounds, rng, tell)
+    tell("gathering what still passes")
+    passed = np.concatenate([linear.passing(b.pixels, weights)[0] for b in backgrounds])
+    chosen = rng.permutation(len(passed))[:DECEIVING]
+    nothing = looks(np.concatenate([passed[chosen], np.stack(windows)]))
+    lessons = _lessons(positive, np.concatenate([near.looks, nothing]))
+    none = np.zeros(0, np.float32)
+    model = HogModel(weights, none, none, none, none, UNKNOWN)
+    return network.train(model, lessons, rng, tell)
+
+
+def _lessons(positive: Windows, negative: Array) -> network.Lessons:
+    unknown = np.zeros((len(negative), DIRECTIONS), np.float32)
+    return network.Lessons(
+        np.concatenate([positive.looks, negative]),
+        np.repeat(np.array([1, 0], np.float32), [len(positive.looks), len(negative)]),
+        np.concatenate([network.directions(positive.torso), unknown]),
+        np.concatenate([network.directions(positive.head), unknown]),
+    )
+
+
+def attempt(material: Material, split: Split, model: HogModel) -> Trial:
+    """Try a model on what its split held out."""
+    pictures = material.pictures
+    alone = material.exact.where(split.held)
+    among = material.found.where(np.isin(material.found.owner, split.held))
+    scores, searched = [np.zeros(0)], 0
+    for background in (b for b in pictures.backgrounds if b.place in split.held_places):
+        windows, count = linear.passing(background.pixels, model.linear)
+        scores.append(judge(model, looks(windows)).score)
+        searched += count
+    return Trial(
+        model,
+        alone.owner,
+        alone.features @ model.linear[:-1] + model.linear[-1],
+        judge(model, alone.looks),
+        judge(model, among.looks),
+        among.torso,
+        among.head,
+        np.concatenate(scores),
+        searched,
+    )
+
+
+def everything(pictures: Pictures) -> Split:
+    """Nothing is held out."""
+    return Split(np.arange(len(pictures.persons)), np.zeros(0, int), frozenset())
