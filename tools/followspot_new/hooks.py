@@ -1,0 +1,63 @@
+"""Joins `followspot new plugin` and `followspot new stage` to the command line."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from followspot.plugins.hooks import Command, hookimpl
+
+PLUGIN = """make a package for stages of your own, with tests that are green
+
+  followspot new plugin studio              a folder followspot-studio, with one stage to change
+  cd followspot-studio
+  pip install -e '.[dev]'
+  pytest
+  followspot plugins studio.low
+"""
+
+STAGE = """add a stage to the plugin package in this folder: module, entry point, test
+
+  cd followspot-studio
+  followspot new stage shout                a stage studio.shout in followspot_studio/shout.py
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The commands `new plugin` and `new stage`."""
+    return [
+        Command("plugin", PLUGIN, _configure_plugin, _plugin, parent="new"),
+        Command("stage", STAGE, _configure_stage, _stage, parent="new"),
+    ]
+
+
+def _configure_plugin(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="one lower-case word; stages are called NAME.STAGE")
+    parser.add_argument(
+        "--dir", type=Path, default=Path(), metavar="DIR", help="where to make the folder; here unless told"
+    )
+
+
+def _configure_stage(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="lower-case words joined by _")
+    parser.add_argument(
+        "--dir", type=Path, default=Path(), metavar="DIR", help="folder of the package; this one unless told"
+    )
+
+
+def _plugin(args: argparse.Namespace) -> int:
+    from followspot_new.package import new_plugin
+
+    folder = new_plugin(args.name, args.dir)
+    print(f"{folder} is a plugin; next:\n\n  cd {folder}\n  pip install -e '.[dev]'\n  pytest")
+    return 0
+
+
+def _stage(args: argparse.Namespace) -> int:
+    from followspot_new.package import new_stage
+
+    module, stage = new_stage(args.name, args.dir)
+    print(f"{module} holds the stage {stage}; next:\n\n  pip install -e '.[dev]'\n  pytest")
+    return 0

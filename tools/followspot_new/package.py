@@ -1,0 +1,107 @@
+"""Files from templates: nothing that exists is ever overwritten."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from string import Template
+
+from followspot.errors import InputError, Mistake
+
+TEMPLATES = Path(__file__).parent / "templates"
+GROUP = '[project.entry-points."followspot.plugins.v1"]'
+_PLUGIN_NAME = re.compile(r"[a-z][a-z0-9]{0,39}")
+_STAGE_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
+_TAKEN = ("balls", "persons", "cameras", "sim", "sinks", "room")
+_FIRST = "low"
+
+PLUGIN_FILES: Mapping[str, str] = {
+    "pyproject.toml": "pyproject.toml",
+    "README.md": "README.md",
+    ".gitignore": "gitignore",
+    ".github/workflows/test.yml": "test.yml",
+    "followspot_$plugin/__init__.py": "init.py",
+    "followspot_$plugin/py.typed": "py.typed",
+    "graph.yaml": "graph.yaml",
+    "room.yaml": "room.yaml",
+}
+"""File of a new package -> its template."""
+STAGE_FILES: Mapping[str, str] = {
+    "followspot_$plugin/$stage.py": "stage.py",
+    "tests/test_$stage.py": "test_stage.py",
+}
+
+
+def new_plugin(name: str, where: Path) -> Path:
+    """Make the package `followspot-NAME` below a folder; return its folder. Raises InputError."""
+    if _PLUGIN_NAME.fullmatch(name) is None:
+        raise _wrong(f'"{name}" cannot be the name of a plugin', "one lower-case word, as in: studio")
+    if name in _TAKEN:
+        raise _wrong(f'a plugin "{name}" comes with followspot', f"take another, as in: my{name}")
+    folder = where / f"followspot-{name}"
+    if folder.exists():
+        raise _wrong(f"{folder} exists already", "choose another name or another --dir")
+    words = _words(name, _FIRST)
+    for target, template in {**PLUGIN_FILES, **STAGE_FILES}.items():
+        _write(folder / Template(target).substitute(words), template, words)
+    return folder
+
+
+def new_stage(name: str, package: Path) -> tuple[Path, str]:
+    """Add a stage to a package; return its module and its full name. Raises InputError."""
+    if _STAGE_NAME.fullmatch(name) is None:
+        raise _wrong(f'"{name}" cannot be the name of a stage', "lower-case words joined by _, as in: shout")
+    project = package / "pyproject.toml"
+    plugin = _plugin_of(project)
+    words = _words(plugin, name)
+    targets = {package / Template(target).substitute(words): t for target, t in STAGE_FILES.items()}
+    for target in targets:
+        if target.exists():
+            raise _wrong(f"{target} exists already", "choose another name")
+    text = project.read_text(encoding="utf-8")
+    line = f'"{plugin}.{name}" = "followspot_{plugin}.{name}:{words["class_name"]}"'
+    project.write_text(text.replace(f"{GROUP}\n", f"{GROUP}\n{line}\n", 1), encoding="utf-8")
+    for target, template in targets.items():
+        _write(target, template, words)
+    return package / f"followspot_{plugin}" / f"{name}.py", f"{plugin}.{name}"
+
+
+def _plugin_of(project: Path) -> str:
+    """Name of the plugin that a pyproject.toml describes. Raises InputError."""
+    try:
+        described = tomllib.loads(project.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        remedy = "go to the folder that `followspot new plugin` made, or name it with --dir"
+        raise _wrong(f"there is no {project}", remedy) from None
+    except (OSError, ValueError) as error:
+        raise _wrong(f"{project} cannot be read: {error}", "mend it first") from None
+    name = str(described.get("project", {}).get("name", ""))
+    plugin = name.removeprefix("followspot-")
+    if plugin == name or _PLUGIN_NAME.fullmatch(plugin) is None or GROUP not in project.read_text("utf-8"):
+        remedy = f"its name begins with followspot- and it has the table {GROUP}"
+        raise _wrong(f"{project} is not one that `followspot new plugin` made", remedy)
+    return plugin
+
+
+def _words(plugin: str, stage: str) -> dict[str, str]:
+    ours = version("followspot")
+    return {
+        "plugin": plugin,
+        "stage": stage,
+        "class_name": "".join(word.capitalize() for word in stage.split("_")),
+        "version": ours,
+        "next_version": f"{int(ours.split('.')[0]) + 1}",
+    }
+
+
+def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    text = (TEMPLATES / f"{template}.template").read_text(encoding="utf-8")
+    path.write_text(Template(text).substitute(words), encoding="utf-8")
+
+
+def _wrong(text: str, remedy: str) -> InputError:
+    return InputError([Mistake(None, text, remedy)])
