@@ -94,12 +94,15 @@ def test_type_that_is_not_known_is_no_calibration(tmp_path: Path) -> None:
         read_calibration(calibration(tmp_path, around={**PANORAMA, "type": "mirror"}))
 
 
-def test_one_camera_of_several_rooms_becomes_a_room_with_its_truth(recordings: Path) -> None:
+def test_one_camera_of_several_rooms_becomes_a_room_with_its_truth(
+    recordings: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     assert import_room(recordings, "around") == 0
     room = load(recordings / "room.yaml")
     assert list(room.cameras) == ["around"]
     assert room.truth is not None
     assert (room.truth.uses, room.truth.params["path"]) == ("cameras.pose_truth_csv", "around_gt.csv")
+    assert "next: followspot run GRAPH --room" in capsys.readouterr().out
 
 
 def test_truth_of_several_cameras_is_that_of_their_folder(recordings: Path) -> None:

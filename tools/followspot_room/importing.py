@@ -19,6 +19,8 @@ from followspot_room.format import Calibration
 from followspot_room.recorded_size import as_recorded, picture_size
 
 TRUTH = "truth.csv"
+POSES = "cameras.pose_truth_csv"
+"""The stage that reads true poses of persons, who need no templates."""
 
 
 def import_room(
@@ -97,7 +99,7 @@ def find_truth(videos: Path, cameras: Sequence[str]) -> tuple[str, Path] | None:
     files = [file for name in cameras if (file := videos / f"{name}{POSE_TRUTH}").is_file()]
     if not files:
         return None
-    return "cameras.pose_truth_csv", files[0] if len(files) == 1 else videos
+    return POSES, files[0] if len(files) == 1 else videos
 
 
 def room_of(
@@ -137,10 +139,13 @@ def _no_recording(camera: str, videos: Path) -> Mistake:
 def _summary(room: Room, ball_radius: float | None, output: Path) -> str:
     kinds = [camera.kind for camera in room.cameras.values()]
     radius = f" --radius {ball_radius:g}" if ball_radius else ""
+    following = f"followspot calibrate targets --room {output} --clips CLIPS{radius}"
+    if room.truth is not None and room.truth.uses == POSES:
+        following = f"followspot run GRAPH --room {output}"
     return (
         f"{output}: {kinds.count('color')} color and {kinds.count('infrared')} infrared cameras, "
         f"planes {', '.join(room.planes) or 'none'}, {'with' if room.truth else 'without'} truth\n"
-        f"next: followspot calibrate targets --room {output} --clips CLIPS{radius}"
+        f"next: {following}"
     )
 
 
