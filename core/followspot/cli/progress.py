@@ -16,10 +16,11 @@ _LINE_EVERY = 5.0
 class ProgressBar:
     """Shows frames done, the rate and the time left. Its `show` is what a run calls."""
 
-    def __init__(self, stream: TextIO = sys.stderr) -> None:
-        self.stream = stream
+    def __init__(self, stream: TextIO | None = None) -> None:
+        """stream: standard error as it is now, unless told."""
+        self.stream = stream or sys.stderr
         self.started = time.monotonic()
-        self.terminal = stream.isatty()
+        self.terminal = self.stream.isatty()
         self._next_line = self.started + _LINE_EVERY
         self._drawn = False
 
