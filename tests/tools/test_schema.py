@@ -1,0 +1,80 @@
+"""What an editor is told is what followspot accepts."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+
+from followspot.graph.declaration import ENVELOPE
+from followspot.plugins.registry import catalogue
+from followspot_schema.documents import document
+
+ROOT = Path(__file__).parent.parent.parent
+GRAPHS = sorted((ROOT / "graphs").glob("*.yaml"))
+ROOMS = sorted((ROOT / "graphs" / "rooms").glob("*.yaml"))
+PLACEMENTS = sorted((ROOT / "graphs" / "placements").glob("*.yaml"))
+
+
+@pytest.fixture(scope="module")
+def schemas() -> dict[str, dict[str, Any]]:
+    return {kind: document(kind) for kind in ("graph", "room", "placement")}
+
+
+@pytest.mark.parametrize("kind", ["graph", "room", "placement"])
+def test_it_is_a_schema(schemas: dict[str, dict[str, Any]], kind: str) -> None:
+    jsonschema.Draft202012Validator.check_schema(schemas[kind])
+
+
+@pytest.mark.parametrize(
+    ("kind", "file"),
+    [("graph", f) for f in GRAPHS] + [("room", f) for f in ROOMS] + [("placement", f) for f in PLACEMENTS],
+    ids=lambda value: getattr(value, "stem", value),
+)
+def test_every_ready_file_is_accepted(schemas: dict[str, dict[str, Any]], kind: str, file: Path) -> None:
+    jsonschema.validate(yaml.safe_load(file.read_text()), schemas[kind])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "stages: {fuse: {uses: balls.mean_shfit, in: {candidates: x}}}",
+        "stages: {fuse: {uses: balls.mean_shift}}",
+        "stages: {fuse: {uses: balls.mean_shift, in: {candidate: x}}}",
+        "stages: {color: {uses: balls.color_blobs, in: {frame: x}, with: {similarity: much}}}",
+        "stages: {color: {uses: balls.color_blobs, in: {frame: x}, with: {similarty: 0.5}}}",
+        "stages: {color: {uses: balls.color_blobs, in: {frame: x}, each: rooms}}",
+        "stages: {video: {uses: cameras.video}}",
+        "stages: {fuse: {uses: balls.mean, in: {candidates: {from: x, dely: 1}}}}",
+        "graph: empty",
+    ],
+)
+def test_a_mistake_in_a_graph_is_seen(schemas: dict[str, dict[str, Any]], text: str) -> None:
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.validate(yaml.safe_load(text), schemas["graph"])
+
+
+def test_a_variable_may_stand_for_any_parameter(schemas: dict[str, dict[str, Any]]) -> None:
+    text = (
+        "{vars: {s: 0.5}, stages: {c: {uses: balls.color_blobs, in: {frame: x}, with: {similarity: '${s}'}}}}"
+    )
+    jsonschema.validate(yaml.safe_load(text), schemas["graph"])
+
+
+def test_the_schema_knows_every_key_and_every_stage(schemas: dict[str, dict[str, Any]]) -> None:
+    stage = schemas["graph"]["$defs"]["stage"]
+    assert set(stage["properties"]) == set(ENVELOPE)
+    assert set(stage["properties"]["uses"]["anyOf"][0]["enum"]) >= set(catalogue())
+
+
+def test_the_command_writes_a_file(tmp_path: Path) -> None:
+    out = tmp_path / "graph.schema.json"
+    words = ("-m", "followspot.cli.main", "schema", "graph", "-o", str(out))
+    subprocess.run([sys.executable, *words], check=True)
+    assert json.loads(out.read_text())["title"] == "followspot graph"

@@ -1,0 +1,135 @@
+"""Graph files: the envelope of a stage, then its own parameters and ports by what it uses."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from followspot.plugins.registry import PluginError, load_stage, stage_names
+from followspot.ports import ports
+from followspot.stage import Stage
+from followspot_schema.parts import FREE, TEXT, Schema, form, named
+
+ROOM_SOURCE = "room.source"
+"""Stands for the source that the room declares for each camera; no plugin offers it."""
+REFERENCE: Schema = {"type": "string", "pattern": r"\$\{[^}]+\}", "description": "a variable of the graph"}
+
+
+def graph_schema() -> Schema:
+    """The schema of a graph file with all installed stages."""
+    offered = {name: stage for name in stage_names() if (stage := _loaded(name)) is not None}
+    one_or_more: Schema = {"anyOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
+    return form(
+        "stages and the edges between them",
+        {
+            "graph": {**TEXT, "description": "name of the graph"},
+            "room": {**TEXT, "description": "room file, relative to this one; --room swaps it"},
+            "include": {**one_or_more, "description": "graph files whose stages are taken in"},
+            "vars": {**FREE, "description": "values for ${NAME} in this graph"},
+            "seed": {"type": "integer", "minimum": 0, "description": "of all random numbers"},
+            "stages": named("name -> stage", {"$ref": "#/$defs/stage"}),
+        },
+        ["stages"],
+    ) | {"$defs": {"stage": _stage(offered), "feed": _feed(), **_models(offered)}}
+
+
+def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
+    """What every stage may say, and for each one that is installed what it takes."""
+    envelope = form(
+        "one step of work",
+        {
+            "uses": {
+                "anyOf": [{"enum": [ROOM_SOURCE, *offered]}, REFERENCE],
+                "description": "which stage; `followspot plugins` lists them",
+            },
+            "each": {
+                "type": "string",
+                "pattern": r"^\s*(cameras\s*(\[.*\])?|\$\{.+\})\s*$",
+                "description": 'one instance a camera: cameras, or "cameras[kind=color]"',
+            },
+            "in": {"type": "object", "description": "input port -> what feeds it"},
+            "with": {"type": "object", "description": "parameters"},
+            "on_error": {
+                "enum": ["fail", "skip", "restart"],
+                "description": "what follows an exception: the run ends, the message is left out and counted,"
+                " or the stage is built anew",
+            },
+            "tolerance": {"type": "number", "minimum": 0, "description": "of joining by capture time, s"},
+            "deadline": {"type": "number", "minimum": 0, "description": "longest wait of a live join, s"},
+        },
+        ["uses"],
+    )
+    return envelope | {"allOf": [_of(name, stage) for name, stage in offered.items()]}
+
+
+def _of(name: str, stage: type[Stage]) -> Schema:
+    found = ports(stage)
+    feeds = {p.name: {"$ref": "#/$defs/feed"} for p in found.inputs}
+    need = [p.name for p in found.inputs if p.required]
+    described = form(f"inputs of {name}", feeds, need)
+    says: Schema = {"properties": {"in": described, "with": _parameters(name, stage)}}
+    must = [
+        key for key, wanted in (("in", need), ("with", says["properties"]["with"].get("required"))) if wanted
+    ]
+    if must:
+        says["required"] = must
+    return {"if": {"properties": {"uses": {"const": name}}, "required": ["uses"]}, "then": says}
+
+
+def _parameters(name: str, stage: type[Stage]) -> Schema:
+    """The parameters, each with its unit; any of them may be a variable."""
+    model = _model(name, stage)
+    described = {key: _parameter(field) for key, field in model.get("properties", {}).items()}
+    return form(f"parameters of {name}", described, model.get("required", ()))
+
+
+def _models(offered: Mapping[str, type[Stage]]) -> Schema:
+    """Models within parameters, under names of their own."""
+    found: Schema = {}
+    for name, stage in offered.items():
+        inner = _model(name, stage).get("$defs", {})
+        found |= {f"{name}.{key}": value for key, value in inner.items()}
+    return found
+
+
+def _model(name: str, stage: type[Stage]) -> dict[str, Any]:
+    return stage.Params.model_json_schema(ref_template=f"#/$defs/{name}.{{model}}")
+
+
+def _parameter(field: Schema) -> Schema:
+    unit = field.get("unit")
+    text = field.get("description", "") + (f" ({unit})" if unit and unit != "1" else "")
+    rest = {
+        key: value for key, value in field.items() if key not in ("unit", "title", "description", "default")
+    }
+    found: Schema = {"anyOf": [rest, REFERENCE], "description": text}
+    return found | ({"default": field["default"]} if "default" in field else {})
+
+
+def _feed() -> Schema:
+    one = form(
+        "STAGE or STAGE.PORT, with options",
+        {
+            "from": {**TEXT, "description": "STAGE or STAGE.PORT"},
+            "delay": {
+                "anyOf": [{"type": "integer", "minimum": 0}, REFERENCE],
+                "description": "frames; for feedback",
+            },
+            "depth": {
+                "anyOf": [{"type": "integer", "minimum": 1}, REFERENCE],
+                "description": "longest queue",
+            },
+            "codec": {"enum": ["raw", "lossless", "jpeg"], "description": "of pictures between hosts"},
+        },
+        ["from"],
+    )
+    either: Schema = {"anyOf": [TEXT, one]}
+    return {"anyOf": [TEXT, one, {"type": "array", "items": either, "minItems": 1}]}
+
+
+def _loaded(name: str) -> type[Stage] | None:
+    """A stage that works here; of others the editor need not know."""
+    try:
+        return load_stage(name)
+    except PluginError:
+        return None

@@ -1,0 +1,65 @@
+"""Room files: cameras, planes, targets."""
+
+from __future__ import annotations
+
+from followspot.room_form import BINS
+from followspot_schema.parts import TEXT, Schema, form, matrix, named, numbers, stage_use
+
+POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
+
+
+def room_schema() -> Schema:
+    """The schema of a room file."""
+    return form(
+        "the calibrated place, in metres, z up",
+        {
+            "room": {**TEXT, "description": "name of the room"},
+            "cameras": named("name -> camera", _camera()),
+            "planes": named("name -> plane", numbers(4, "a b c d: a x + b y + c z + d = 0, unit normal, m")),
+            "targets": named("name -> target", _target()),
+            "truth": stage_use("source of the ground truth, where there is one"),
+        },
+    )
+
+
+def _camera() -> Schema:
+    return form(
+        "OpenCV convention: x_cam = R X + t, z forward",
+        {
+            "kind": {"enum": ["color", "infrared"]},
+            "size": {**numbers(2, "width and height, px"), "items": {"type": "integer", "minimum": 1}},
+            "model": {"enum": ["pinhole", "fisheye", "cylinder"], "default": "pinhole"},
+            "matrix": matrix("[[fx, 0, cx], [0, fy, cy], [0, 0, 1]], px"),
+            "distortion": {
+                "type": "array",
+                "items": {"type": "number"},
+                "maxItems": 5,
+                "description": "k1 k2 p1 p2 k3 of a pinhole, k1 k2 k3 k4 of a fisheye",
+            },
+            "rotation": matrix("R of x_cam = R X + t"),
+            "translation": numbers(3, "t of x_cam = R X + t, m"),
+            "source": stage_use("the stage that gives its pictures"),
+            "host": {"type": "string", "description": "the computer that it is connected to"},
+            "clock_offset": {
+                "type": "number",
+                "minimum": -1,
+                "maximum": 1,
+                "description": "how much later than its time stamps say it takes its pictures, s",
+            },
+        },
+        ["kind", "size", "matrix", "rotation", "translation"],
+    )
+
+
+def _target() -> Schema:
+    span = numbers(2, "smallest and largest")
+    return form(
+        "an object to track and its template",
+        {
+            "radius": {**POSITIVE, "description": "m"},
+            "hue_histogram": named("camera -> histogram", numbers(BINS, f"{BINS} bins")),
+            "area": named("camera -> smallest and largest area, px", span),
+            "gray": named("infrared camera -> lowest and highest grey level", span),
+        },
+        ["radius"],
+    )
