@@ -26,6 +26,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.agent import Agent, AgentOptions
     from followspot.transport.zenoh_network import AGENT
+    from followspot.transport.zenoh_session import log_refusals
 
     network = network_of(args, AGENT, ())
     options = AgentOptions(
@@ -35,6 +36,7 @@ def _run(args: argparse.Namespace) -> int:
         Path(args.runs),
         tuple(str(Path(file).absolute()) for file in args.plugin_files),
     )
+    log_refusals()
     agent = Agent(options, _tell)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: agent.stop())

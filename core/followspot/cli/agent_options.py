@@ -35,7 +35,10 @@ def add_network_options(parser: argparse.ArgumentParser, *, listens: bool = Fals
         help="an agent or a router to connect to; those that it knows are found through it; repeatable",
     )
     group.add_argument(
-        "--certificates", default="", metavar="DIR", help="folder with ca.pem, cert.pem and key.pem, for tls/"
+        "--certificates",
+        default="",
+        metavar="DIR",
+        help="folder of this host as followspot certs made it, for tls/",
     )
     group.add_argument(
         "--insecure", action="store_true", help="allow endpoints beyond this host without TLS: for tests"

@@ -16,12 +16,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.transport.zenoh_session import connected, locators
+    from followspot.transport.zenoh_session import connected, locators, log_refusals
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
+    log_refusals()
     session = connected(network, "router")
     try:
         where = ", ".join(locators(session, "router"))

@@ -72,6 +72,11 @@ class Agent:
             raise FollowspotError(
                 f"{options.name!r} cannot be the name of a host; use letters, digits, - _ ."
             )
+        own = options.network.own
+        if options.network.certificates and own.name != options.name:
+            raise FollowspotError(
+                f"the certificate is that of {own.name}; name this agent so, or use that of {options.name}"
+            )
         use_plugin_files(options.plugin_files)
         self.options = options
         self.tell = tell
@@ -91,7 +96,7 @@ class Agent:
         try:
             if self.options.name in agents(self.session, timeout=0.5):
                 raise FollowspotError(f"there is an agent {self.options.name} already")
-            answers = Answers(self.session, self.options.name, self._verbs(), self._bell.ring)
+            answers = Answers(self.session, self.options.name, self._verbs(), self._bell.ring, self.tell)
             try:
                 self._loop(answers)
             finally:

@@ -12,7 +12,7 @@ import zenoh
 
 from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
 from followspot.deploy.parcel import packed
-from followspot.deploy.requests import ask
+from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
@@ -29,11 +29,11 @@ class FarHost:
     media: folder on this host whose files the agent has below its own --media folder.
     """
 
-    def __init__(self, session: zenoh.Session, name: str, media: Path = Path(), run: str = "") -> None:
-        """run: that the host has a part in already, empty where it is to be prepared."""
+    def __init__(self, asker: Asker, name: str, media: Path = Path(), run: str = "") -> None:
+        """asker: speaks with the agent; run: that it has a part in already, empty before `prepare`."""
         self.name = name
         self.run = run
-        self._session = session
+        self._asker = asker
         self._media = media
         self._status = HostStatus((), ())
         self._heard = time.monotonic()
@@ -88,7 +88,7 @@ class FarHost:
         self._try("close")
 
     def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-        return ask(self._session, self.name, verb, timeout, **data)
+        return self._asker.ask(self.name, verb, timeout, **data)
 
     def _try(self, verb: str) -> None:
         try:

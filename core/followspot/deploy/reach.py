@@ -12,7 +12,7 @@ import zenoh
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import Host
 from followspot.deploy.host_run import HostRun
-from followspot.deploy.requests import agents
+from followspot.deploy.requests import Asker, agents
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.transport.zenoh_network import Network
@@ -42,7 +42,8 @@ def reached(plan: Plan, network: Network, media: Path) -> Iterator[Sequence[Host
     with operating(network) as session:
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
-        yield [FarHost(session, name, media) if name else HostRun("", network, hub) for name in names]
+        asker = Asker(session, network.own)
+        yield [FarHost(asker, name, media) if name else HostRun("", network, hub) for name in names]
 
 
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:

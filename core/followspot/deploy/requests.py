@@ -1,45 +1,54 @@
-"""Requests to agents over Zenoh: one key a verb, JSON both ways, an answer or the reason why not.
+"""Requests to agents over Zenoh: one key a verb and asker, JSON both ways, an answer or the reason why not.
 
-Keys: ``followspot/agent/NAME`` is the agent's liveliness token, ``followspot/agent/NAME/VERB`` what it
-answers. One key a verb lets access control tell those who may look from those who may start and stop.
+The keys stand in `followspot.transport.keys`, what is taken in `followspot.deploy.security.admission`.
 """
 
 from __future__ import annotations
 
 import json
+import threading
 from collections import deque
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import zenoh
 from zenoh.handlers import Callback
 
 from followspot.deploy.host import HostLost
+from followspot.deploy.security.admission import MAX_REQUEST, Admission, Asked, Refused, seal
 from followspot.errors import FollowspotError
+from followspot.transport.keys import agent_key, request_key
+from followspot.transport.zenoh_network import Own
 
-AGENTS = "followspot/agent"
-MAX_REQUEST = 16 << 20
-"""Longest request, bytes."""
 MAX_WAITING = 256
 """Most requests that wait for an answer; more are refused."""
+MAX_WAITING_BYTES = 4 * MAX_REQUEST
 
 
-def ask(session: zenoh.Session, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-    """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses."""
-    payload = json.dumps(data).encode()
-    for reply in session.get(f"{AGENTS}/{agent}/{verb}", payload=payload, timeout=timeout):
-        if reply.ok is None:
-            continue
-        answer = json.loads(reply.ok.payload.to_bytes())
-        if "refused" in answer:
-            raise FollowspotError(f"host {agent}: {answer['refused']}")
-        return answer["answer"]
-    raise HostLost(f"host {agent} does not answer")
+@dataclass(frozen=True)
+class Asker:
+    """Who asks agents: a session, and the role and name that it speaks under."""
+
+    session: zenoh.Session
+    own: Own
+
+    def ask(self, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
+        """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses."""
+        key = request_key(agent, verb, *self.own)
+        for reply in self.session.get(key, payload=seal(data), timeout=timeout):
+            if reply.ok is None:
+                continue
+            answer = json.loads(reply.ok.payload.to_bytes())
+            if "refused" in answer:
+                raise FollowspotError(f"host {agent}: {answer['refused']}")
+            return answer["answer"]
+        raise HostLost(f"host {agent} does not answer")
 
 
 def agents(session: zenoh.Session, timeout: float = 1.0) -> set[str]:
     """Names of the agents that are there."""
-    replies = session.liveliness().get(f"{AGENTS}/*", timeout=timeout)
+    replies = session.liveliness().get(agent_key("*"), timeout=timeout)
     return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok is not None}
 
 
@@ -47,7 +56,7 @@ class Answers:
     """The agent's side: requests wait until its one thread answers them.
 
     verbs: functions of a request's data that return JSON types, or raise FollowspotError to refuse;
-    ring: wakes the agent's thread, from another one.
+    ring: wakes the agent's thread, from another one; tell: gets a line for each refusal.
     """
 
     def __init__(
@@ -56,29 +65,41 @@ class Answers:
         agent: str,
         verbs: Mapping[str, Callable[..., Any]],
         ring: Callable[[], None],
+        tell: Callable[[str], None] = lambda line: None,
     ) -> None:
         self._verbs = verbs
         self._ring = ring
         self._waiting: deque[zenoh.Query] = deque()
-        self.refused = 0
-        """Requests that were refused."""
-        key = f"{AGENTS}/{agent}"
+        self._bytes = self._flooded = 0
+        self._lock = threading.Lock()
+        self.admission = Admission(verbs, tell)
         self._declared: list[Any] = [
-            session.declare_queryable(f"{key}/*", Callback(self._arrived, indirect=False)),
-            session.liveliness().declare_token(key),
+            session.declare_queryable(
+                request_key(agent, "*", "*", "*"), Callback(self._arrived, indirect=False)
+            ),
+            session.liveliness().declare_token(agent_key(agent)),
         ]
 
     def answer(self) -> None:
         """Answer all requests that wait."""
         while self._waiting:
             query = self._waiting.popleft()
-            verb = str(query.key_expr).rpartition("/")[2]
+            payload = b"" if query.payload is None else query.payload.to_bytes()
+            with self._lock:
+                self._bytes -= len(payload)
+            key = str(query.key_expr)
             try:
-                said = {"answer": self._verbs[verb](**_data(query))}
-            except (FollowspotError, ValueError, TypeError, KeyError, OSError) as error:
-                self.refused += 1
-                said = {"refused": str(error) or type(error).__name__}
+                said = {"answer": self._said(Asked.of(key), payload)}
+            except Refused as error:
+                self.admission.count(key, error)
+                said = {"refused": str(error)}
             _reply(query, said)
+        with self._lock:
+            flooded, self._flooded = self._flooded, 0
+        if flooded:
+            self.admission.count(
+                "?", Refused("flood", f"{flooded} requests at once were too many or too large")
+            )
 
     def close(self) -> None:
         """Answer nothing more."""
@@ -86,21 +107,22 @@ class Answers:
             declared.undeclare()
         self._waiting.clear()
 
+    def _said(self, asked: Asked, payload: bytes) -> Any:
+        data = self.admission.admit(asked, payload)
+        try:
+            return self._verbs[asked.verb](**data)
+        except (FollowspotError, ValueError, TypeError, KeyError, OSError, RecursionError) as error:
+            raise Refused("content", str(error) or type(error).__name__) from error
+
     def _arrived(self, query: zenoh.Query) -> None:
-        if len(self._waiting) < MAX_WAITING:
-            self._waiting.append(query)
+        size = 0 if query.payload is None else len(query.payload)
+        with self._lock:
+            if len(self._waiting) < MAX_WAITING and self._bytes + size <= MAX_WAITING_BYTES:
+                self._bytes += size
+                self._waiting.append(query)
+            else:
+                self._flooded += 1
         self._ring()
-
-
-def _data(query: zenoh.Query) -> dict[str, Any]:
-    """What the request says. Raises ValueError."""
-    payload = b"{}" if query.payload is None else query.payload.to_bytes()
-    if len(payload) > MAX_REQUEST:
-        raise ValueError(f"a request of {len(payload)} bytes, at most {MAX_REQUEST} allowed")
-    data = json.loads(payload)
-    if not isinstance(data, dict):
-        raise ValueError("a request is a JSON object")
-    return data
 
 
 def _reply(query: zenoh.Query, said: dict[str, Any]) -> None:

@@ -16,7 +16,7 @@ import pluggy
 
 GROUP = "followspot.hooks.v1"
 PROJECT = "followspot"
-RESERVED = ("run", "check", "graph", "plugins", "agent", "router", "attach", "swap", "set", "move")
+RESERVED = ("run", "check", "graph", "plugins", "agent", "router", "attach", "swap", "set", "move", "certs")
 """Commands of followspot itself."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)

@@ -5,13 +5,28 @@ from __future__ import annotations
 import ipaddress
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from followspot.transport.keys import OPERATOR
+from followspot.transport.roster import read_certificates
 
 LOOPBACK = ("tcp/127.0.0.1:0",)
 """Listen on a free port that no other host can reach."""
 AGENT = ("tcp/127.0.0.1:7450",)
 """Where an agent listens, and operators look for one, unless told otherwise."""
-_SECURE = ("tls/", "quic/", "unixsock-stream/")
+_SECURE = "tls/"
+
+
+class Own(NamedTuple):
+    """Role and name under which a session speaks."""
+
+    role: str
+    name: str
+
+
+UNPROVEN = Own(OPERATOR, "anyone")
+"""Without certificates everybody may do everything."""
 
 
 @dataclass(frozen=True)
@@ -19,7 +34,7 @@ class Network:
     """Where a session listens, whom it connects to, and what protects it.
 
     listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
-    certificates: folder with ``ca.pem``, ``cert.pem`` and ``key.pem``, empty for none;
+    certificates: folder as `followspot certs host` makes it, empty for none;
     insecure: whether the user accepts plain endpoints that other hosts reach.
     """
 
@@ -29,9 +44,22 @@ class Network:
     insecure: bool = False
 
     @property
+    def secured(self) -> tuple[str, ...]:
+        """Endpoints that TLS protects."""
+        return tuple(e for e in (*self.listen, *self.connect) if e.startswith(_SECURE))
+
+    @property
     def exposed(self) -> tuple[str, ...]:
         """Endpoints beyond this host that nothing protects."""
         return tuple(e for e in (*self.listen, *self.connect) if not e.startswith(_SECURE) and not _near(e))
+
+    @property
+    def own(self) -> Own:
+        """Who speaks: as certified, else nobody in particular. Raises FollowspotError."""
+        if not self.certificates:
+            return UNPROVEN
+        own = read_certificates(Path(self.certificates)).own
+        return Own(own.role, own.name)
 
     def for_worker(self, hub: Sequence[str]) -> Network:
         """The network of a worker: a free port where this one listens, connected to the hub's locators."""
@@ -45,6 +73,8 @@ def network_from_data(data: Mapping[str, Any]) -> Network:
 
 def _near(endpoint: str) -> bool:
     """Whether only this host reaches the endpoint; what is no address is not refused here, but by Zenoh."""
+    if endpoint.startswith("unixsock-stream/"):
+        return True
     host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")
     try:
         return ipaddress.ip_address(host).is_loopback

@@ -10,6 +10,8 @@ from typing import Any, Literal
 import zenoh
 
 from followspot.errors import FollowspotError
+from followspot.transport.access import access_control
+from followspot.transport.roster import read_certificates
 from followspot.transport.zenoh_network import LOOPBACK, Network
 
 Mode = Literal["peer", "router"]
@@ -28,12 +30,18 @@ _SETTINGS: dict[str, Any] = {
 def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
     """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
 
-    Raises FollowspotError where an endpoint is open to other hosts without certificates or consent.
+    Raises FollowspotError where an endpoint is open to other hosts without certificates or consent, or these
+    cannot be used.
     """
     if network.exposed and not network.insecure:
         raise FollowspotError(
             f"{network.exposed[0]} is open to other hosts without protection; "
             "use tls/ with certificates, or say --insecure"
+        )
+    if network.secured and not network.certificates:
+        raise FollowspotError(
+            f"{network.secured[0]} needs certificates; name their folder with --certificates "
+            "(followspot certs makes them)"
         )
     settings = {
         "mode": mode,
@@ -42,7 +50,9 @@ def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
         **_SETTINGS,
     }
     if network.certificates:
-        settings["transport/link/tls"] = _tls(Path(network.certificates))
+        certificates = read_certificates(Path(network.certificates))
+        settings["transport/link/tls"] = _tls(certificates.folder)
+        settings["access_control"] = access_control(certificates.members)
     config = zenoh.Config()
     for key, value in settings.items():
         config.insert_json5(key, json.dumps(value))
@@ -85,4 +95,10 @@ def _tls(folder: Path) -> dict[str, Any]:
         "connect_certificate": certificate,
         "connect_private_key": key,
         "enable_mtls": True,
+        "close_link_on_expiration": True,
     }
+
+
+def log_refusals() -> None:
+    """Let Zenoh say on standard output which connections it refuses, and why; RUST_LOG overrides that."""
+    zenoh.init_log_from_env_or("error,zenoh_link_tls=warn")

@@ -1,0 +1,157 @@
+"""`followspot certs`: a small authority, and the certificates of hosts that may speak with each other."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+
+from followspot.errors import FollowspotError
+from followspot.plugins.hooks import Command
+
+_ROLES = ("camera", "worker", "operator", "router")
+
+
+def _configure_dir(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--dir", default="certs", metavar="DIR", help="folder of the authority (default: certs)"
+    )
+
+
+def _configure_host(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="of the host, as rooms and placements know it")
+    parser.add_argument("--role", choices=_ROLES, help="what it may do (default: camera)")
+    parser.add_argument(
+        "--address",
+        action="append",
+        default=[],
+        metavar="IP_OR_NAME",
+        help="where others connect to it; repeatable; its name and loopback are included",
+    )
+    parser.add_argument(
+        "--days", type=_days, default=825, metavar="N", help="days of validity (default: 825)"
+    )
+    parser.add_argument("--renew", action="store_true", help="replace the certificate of a host that has one")
+    _configure_dir(parser)
+
+
+def _configure_remove(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("name", metavar="NAME", help="of the host")
+    _configure_dir(parser)
+
+
+def _configure_show(parser: argparse.ArgumentParser) -> None:
+    _configure_dir(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+
+
+def _init(args: argparse.Namespace) -> int:
+    from followspot.deploy.security.authority import AUTHORITY, create_authority
+
+    authority = create_authority(Path(args.dir))
+    print(f"authority in {args.dir}, until {authority.expires:%Y-%m-%d}")
+    print(f"keep {Path(args.dir) / AUTHORITY} on this machine: who has its key can let anybody in")
+    print(f"next: followspot certs host NAME --role operator --dir {args.dir}")
+    return 0
+
+
+def _host(args: argparse.Namespace) -> int:
+    from followspot.deploy.security.authority import Authority
+
+    authority = Authority(Path(args.dir))
+    known = {member.name: member for member in authority.members}
+    role = args.role or (known[args.name].role if args.name in known else "camera")
+    folder = authority.add(args.name, role, args.address, args.days, renew=args.renew)
+    print(f"{args.name} ({role}): copy {folder} to that host, and name it there with --certificates")
+    _tell_others(folder.parent, [name for name in known if name != args.name])
+    return 0
+
+
+def _remove(args: argparse.Namespace) -> int:
+    from followspot.deploy.security.authority import Authority
+
+    authority = Authority(Path(args.dir))
+    authority.remove(args.name)
+    print(f"{args.name} is removed; it is refused wherever the new list is")
+    _tell_others(Path(args.dir), [member.name for member in authority.members])
+    return 0
+
+
+def _tell_others(folder: Path, names: list[str]) -> None:
+    if names:
+        files = ", ".join(str(folder / name / "hosts.json") for name in sorted(names))
+        print(f"the list of hosts has changed; copy it again, and restart agents and routers: {files}")
+
+
+def _show(args: argparse.Namespace) -> int:
+    from followspot.transport.roster import ROSTER, read_roster
+
+    path = Path(args.dir) / ROSTER
+    if not path.is_file():
+        raise FollowspotError(f"there is no authority in {args.dir}; followspot certs init --dir {args.dir}")
+    own, members = read_roster(path)
+    if args.json:
+        hosts = [{"name": m.name, "role": m.role, "expires": m.expires.isoformat()} for m in members]
+        print(json.dumps({"own": own, "hosts": hosts}))
+        return 0
+    now = datetime.now(UTC)
+    for member in sorted(members, key=lambda member: member.name):
+        days = (member.expires - now).days
+        left = f"{days} days left" if days >= 0 else "EXPIRED"
+        print(f"{member.name:<24} {member.role:<9} until {member.expires:%Y-%m-%d}  {left}")
+    return 0
+
+
+def _days(text: str) -> int:
+    days = int(text)
+    if not 1 <= days <= 3650:
+        raise argparse.ArgumentTypeError("from 1 to 3650 days")
+    return days
+
+
+INIT = Command(
+    "init",
+    """make an authority, which decides who may join
+
+  followspot certs init --dir certs
+""",
+    _configure_dir,
+    _init,
+    parent="certs",
+)
+HOST = Command(
+    "host",
+    """make the certificate of a host, in a folder to copy there
+
+  followspot certs host operator --role operator
+  followspot certs host pc-left --role camera --address 192.168.0.7
+
+camera, worker: runs an agent and sends what its own stages send; operator: also starts, changes and stops
+runs; router: passes on what others send.
+""",
+    _configure_host,
+    _host,
+    parent="certs",
+)
+REMOVE = Command(
+    "remove",
+    """let a host in no more
+
+  followspot certs remove pc-left
+""",
+    _configure_remove,
+    _remove,
+    parent="certs",
+)
+SHOW = Command(
+    "show",
+    """list hosts, roles, and how long their certificates are valid; also in a host's own folder
+
+  followspot certs show --dir certs
+""",
+    _configure_show,
+    _show,
+    parent="certs",
+)
+COMMANDS = (INIT, HOST, REMOVE, SHOW)

@@ -1,0 +1,358 @@
+"""Who gets in and what they may do: real sessions over TLS on loopback, real certificates."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from followspot.deploy.requests import Answers, Asker
+from followspot.deploy.security.admission import seal
+from followspot.deploy.security.authority import create_authority
+from followspot.errors import FollowspotError
+from followspot.transport.keys import agent_key, port_key, request_key
+from followspot.transport.zenoh_network import Network, Own
+from followspot.transport.zenoh_session import config_of, connected
+
+HOSTS = {"desk": "operator", "pc-left": "camera", "pc-right": "camera", "hub": "router"}
+
+
+@pytest.fixture(scope="module")
+def certs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("certs") / "ours"
+    authority = create_authority(folder)
+    for name, role in HOSTS.items():
+        authority.add(name, role)  # type: ignore[arg-type]
+    authority.add("gone", "operator")
+    lost = (folder / "gone").rename(folder.parent / "gone")
+    authority.remove("gone")
+    assert lost.exists()
+    foreign = create_authority(folder.parent / "foreign")
+    for name, role in HOSTS.items():
+        foreign.add(name, role)  # type: ignore[arg-type]
+    return folder
+
+
+def free_port() -> int:
+    with socket.socket() as sock:
+        sock.bind(("127.0.0.1", 0))
+        return int(sock.getsockname()[1])
+
+
+@contextmanager
+def session(
+    folder: Path, *, listen: str = "", connect: str = "", mode: str = "peer"
+) -> Iterator[zenoh.Session]:
+    network = Network((listen,) if listen else (), (connect,) if connect else (), str(folder))
+    opened = connected(network, mode)  # type: ignore[arg-type]
+    try:
+        yield opened
+    finally:
+        opened.close()  # type: ignore[no-untyped-call]
+
+
+def wait_for(condition: Callable[[], bool], seconds: float = 15.0) -> bool:
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+def met(session: zenoh.Session) -> bool:
+    return wait_for(lambda: bool(session.info.links()))
+
+
+class Agent:
+    """An agent's ears: what it is asked, what it refuses, and what arrives on the ports it reads."""
+
+    def __init__(self, session: zenoh.Session, name: str) -> None:
+        self.stopped: list[str] = []
+        self.heard: list[str] = []
+        self.lines: list[str] = []
+        self.session = session
+        verbs = {"stop": lambda run: self.stopped.append(run)}
+        self.answers = Answers(session, name, verbs, lambda: None, self.lines.append)
+        session.declare_subscriber("followspot/**", lambda sample: self.heard.append(str(sample.key_expr)))
+
+    def ask(self, by: zenoh.Session, key: str) -> list[dict[str, object]]:
+        """The answers to a request under this key, from whoever answers."""
+        handler = by.get(key, payload=seal({"run": "r"}), timeout=2.0)
+        replies: list[dict[str, object]] = []
+        for _ in range(100):
+            self.answers.answer()
+            try:
+                while (reply := handler.try_recv()) is not None:
+                    if reply.ok is not None:
+                        replies.append(json.loads(reply.ok.payload.to_bytes()))
+            except zenoh.ZError:  # all replies are here
+                break
+            time.sleep(0.03)
+        return replies
+
+
+@pytest.fixture(scope="module")
+def endpoint() -> str:
+    return f"tls/127.0.0.1:{free_port()}"
+
+
+@pytest.fixture(scope="module")
+def agent(certs: Path, endpoint: str) -> Iterator[Agent]:
+    with session(certs / "pc-right", listen=endpoint) as opened:
+        agent = Agent(opened, "pc-right")
+        yield agent
+        agent.answers.close()
+
+
+def test_an_operator_is_heard(certs: Path, agent: Agent, endpoint: str) -> None:
+    with session(certs / "desk", connect=endpoint) as desk:
+        assert met(desk)
+        assert agent.ask(desk, request_key("pc-right", "stop", "operator", "desk")) == [{"answer": None}]
+    assert agent.stopped.pop() == "r"
+
+
+def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, endpoint: str) -> None:
+    key = request_key("pc-right", "stop", "operator", "desk")
+    with session(certs / "desk", connect=endpoint) as desk:
+        assert met(desk)
+        assert agent.ask(desk, key)
+        once = seal({"run": "again"})
+        for _ in range(2):
+            handler = desk.get(key, payload=once, timeout=2.0)
+            assert wait_for(lambda: bool(agent.answers._waiting))
+            agent.answers.answer()
+            list(handler)
+    assert agent.stopped.count("again") == 1
+    assert agent.answers.admission.refused["replayed"] == 1
+    agent.stopped.clear()
+
+
+def test_a_cameras_certificate_cannot_stop_a_run_and_its_attempt_is_logged(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        answers = agent.ask(camera, request_key("pc-right", "stop", "camera", "pc-left"))
+        assert answers == [{"refused": "camera pc-left may not stop; operators may"}]
+    assert agent.answers.admission.refused["role"] == 1
+    assert any("pc-left" in line and "refused (role" in line for line in agent.lines)
+    assert agent.stopped == []
+
+
+@pytest.mark.parametrize(
+    "asked_as",
+    [("operator", "desk"), ("operator", "pc-left"), ("camera", "pc-right"), ("*", "*"), ("operator", "*")],
+)
+def test_a_camera_cannot_ask_as_somebody_else(
+    certs: Path, agent: Agent, endpoint: str, asked_as: tuple[str, str]
+) -> None:
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        assert agent.ask(camera, request_key("pc-right", "stop", *asked_as)) == []
+    assert agent.stopped == []
+
+
+def test_a_camera_host_sends_on_its_own_ports_only(certs: Path, agent: Agent, endpoint: str) -> None:
+    own = port_key("run", "pc-left", "camera/cam0", "out")
+    foreign = [
+        port_key("run", "pc-right", "camera/cam3", "out"),
+        port_key("run", "", "track", "out"),
+        port_key("run", "pc-right", "credit", "out"),
+        port_key("run", "pc-right", "camera/credit", "out"),
+        agent_key("pc-right"),
+        "elsewhere",
+    ]
+    agent.heard.clear()
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        for key in [*foreign, own]:
+            camera.put(key, b"x")
+        assert wait_for(lambda: own in agent.heard)
+    assert agent.heard == [own]
+
+
+def test_a_reader_anywhere_may_report_credit_to_a_writer(certs: Path, agent: Agent, endpoint: str) -> None:
+    key = port_key("run", "pc-right", "camera/cam3", "out") + "/credit/5"
+    agent.heard.clear()
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        camera.put(key, b"x")
+        assert wait_for(lambda: key in agent.heard)
+
+
+def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, endpoint: str) -> None:
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        tokens = [camera.liveliness().declare_token(agent_key(name)) for name in ("desk", "pc-left")]
+        seen: set[str] = set()
+
+        def look() -> bool:
+            replies = agent.session.liveliness().get(agent_key("*"), timeout=1.0)
+            seen.update(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+            return agent_key("pc-left") in seen
+
+        assert wait_for(look)
+        assert agent_key("desk") not in seen
+        camera.declare_queryable("followspot/agent/desk/**", lambda query: query.reply(query.key_expr, b"{}"))
+        camera.declare_queryable(
+            "followspot/agent/pc-left/**", lambda query: query.reply(query.key_expr, b"{}")
+        )
+        asker = Asker(agent.session, Own("camera", "pc-right"))
+
+        def answers(name: str) -> bool:
+            replies = agent.session.get(request_key(name, "x", "camera", "pc-right"), timeout=1.0)
+            return any(reply.ok is not None for reply in replies)
+
+        assert wait_for(lambda: answers("pc-left"))
+        assert not answers("desk")
+        with pytest.raises(FollowspotError, match="does not answer"):
+            asker.ask("desk", "x", timeout=1.0)
+        for token in tokens:
+            token.undeclare()  # type: ignore[no-untyped-call]
+
+
+def test_a_host_that_was_removed_connects_and_is_heard_by_nobody(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    agent.heard.clear()
+    with session(certs.parent / "gone", connect=endpoint) as gone:
+        assert met(gone)
+        gone.put(port_key("run", "gone", "camera", "out"), b"x")
+        gone.put(port_key("run", "", "camera", "out"), b"x")
+        assert agent.ask(gone, request_key("pc-right", "stop", "operator", "gone")) == []
+        with session(certs / "desk", connect=endpoint) as desk:
+            assert met(desk)
+            desk.put(port_key("run", "", "camera", "out"), b"y")
+            assert wait_for(lambda: bool(agent.heard))
+    assert len(agent.heard) == 1
+    assert agent.stopped == []
+
+
+def test_a_router_passes_on_what_it_has_checked(certs: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    own, foreign = port_key("run", "pc-left", "a", "out"), port_key("run", "pc-right", "a", "out")
+    heard: list[str] = []
+    with (
+        session(certs / "hub", listen=endpoint, mode="router"),
+        session(certs / "desk", connect=endpoint, mode="client") as desk,
+        session(certs / "pc-left", connect=endpoint, mode="client") as camera,
+    ):
+        subscriber = desk.declare_subscriber(
+            "followspot/**", lambda sample: heard.append(str(sample.key_expr))
+        )
+        assert met(desk)
+        assert met(camera)
+
+        def sent() -> bool:
+            camera.put(foreign, b"x")
+            camera.put(own, b"x")
+            return own in heard
+
+        assert wait_for(sent)
+        subscriber.undeclare()  # type: ignore[no-untyped-call]
+    assert set(heard) == {own}
+
+
+KNOCK = """
+import json, sys, zenoh
+settings = json.loads(sys.argv[1])
+config = zenoh.Config()
+for key, value in settings.items():
+    config.insert_json5(key, json.dumps(value))
+try:
+    session = zenoh.open(config)
+except zenoh.ZError:
+    print("refused")
+else:
+    print("links", len(session.info.links()))
+    session.close()
+"""
+
+LISTEN = """
+import sys, zenoh
+from followspot.transport.zenoh_network import Network
+from followspot.transport.zenoh_session import connected, log_refusals
+log_refusals()
+session = connected(Network((sys.argv[1],), (), sys.argv[2]))
+print("listening", flush=True)
+sys.stdin.read()
+session.close()
+"""
+
+
+@pytest.fixture
+def knocked(certs: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    words = [sys.executable, "-c", LISTEN, endpoint, str(certs / "pc-right")]
+    process = subprocess.Popen(
+        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "listening\n"
+    yield endpoint, process
+    process.kill()
+    process.wait()
+
+
+@pytest.mark.parametrize(
+    ("stranger", "said"),
+    [
+        ("without a certificate", "peer sent no certificates"),
+        ("of a foreign authority", "invalid peer certificate"),
+        ("without TLS", "InvalidContentType"),
+    ],
+)
+def test_a_stranger_does_not_get_in_and_the_attempt_is_logged(
+    certs: Path, knocked: tuple[str, subprocess.Popen[str]], stranger: str, said: str
+) -> None:
+    endpoint, process = knocked
+    foreign = certs.parent / "foreign" / "desk"
+    tls: dict[str, object] = {"root_ca_certificate": str(certs / "desk" / "ca.pem")}
+    if stranger == "of a foreign authority":
+        tls |= {
+            "enable_mtls": True,
+            "connect_certificate": str(foreign / "cert.pem"),
+            "connect_private_key": str(foreign / "key.pem"),
+        }
+    settings = {
+        "mode": "client",
+        "connect/endpoints": [endpoint.replace("tls/", "tcp/") if stranger == "without TLS" else endpoint],
+        "connect/timeout_ms": 1500,
+        "transport/link/tls": tls,
+    }
+    knock = subprocess.run(
+        [sys.executable, "-c", KNOCK, json.dumps(settings)], capture_output=True, text=True, check=True
+    )
+    assert knock.stdout.strip() in ("refused", "links 0")
+    log, _ = process.communicate("", timeout=30)
+    assert said in log
+
+
+def test_nothing_but_loopback_is_opened_without_certificates_or_consent() -> None:
+    for endpoint in (
+        "tcp/0.0.0.0:7450",
+        "tcp/192.168.0.7:7450",
+        "udp/[fd00::1]:7450",
+        "tcp/host:1",
+        "quic/1.2.3.4:5",
+    ):
+        with pytest.raises(FollowspotError, match="open to other hosts without protection"):
+            config_of(Network((endpoint,)))
+        with pytest.raises(FollowspotError, match="open to other hosts without protection"):
+            config_of(Network(connect=(endpoint,)))
+        config_of(Network((endpoint,), insecure=True))
+    for endpoint in ("tcp/127.0.0.1:0", "tcp/[::1]:0", "tcp/localhost:7450"):
+        config_of(Network((endpoint,)))
+
+
+def test_tls_without_certificates_is_refused_with_the_option_to_give(certs: Path) -> None:
+    with pytest.raises(FollowspotError, match="--certificates"):
+        config_of(Network(("tls/127.0.0.1:7450",)))
+    config_of(Network(("tls/127.0.0.1:7450",), certificates=str(certs / "desk")))
