@@ -1,4 +1,4 @@
-"""Joins `followspot room import`, `room export` and `room guess` to the command line."""
+"""Joins the commands of `followspot room` to the command line."""
 
 from __future__ import annotations
 
@@ -41,13 +41,23 @@ upright. Good enough to follow people and to tell near from far; calibrate for p
 """
 
 
+RECTIFY = """Replace tilted, distorted cameras by upright ones; their videos are turned as they play.
+
+People stand upright in such pictures, as detectors expect, and lines are straight; --scale 0.5 makes large
+videos quicker to search. Places in the room stay the same.
+
+  followspot room rectify room.yaml --scale 0.5 -o upright.yaml
+"""
+
+
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands `room import`, `room export` and `room guess`."""
+    """The commands `room import`, `room export`, `room guess` and `room rectify`."""
     return [
         Command("import", IMPORT, configure_import, run_import, parent="room"),
         Command("export", EXPORT, configure_export, run_export, parent="room"),
         Command("guess", GUESS, configure_guess, run_guess, parent="room"),
+        Command("rectify", RECTIFY, configure_rectify, run_rectify, parent="room"),
     ]
 
 
@@ -121,3 +131,22 @@ def run_guess(args: argparse.Namespace) -> int:
         text = f"--field {args.field:g} or --person {args.person:g} is out of range"
         raise InputError([Mistake(None, text, "a field is 5 to 150 degrees, a person 0.5 to 2.5 m")])
     return guess_room(args.video, args.output, radians(args.field), args.person, as_json=args.json)
+
+
+def configure_rectify(parser: argparse.ArgumentParser) -> None:
+    """Arguments of `room rectify`."""
+    add = parser.add_argument
+    add("room", type=Path, metavar="ROOM.yaml", help="room with videos")
+    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
+    add("--scale", type=float, default=1.0, metavar="S", help="of the pictures, 0.05 to 1 (default: 1)")
+    add("--json", action="store_true", help="print one JSON object that says what was changed")
+
+
+def run_rectify(args: argparse.Namespace) -> int:
+    """Read, turn, write, report."""
+    from followspot.errors import InputError, Mistake
+    from followspot_room.rectifying import rectify_room
+
+    if not 0.05 <= args.scale <= 1.0:
+        raise InputError([Mistake(None, f"--scale {args.scale:g} is out of range", "give 0.05 to 1")])
+    return rectify_room(args.room, args.output, args.scale, as_json=args.json)

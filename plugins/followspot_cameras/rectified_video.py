@@ -1,0 +1,101 @@
+"""A recorded video as another camera at the same place would have taken it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from followspot import Array, Camera, Context, Field, Source, Stage, StageParams, at
+from followspot.geometry import project, ray
+from followspot.tracking import Frame
+from followspot_cameras.video import Video
+
+Row = tuple[float, float, float]
+
+
+class Lens(StageParams):
+    """The camera that took the video, as in a room file."""
+
+    model: Literal["pinhole", "fisheye"] = Field("pinhole", description="camera model")
+    size: tuple[int, int] = Field(description="width and height of the video", unit="px")
+    matrix: tuple[Row, Row, Row] = Field(description="camera matrix K", unit="px")
+    distortion: tuple[float, ...] = Field(description="k1 k2 p1 p2 k3, of a fisheye k1 k2 k3 k4", unit="1")
+    rotation: tuple[Row, Row, Row] = Field(description="from the room to the camera that took it", unit="1")
+
+
+class RectifiedVideo(Stage):
+    """Play a video turned upright, without distortion, smaller: as the room's camera would have taken it.
+
+    The room's camera and the one that took the video stand at the same place, so that no depth is needed.
+    What the video does not show repeats the colours at its edge.
+    """
+
+    per_camera = True
+
+    class Params(Video.Params):
+        lens: Lens = Field(description="the camera that took the video")
+
+    params: Params
+
+    def setup(self) -> None:
+        """Open the file and prepare the mapping. Raises InputError as `cameras.video`."""
+        taken = taken_by(self.camera, self.params.lens)
+        context = Context(self.context.name, self.room, taken, seed=self.context.seed, warn=self.context.warn)
+        self._video = Video(context, **self.params.model_dump(exclude={"lens"}))
+        self._video.setup()
+        self._maps = rectification(self.camera, taken)
+
+    def length(self) -> int | None:
+        """Frames that will come, where the file tells."""
+        return self._video.length()
+
+    def process(self) -> Source[Frame]:
+        """The video's frames, each with its time and number."""
+        width, height = self.camera.size
+        for frame in self._video.process():
+            channels = frame.pixels.shape[2]
+            pixels = self.context.loan((height, width, channels), "u1")
+            cv2.remap(
+                frame.pixels,
+                *self._maps,
+                cv2.INTER_LINEAR,
+                dst=pixels,
+                borderMode=cv2.BORDER_REPLICATE,
+            )
+            yield at(frame.header.time, Frame(camera=self.camera.name, pixels=pixels), seq=frame.header.seq)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._video.close()
+
+
+def taken_by(camera: Camera, lens: Lens) -> Camera:
+    """The camera that took a video, at the place of the room's camera."""
+    rotation = np.array(lens.rotation)
+    return replace(
+        camera,
+        model=lens.model,
+        size=lens.size,
+        matrix=np.array(lens.matrix),
+        distortion=np.array(lens.distortion),
+        rotation=rotation,
+        translation=-rotation @ camera.center,
+    )
+
+
+def rectification(camera: Camera, taken: Camera) -> tuple[Array, Array]:
+    """Where each pixel of a camera is in the pictures of another at the same place, for `cv2.remap`.
+
+    Where the other looks elsewhere, it is the place outside that OpenCV calls the border.
+    """
+    width, height = camera.size
+    y, x = np.mgrid[:height, :width]
+    directions = ray(camera, np.column_stack([x.ravel(), y.ravel()]).astype(float))
+    pixel = project(taken, camera.center + directions)
+    pixel[~np.isfinite(pixel)] = -1.0
+    place = pixel.astype(np.float32).reshape(height, width, 2)
+    whole, fraction = cv2.convertMaps(place[..., 0], place[..., 1], cv2.CV_16SC2)
+    return np.asarray(whole), np.asarray(fraction)

@@ -1,0 +1,120 @@
+"""What `followspot room rectify` does: upright cameras without distortion in place of the real ones."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.geometry import ray
+from followspot.messages import Array
+from followspot.room import StageUse
+from followspot.room_file import load, save
+
+STEEP = 0.17
+"""A camera that looks up or down within such an angle of the vertical has no upright view, rad."""
+LARGEST = 1.6
+"""An upright picture is at most so many times as wide and high as the tilted one."""
+BORDER = 40
+"""So many points on each side of a picture tell where its edge goes."""
+
+
+def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) -> int:
+    """Write a room whose cameras stand upright; returns the exit code. Raises InputError.
+
+    scale: of the new pictures over the old ones.
+    """
+    room = load(room_file)
+    turned = {name: rectified(camera, scale, output.parent) for name, camera in room.cameras.items()}
+    changed = [name for name, camera in turned.items() if camera is not room.cameras[name]]
+    if not changed:
+        text = f"{room_file} has no pinhole or fisheye camera with a video that looks at a horizon"
+        raise InputError([Mistake(None, text, "import the room with its videos: followspot room import")])
+    kept = {name: _moved(turned[name], output.parent) for name in turned if name not in changed}
+    truth = room.truth and _use_in(room.truth, output.parent)
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+        save(replace(room, name=output.stem, cameras={**turned, **kept}, truth=truth), output)
+    except OSError as error:
+        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
+    for name in kept:
+        print(f"warning: camera {name} stays as it is", file=sys.stderr)
+    sizes = {name: turned[name].size for name in changed}
+    if as_json:
+        print(json.dumps({"room": output.stem, "cameras": sizes, "kept": list(kept)}))
+    else:
+        print(f"{output}: " + ", ".join(f"{name} {w}x{h} px" for name, (w, h) in sizes.items()))
+    return 0
+
+
+def rectified(camera: Camera, scale: float, folder: Path) -> Camera:
+    """An upright pinhole camera at the same place that looks the same way and shows as much.
+
+    The camera itself where it is no pinhole or fisheye, has no video, or looks up or down.
+    """
+    ahead = camera.rotation[2]
+    video = camera.source is not None and camera.source.uses == "cameras.video"
+    if (
+        camera.source is None
+        or not video
+        or camera.model == "cylinder"
+        or np.hypot(*ahead[:2]) < np.sin(STEEP)
+    ):
+        return camera
+    right = np.array([ahead[1], -ahead[0], 0.0]) / np.hypot(*ahead[:2])
+    rotation = np.stack([right, np.cross(ahead, right), ahead])
+    focal = float(np.sqrt(camera.matrix[0, 0] * camera.matrix[1, 1])) * scale
+    low, high = _extent(camera, rotation, focal, LARGEST * scale * max(camera.size) / 2)
+    width, height = (int(side) for side in np.ceil(high - low) + 1)
+    lens = {
+        "model": camera.model,
+        "size": list(camera.size),
+        "matrix": camera.matrix.tolist(),
+        "distortion": camera.distortion.tolist(),
+        "rotation": camera.rotation.tolist(),
+    }
+    source = _use_in(camera.source, folder)
+    return replace(
+        camera,
+        model="pinhole",
+        size=(width, height),
+        matrix=np.array([[focal, 0, -low[0]], [0, focal, -low[1]], [0, 0, 1]]),
+        distortion=np.zeros(5),
+        rotation=rotation,
+        translation=-rotation @ camera.center,
+        source=StageUse("cameras.rectified_video", {**source.params, "lens": lens}, source.folder),
+    )
+
+
+def _extent(camera: Camera, rotation: Array, focal: float, limit: float) -> tuple[Array, Array]:
+    """Smallest and largest place of the picture's edge before the upright camera, from its axis, px."""
+    width, height = camera.size
+    t = np.linspace(-0.5, 0.5, BORDER)
+    half = np.full(BORDER, 0.5)
+    edge = np.concatenate([np.column_stack(side) for side in ((t, half), (t, -half), (half, t), (-half, t))])
+    pixel = (edge + 0.5) * [width - 1, height - 1]
+    local = ray(camera, pixel) @ rotation.T
+    local = local[local[:, 2] > 0]
+    place = focal * local[:, :2] / local[:, 2:]
+    return np.maximum(place.min(axis=0), -limit), np.minimum(place.max(axis=0), limit)
+
+
+def _moved(camera: Camera, folder: Path) -> Camera:
+    return camera if camera.source is None else replace(camera, source=_use_in(camera.source, folder))
+
+
+def _use_in(use: StageUse, folder: Path) -> StageUse:
+    """The stage with its path relative to another folder."""
+    path = use.params.get("path")
+    if not isinstance(path, str):
+        return replace(use, folder=str(folder))
+    absolute = (Path(use.folder) / path).resolve()
+    return StageUse(
+        use.uses, {**use.params, "path": os.path.relpath(absolute, folder.resolve())}, str(folder)
+    )
