@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import sys
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.accuracy.rows import read_rows
+from followspot.cli.progress import ProgressBar
 from followspot.deploy.launch import run_plan
 from followspot.deploy.local import OnProgress
 from followspot.deploy.truth import TRACKS
@@ -93,6 +97,16 @@ def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) ->
     number = np.array([targets.index(name) for name in table.objects], int)
     tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
     return Tracked(tracks, read_blobs(out / SIGHTINGS, tuple(plan.room.cameras), targets))
+
+
+def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
+    """Track the room's own recording, with progress on a terminal. Raises FollowspotError."""
+    with TemporaryDirectory(prefix="followspot-track-") as folder, closing(ProgressBar(sys.stderr)) as bar:
+        plan = tracking_plan(graph, room, (), (), Path(folder))
+        if frames is None and any(stage.live for stage in plan.stages):
+            remedy = "record them first, or say how many frames to use: --frames 1000"
+            raise InputError([Mistake(None, f"the cameras of {room} are live and never end", remedy)])
+        return track(plan, Path(folder), frames, bar.show if bar.terminal else None)
 
 
 def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> BlobTable:

@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
+from followspot_calibrate.adjust.prior import Prior
 from followspot_calibrate.adjust.problem import Anchors, Middle, Problem, State, view_of
 from followspot_calibrate.adjust.projection import Free
 from followspot_calibrate.adjust.rods import NO_RODS, Rods, groups_of
@@ -43,6 +44,7 @@ def adjust(
     rods: Rods | None = None,
     middle: Middle | None = None,
     anchors: Anchors | None = None,
+    prior: Prior | None = None,
     scale: float | Array = 1.0,
     progress: Progress | None = None,
 ) -> Adjusted:
@@ -50,10 +52,10 @@ def adjust(
 
     points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, of
     each point, (N,), or of all, where an error begins to count as an outlier. What is off by its sigma, a rod
-    in length, a principal point from its expected middle, a camera from its anchor (poses must be free),
-    costs about as much as a point off by `scale`. Rows seen by fewer than two cameras, or without a start
-    (NaN), take no part and stay. The frame of reference is left to the start, but for rods, which set the
-    length, and anchors. A camera other than pinhole keeps its intrinsics.
+    in length, a principal point from its expected middle, a camera from its anchor or its prior (poses
+    must be free), costs about as much as a point off by `scale`. Rows seen by fewer than two cameras, or
+    without a start (NaN), take no part and stay. The frame of reference is left to the start, but for rods,
+    which set the length, anchors and prior. A camera other than pinhole keeps its intrinsics.
     Raises ValueError for a scale that is not positive.
     """
     if not np.all(np.asarray(scale) > 0):
@@ -64,7 +66,7 @@ def adjust(
     tied = (rods or NO_RODS).within(usable)
     scales = np.broadcast_to(scale, len(points))[usable]
     groups = groups_of(int(usable.sum()), tied)
-    problem = Problem(views, tied, groups, scales, free.parameters, middle, anchors)
+    problem = Problem(views, tied, groups, scales, free.parameters, middle, anchors, prior)
     best, steps = _descend(problem, State(flat, points[usable]), progress)
     found = points.copy()
     found[usable] = best.points

@@ -11,6 +11,7 @@ from followspot import Camera
 from followspot.geometry import cross_matrix, undistort
 from followspot.messages import Array
 from followspot_calibrate.adjust.elimination import Normal
+from followspot_calibrate.adjust.prior import Prior
 from followspot_calibrate.adjust.projection import Free, image, linearise, moved
 from followspot_calibrate.adjust.rods import Group, Rods
 
@@ -85,6 +86,7 @@ class Problem:
     parameters: int
     middle: Middle | None = None
     anchors: Anchors | None = None
+    prior: Prior | None = None
 
     def cost(self, state: State) -> float:
         """Sum of the Cauchy losses log(1 + e^2) of all errors e, in scales and sigmas."""
@@ -94,6 +96,9 @@ class Problem:
             total += np.log1p(np.square(error).sum(axis=1)).sum()
         if self.anchors is not None:
             total += np.square(self.anchors.errors(state.cameras)).sum()
+        if self.prior is not None:
+            for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
+                total += np.square(self.prior.errors(number, camera, view.free)).sum()
         return float(total + np.square(self._off_middle(state.cameras)).sum())
 
     def step(self, normal: Normal, state: State, damping: float) -> State | None:
@@ -113,6 +118,11 @@ class Problem:
         normal = Normal.zeros(len(self.views), self.parameters, len(state.points), len(self.rods))
         for number, (view, camera) in enumerate(zip(self.views, state.cameras, strict=True)):
             self._add_view(normal, number, view, camera, state.points)
+            if self.prior is not None:
+                rows = self.prior.by_parameters(number, camera, view.free)
+                normal.cameras[number, : len(rows), : len(rows)] += rows.T @ rows
+                errors = self.prior.errors(number, camera, view.free)
+                normal.toward_cameras[number, : len(rows)] -= rows.T @ errors
         self._add_rods(normal, state.points)
         if self.anchors is not None:
             rows = self.anchors.by_pose(state.cameras)

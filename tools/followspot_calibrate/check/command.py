@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from contextlib import closing
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.cli.progress import ProgressBar
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.messages import Array
 from followspot.room_file import load
@@ -25,7 +21,7 @@ from followspot_calibrate.check.text import as_json, as_text
 from followspot_calibrate.check.tracks import read_run, target_sightings
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.report import write_report
-from followspot_calibrate.tracked import Tracked, track, tracking_plan
+from followspot_calibrate.tracked import track_recording
 from followspot_room.calibration import read_calibration
 
 ROOM_FILES = (".yaml", ".yml")
@@ -76,7 +72,10 @@ def findings(args: argparse.Namespace, room: Room) -> Findings:
         if args.length is not None:
             length = measured_length(points.points, seen.frame, seen.label, args.length)
     if args.run or args.track:
-        targets = target_sightings(read_run(args.run, room) if args.run else tracked_now(args), room)
+        targets = target_sightings(
+            read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames),
+            room,
+        )
         tracks = agreement(cameras, targets.pixel, targets.time, limit, bias)
         drifts = [drift(tracks, number, targets.time) for number in range(len(cameras))]
     if args.against:
@@ -89,16 +88,6 @@ def drift(tracks: Agreement, number: int, time: Array) -> Drift:
     residual = (tracks.residual if number in tracks.suspects else tracks.believed)[:, number]
     path = course(tracks.cameras[number].name, time, residual)
     return Drift(path, change(path, time, residual))
-
-
-def tracked_now(args: argparse.Namespace) -> Tracked:
-    """Track the room's own recording. Raises FollowspotError where that fails."""
-    with TemporaryDirectory(prefix="followspot-check-") as folder, closing(ProgressBar(sys.stderr)) as bar:
-        plan = tracking_plan(args.graph, args.room, (), (), Path(folder))
-        if args.frames is None and any(stage.live for stage in plan.stages):
-            remedy = "record them first, or say how many frames to use: --frames 1000"
-            raise InputError([Mistake(None, f"the cameras of {args.room} are live and never end", remedy)])
-        return track(plan, Path(folder), args.frames, bar.show if bar.terminal else None)
 
 
 def cameras_of(path: Path) -> list[Camera]:

@@ -23,9 +23,14 @@ FILES = ("blobs.csv", SIGHTINGS)
 
 @dataclass(frozen=True, eq=False)
 class TargetSightings:
-    """Targets as the cameras saw them: time (N,) s; pixel (N, C, 2) px with distortion, NaN where unseen."""
+    """Targets as the cameras saw them.
+
+    time: (N,) s; target: (N,) numbers in the order of the room; pixel: (N, C, 2) px with distortion, NaN
+    where unseen.
+    """
 
     time: Array
+    target: Array
     pixel: Array
 
 
@@ -69,4 +74,4 @@ def target_sightings(tracked: Tracked, room: Room) -> TargetSightings:
     np.add.at(candidates, (row, camera), 1)
     pixel[candidates > 1] = np.nan
     order = np.argsort(time, kind="stable")
-    return TargetSightings(time[order], pixel[order])
+    return TargetSightings(time[order], target[order], pixel[order])

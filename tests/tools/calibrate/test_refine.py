@@ -1,0 +1,170 @@
+"""`calibrate refine`: cameras that are slightly off are corrected by what an ordinary tracking run saw."""
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rooms import camera_of, made_room
+
+from followspot import Camera, Room
+from followspot.cli.main import main
+from followspot.errors import FollowspotError
+from followspot.geometry import project
+from followspot.messages import Array
+from followspot.room_file import load, save
+from followspot_calibrate.adjust import Free, Prior
+from followspot_calibrate.adjust.projection import moved
+from followspot_calibrate.refine.planes import as_seen
+from followspot_calibrate.refine.solving import OPEN, refine
+from followspot_calibrate.similarity import similarity
+from followspot_calibrate.triangulation import triangulate
+
+ROOT = Path(__file__).parents[3]
+GLOWBALLS = ROOT / "../shared/data/glowballs-dev"
+needs_shared = pytest.mark.skipif(not GLOWBALLS.exists(), reason="needs ../shared")
+FLOOR = {"floor": np.array([0.0, 0.0, 1.0, 0.0])}
+RADIUS = 0.0762
+TRUE = made_room(6, 1).cameras
+
+
+def off(cameras: Sequence[Camera], seed: int = 1) -> list[Camera]:
+    """As a good calibration leaves them: 3 mm, 0.05 degrees, 0.3 px of the principal point (sigma)."""
+    random = np.random.default_rng(seed)
+    free = Free(center=True)
+    sigma = np.array([np.radians(0.05)] * 3 + [0.003] * 3 + [0.3] * 2)
+    return [moved(camera, sigma * random.normal(size=8), free) for camera in cameras]
+
+
+def carried(rows: int = 600, noise: float = 0.2) -> tuple[Array, Array]:
+    """Places of targets, (N, 3) m, and what the true cameras see: (N, C, 2) px."""
+    random = np.random.default_rng(0)
+    points = random.uniform([-1.5, -1.5, 0.3], [1.5, 1.5, 2.0], (rows, 3))
+    pixel = np.stack([project(camera, points) for camera in TRUE], axis=1)
+    return points, pixel + noise * random.normal(size=pixel.shape)
+
+
+def error_mm(cameras: Sequence[Camera], true: Sequence[Camera], points: Array) -> float:
+    """RMSE of exact images of points, triangulated with other cameras, mm."""
+    exact = np.stack([project(camera, points) for camera in true], axis=1)
+    away = triangulate(cameras, exact).points - points
+    return float(1000 * np.sqrt(np.square(away).sum(axis=1).mean()))
+
+
+def bent_mm(cameras: Sequence[Camera], true: Sequence[Camera], points: Array) -> float:
+    """The same after the best rigid motion, for where cameras stand together no tracker can see."""
+    exact = np.stack([project(camera, points) for camera in true], axis=1)
+    found = triangulate(cameras, exact).points
+    away = similarity(found, points, scaled=False).points(found) - points
+    return float(1000 * np.sqrt(np.square(away).sum(axis=1).mean()))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_cameras_that_are_slightly_off_are_corrected(seed):
+    points, pixel = carried()
+    given = off(TRUE, seed)
+    found = refine(given, pixel, np.full(len(points), RADIUS), FLOOR)
+    assert bent_mm(found.after.cameras, TRUE, points) < 0.7 * bent_mm(given, TRUE, points)
+    assert found.after.sigma < 0.6 * found.before.sigma
+
+
+def test_true_cameras_stay_where_they_are():
+    points, pixel = carried()
+    found = refine(TRUE, pixel, np.full(len(points), RADIUS), FLOOR)
+    assert error_mm(found.after.cameras, TRUE, points) < 1.0
+
+
+def test_the_frame_of_reference_is_that_of_the_given_centres():
+    points, pixel = carried()
+    given = off(TRUE)
+    found = refine(given, pixel, np.full(len(points), RADIUS), FLOOR)
+    shift = np.mean(
+        [new.center - old.center for new, old in zip(found.after.cameras, given, strict=True)], axis=0
+    )
+    assert shift == pytest.approx(0, abs=1e-9)
+
+
+def test_gross_errors_do_not_move_the_cameras():
+    points, pixel = carried()
+    wrong = pixel.copy()
+    wrong[::7, 2] += [3.0, -4.0]
+    radius, given = np.full(len(points), RADIUS), off(TRUE)
+    clean, spoilt = (refine(given, seen, radius, FLOOR).after.cameras for seen in (pixel, wrong))
+    assert error_mm(spoilt, TRUE, points) < error_mm(clean, TRUE, points) + 0.5
+
+
+def test_the_light_around_a_target_on_the_floor_does_not_count():
+    """A colour camera sees a ball that lies on the floor together with the light around it."""
+    points, pixel = carried()
+    points[::2, 2] = RADIUS
+    pixel[::2] = np.stack([project(camera, points[::2]) for camera in TRUE], axis=1)
+    pixel[::2, :, 1] += 1.0
+    found = refine(TRUE, pixel, np.full(len(points), RADIUS), FLOOR)
+    assert error_mm(found.after.cameras, TRUE, points) < 1.0
+
+
+def test_planes_stay_where_the_cameras_see_them():
+    points, _ = carried()
+    given = off(TRUE)
+    seen = as_seen(FLOOR, TRUE, given, points)["floor"]
+    feet = points * [1, 1, 0]
+    marks = triangulate(given, np.stack([project(camera, feet) for camera in TRUE], axis=1)).points
+    assert np.abs(marks @ seen[:3] + seen[3]).max() < 0.002
+    assert seen[2] > 0.99
+    assert as_seen(FLOOR, TRUE, given, points[:2])["floor"] is FLOOR["floor"]
+
+
+def test_a_camera_that_saw_too_little_is_named():
+    points, pixel = carried(100)
+    pixel[5:, 3] = np.nan
+    with pytest.raises(FollowspotError, match="cam3: 5 sightings"):
+        refine(TRUE, pixel, np.full(len(points), RADIUS), FLOOR)
+
+
+def test_the_derivatives_of_a_prior_are_those_of_its_errors():
+    camera = off(TRUE)[0]
+    prior = Prior([TRUE[0]], np.full((1, OPEN.parameters), 0.5))
+    step = 1e-6
+    steps = step * np.eye(OPEN.parameters)
+    rows = [
+        prior.errors(0, moved(camera, one, OPEN), OPEN) - prior.errors(0, moved(camera, -one, OPEN), OPEN)
+        for one in steps
+    ]
+    told = prior.by_parameters(0, camera, OPEN)
+    assert told == pytest.approx(np.array(rows).T / (2 * step), abs=5e-3)
+
+
+@needs_shared
+def test_a_noisy_calibration_is_corrected_from_one_recording(tmp_path, capsys):
+    """glowballs-dev, six balls in five seconds: 6 mm become less than 2.5 mm; planes follow the cameras."""
+    room, noisy = tmp_path / "room.yaml", GLOWBALLS / "calibration_noisy.json"
+    assert main(["room", "import", str(noisy), "--videos", str(GLOWBALLS / "dev3"), "-o", str(room)]) == 0
+    assert main(["calibrate", "targets", "--room", str(room), "--clips", str(GLOWBALLS / "templates")]) == 0
+    given = json.loads((GLOWBALLS / "calibration.json").read_text())["cameras"]
+    true = [camera_of(one["name"], (320, 240), one) for one in given]
+    points = np.random.default_rng(0).uniform([0.5, -1.0, 0.1], [3.5, 1.5, 1.6], (200, 3))
+    before = load(room)
+    assert error_mm(list(before.cameras.values()), true, points) > 5
+    command = ["calibrate", "refine", "--room", str(room), "--graph", str(ROOT / "graphs/glowballs.yaml")]
+    text = room.read_text()
+    assert main([*command, "--dry-run", "--frames", "100"]) == 0
+    assert room.read_text() == text
+    capsys.readouterr()
+    assert main([*command, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    after = load(room)
+    assert error_mm(list(after.cameras.values()), true, points) < 2.5
+    assert all(one["after_px"] < 0.5 * one["before_px"] for one in told["cameras"].values())
+    assert all(0 < np.abs(after.planes[name] - plane).max() < 0.01 for name, plane in before.planes.items())
+    assert after.targets.keys() == before.targets.keys()
+    assert "Refinement of room" in room.with_suffix(".refine.html").read_text()
+
+
+@pytest.mark.parametrize(("count", "told"), [(2, "three or more are needed"), (6, "has no targets")])
+def test_a_room_that_cannot_be_refined_is_refused(count, told, tmp_path, capsys):
+    path = tmp_path / "room.yaml"
+    save(Room("studio", {camera.name: replace(camera) for camera in TRUE[:count]}), path)
+    assert main(["calibrate", "refine", "--room", str(path)]) == 2
+    assert told in capsys.readouterr().err

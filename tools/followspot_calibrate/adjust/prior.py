@@ -1,0 +1,49 @@
+"""Cameras as they are believed to be before an adjustment, each parameter with its sigma."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Camera
+from followspot.geometry import cross_matrix
+from followspot.messages import Array
+from followspot_calibrate.adjust.projection import Free
+
+
+@dataclass(frozen=True, eq=False)
+class Prior:
+    """C cameras, and how well each of their free parameters is known.
+
+    sigma: (C, P) in the order of `Free`: direction (rad), centre (m), log focal length (1), principal point
+    (px), distortion (1). Poses must be free.
+    """
+
+    cameras: Sequence[Camera]
+    sigma: Array
+
+    def errors(self, number: int, camera: Camera, free: Free) -> Array:
+        """How far a camera is from what is believed, (P,) sigmas."""
+        given = self.cameras[number]
+        parts = [rotation_vector(camera.rotation @ given.rotation.T), camera.center - given.center]
+        if free.focal:
+            parts.append(np.log(camera.matrix[:1, 0] / given.matrix[0, 0]))
+        if free.center:
+            parts.append(camera.matrix[:2, 2] - given.matrix[:2, 2])
+        parts.append((camera.distortion - given.distortion)[: free.distortion])
+        return np.asarray(np.concatenate(parts) / self.sigma[number, : free.parameters])
+
+    def by_parameters(self, number: int, camera: Camera, free: Free) -> Array:
+        """Derivative of the errors by the parameters, (P, P); turns are small."""
+        rows = np.eye(free.parameters)
+        rows[3:6, :6] = -camera.rotation.T @ np.hstack([cross_matrix(camera.translation), np.eye(3)])
+        return np.asarray(rows / self.sigma[number, : free.parameters, None])
+
+
+def rotation_vector(rotation: Array) -> Array:
+    """Axis times angle of a rotation, (3, 3) -> (3,) rad (H&Z, appendix A4.3.2)."""
+    import cv2
+
+    return np.asarray(cv2.Rodrigues(rotation)[0][:, 0])

@@ -1,0 +1,1 @@
+"""Corrects cameras that are slightly off by what an ordinary tracking run saw."""

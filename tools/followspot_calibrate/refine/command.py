@@ -1,0 +1,56 @@
+"""What `followspot calibrate refine` does."""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+
+from followspot import Room
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.room_file import load, update
+from followspot_calibrate.check.tracks import read_run, target_sightings
+from followspot_calibrate.refine.page import page_of
+from followspot_calibrate.refine.solving import Refinement, refine
+from followspot_calibrate.refine.text import as_json, as_text
+from followspot_calibrate.report import write_report
+from followspot_calibrate.tracked import Tracked, track_recording
+
+
+def refine_room(args: argparse.Namespace) -> int:
+    """Track, adjust, write the room and the page, print. Raises FollowspotError."""
+    room = load(args.room)
+    require(room, args)
+    tracked = read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames)
+    found = refined(room, tracked)
+    report = args.report or args.room.with_suffix(".refine.html")
+    try:
+        if not args.dry_run:
+            update(args.room, cameras={c.name: c for c in found.after.cameras}, planes=found.planes)
+        write_report(report, page_of(room, found))
+    except OSError as error:
+        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
+    if args.json:
+        print(as_json(found))
+    else:
+        print(f"{as_text(found)}\nthe page to look at: {report}")
+    return 0
+
+
+def require(room: Room, args: argparse.Namespace) -> None:
+    """Raises InputError for a room whose cameras cannot be held against each other."""
+    if len(room.cameras) < 3:
+        text = f"{args.room} has {len(room.cameras)} cameras"
+        remedy = "three or more are needed; calibrate `wand` or `board` instead"
+        raise InputError([Mistake(None, text, remedy)])
+    if not room.targets:
+        raise InputError(
+            [Mistake(None, f"{args.room} has no targets", "learn them first: followspot calibrate targets")]
+        )
+
+
+def refined(room: Room, tracked: Tracked) -> Refinement:
+    """What the tracked targets tell about the cameras of a room. Raises FollowspotError."""
+    seen = target_sightings(tracked, room)
+    radius = np.array([target.radius for target in room.targets.values()])[seen.target]
+    return refine(list(room.cameras.values()), seen.pixel, radius, room.planes)

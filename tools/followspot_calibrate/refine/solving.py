@@ -1,0 +1,109 @@
+"""Cameras that agree about tracked targets, as near to the given ones as that allows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Camera
+from followspot.errors import FollowspotError
+from followspot.messages import Array
+from followspot_calibrate.adjust import Free, Prior, Progress, adjust
+from followspot_calibrate.refine.choosing import telling, widths
+from followspot_calibrate.refine.planes import as_seen
+from followspot_calibrate.similarity import Similarity, on_a_line, similarity
+from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
+
+OPEN = Free(focal=True, center=True, distortion=2)
+"""What is adjusted."""
+OFF_MIDDLE = 0.04
+"""How far a tracked sighting may be from the middle of its target, one sigma over its width; people hide
+parts of it, lamps sit where they sit, and that stays alike for a while."""
+CAUSES = 3
+"""Place, direction and lens share what the cameras are off."""
+ROUNDS = 4
+"""Of adjusting and of choosing the sightings that fit."""
+FEWEST = 20
+"""Sightings that fit which each camera needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Refinement:
+    """What the targets tell.
+
+    pixel: (N, C, 2) px, the sightings; before, after: how the cameras fit them, given and refined; planes:
+    as the refined cameras see them.
+    """
+
+    pixel: Array
+    before: Settled
+    after: Settled
+    planes: Mapping[str, Array]
+
+
+def refine(
+    cameras: Sequence[Camera],
+    pixel: Array,
+    radius: Array,
+    planes: Mapping[str, Array],
+    progress: Progress | None = None,
+) -> Refinement:
+    """Cameras from what they saw of targets, (M, C, 2) px, of radius (M,) m.
+
+    Each camera is believed to be about as far off as the sightings contradict each other; their common frame
+    of reference and scale are those of the given centres. Raises FollowspotError for too few sightings.
+    """
+    rows, pixel = telling(cameras, pixel, radius, planes)
+    before = settled = chosen(cameras, pixel)
+    require_sightings(before)
+    scale = SCALE * OFF_MIDDLE * widths(cameras, before.points, radius[rows])
+    prior = prior_of(before)
+    for number in range(ROUNDS):
+        if progress is not None:
+            progress("adjust", number / ROUNDS)
+        clean = np.where(settled.used[..., None], pixel, np.nan)
+        better = adjust(settled.cameras, settled.points, clean, OPEN, prior=prior, scale=in_px(scale))
+        settled = chosen(better.cameras, pixel)
+    motion = onto(settled.cameras, cameras)
+    after = chosen([motion.camera(camera) for camera in settled.cameras], pixel)
+    return Refinement(pixel, before, after, as_seen(planes, cameras, after.cameras, after.points))
+
+
+def require_sightings(settled: Settled) -> None:
+    """Raises FollowspotError that names every camera with too few sightings that fit."""
+    counts = settled.used.sum(axis=0).tolist()
+    few = [
+        f"{camera.name}: {count} sightings of targets that fit the other cameras, {FEWEST} needed: "
+        "carry targets through its view, or calibrate `wand` again"
+        for camera, count in zip(settled.cameras, counts, strict=True)
+        if count < FEWEST
+    ]
+    if few:
+        raise FollowspotError("\n".join(few))
+
+
+def prior_of(settled: Settled) -> Prior:
+    """How far off cameras may be that contradict each other by so much: each cause moves pixels alike."""
+    pixels = SCALE * settled.sigma / np.sqrt(CAUSES)
+    rows = []
+    for camera in settled.cameras:
+        focal, edge = camera.matrix[0, 0], max(camera.size) / 2 / camera.matrix[0, 0]
+        depth = float(np.nanmedian(np.linalg.norm(settled.points - camera.center, axis=1)))
+        lens = [1 / (focal * edge), 1, 1, 1 / (focal * edge**3), 1 / (focal * edge**5)]
+        rows.append([*[1 / focal] * 3, *[depth / focal] * 3, *lens])
+    return Prior(settled.cameras, pixels * np.array(rows))
+
+
+def in_px(scale: Array) -> Array:
+    """Scales of rows without a point, which take no part, are any."""
+    return np.nan_to_num(scale, nan=1.0)
+
+
+def onto(cameras: Sequence[Camera], given: Sequence[Camera]) -> Similarity:
+    """The rigid motion that brings the centres nearest to the given ones; none where it is not determined."""
+    source, target = (np.array([camera.center for camera in some]) for some in (cameras, given))
+    if on_a_line(target):
+        return Similarity(np.eye(3), np.zeros(3))
+    return similarity(source, target, scaled=False)
