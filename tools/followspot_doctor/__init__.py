@@ -1,0 +1,1 @@
+"""`followspot doctor`: what would keep a graph from running here, each with a remedy."""

@@ -1,0 +1,103 @@
+"""One picture from every camera of a room, by the source that the room declares for it."""
+
+from __future__ import annotations
+
+import tempfile
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from followspot.errors import FollowspotError, InputError
+from followspot.graph.parameters import path_parameters
+from followspot.plugins.registry import PluginError, load_stage
+from followspot.room import Camera, Room
+from followspot.room_file import load
+from followspot.stage import Context, PathIn, Stage
+from followspot.tracking import Frame
+from followspot_doctor.finding import Finding, fine, wrong
+
+PATIENCE = 6.0
+"""Seconds that a camera has to deliver its first picture."""
+
+
+def cameras(path: str) -> Iterator[Finding]:
+    """A finding a camera."""
+    try:
+        room = load(path)
+    except InputError as error:
+        for mistake in error.mistakes:
+            yield wrong(f"room {mistake.place or path}", mistake.text, mistake.remedy)
+        return
+    for camera in room.cameras.values():
+        if camera.host:
+            yield fine(camera.name, f"is on {camera.host}: run followspot doctor there")
+        else:
+            yield _camera(camera, room)
+
+
+def _camera(camera: Camera, room: Room) -> Finding:
+    use = camera.source
+    if use is None:
+        return wrong(camera.name, "has no source", "source: {uses: cameras.video, with: {path: ...}}")
+    try:
+        stage = load_stage(use.uses)
+        params = dict(use.params)
+        for name in path_parameters(stage.Params, PathIn):
+            if name in params:
+                params[name] = str(Path(use.folder) / str(params[name]))
+                if not Path(params[name]).exists():
+                    return wrong(
+                        camera.name, f"{params[name]} does not exist", "mend the path in the room file"
+                    )
+        with tempfile.TemporaryDirectory() as out:
+            warnings: list[str] = []
+            context = Context(camera.name, room, camera, Path(out), warn=warnings.append)
+            frame = _first(stage(context, **params))
+    except PluginError as error:
+        return wrong(camera.name, error.problem, error.remedy)
+    except FollowspotError as error:
+        return wrong(camera.name, " ".join(str(error).split()), "see the message")
+    except Exception as error:
+        text = " ".join(f"{use.uses}: {type(error).__name__}: {error}".split())
+        return wrong(camera.name, text[:300], "mend its source in the room file")
+    if not isinstance(frame, Frame):
+        said = "; ".join(dict.fromkeys(warnings)) or ", ".join(f"{k} {v}" for k, v in use.params.items())
+        text = f"{use.uses} gave no picture within {PATIENCE:.0f} s: {said}"
+        return wrong(camera.name, text, "is it connected, switched on, and free of other programs?")
+    return _judged(camera, frame, use.uses)
+
+
+def _judged(camera: Camera, frame: Frame, uses: str) -> Finding:
+    height, width = frame.pixels.shape[:2]
+    if (width, height) != camera.size:
+        calibrated = "x".join(map(str, camera.size))
+        text = f"sends {width}x{height}, calibrated for {calibrated}"
+        return wrong(camera.name, text, "set its size, or calibrate it again at this one")
+    if frame.pixels.shape[2] == 1 and camera.kind == "color":
+        return wrong(camera.name, "sends grey pictures and is a colour camera", "kind: infrared?")
+    return fine(camera.name, f"{uses}: {width}x{height}, mean grey {frame.pixels.mean():.0f}")
+
+
+def _first(source: Stage) -> Any:
+    """The first message, the error of the stage, or None after a while; the stage is closed either way."""
+    result: list[Any] = []
+
+    def take() -> None:
+        try:
+            source.setup()
+            stream = source.process()
+            result.append(next(stream, None))
+            stream.close()
+        except Exception as error:
+            result.append(error)
+
+    thread = threading.Thread(target=take, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    if not thread.is_alive():
+        source.close()
+    found = result[0] if result else None
+    if isinstance(found, Exception):
+        raise found
+    return found

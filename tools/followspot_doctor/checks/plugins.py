@@ -1,0 +1,48 @@
+"""Plugins that do not work, and mistakes in a graph."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from followspot.errors import InputError
+from followspot.graph.compile import compile_graph
+from followspot.plugins.hooks import load_hooks
+from followspot.plugins.registry import catalogue, examined
+from followspot_doctor.finding import Finding, fine, wrong
+
+_REMEDIES = {
+    "duplicate": "uninstall one of the two",
+    "outdated": "upgrade the older of the two",
+    "half-installed": "reinstall it",
+    "broken": "reinstall it, or tell its author",
+}
+
+
+def stages() -> Iterator[Finding]:
+    """Every installed stage is imported."""
+    found = [examined(entry) for entry in catalogue().values()]
+    bad = [entry for entry in found if entry.state != "ok"]
+    for entry in bad:
+        yield wrong(f"stage {entry.name}", f"{entry.state}: {entry.problem}", _REMEDIES[entry.state])
+    if not bad:
+        packages = {entry.distribution for entry in found}
+        yield fine("plugins", f"{len(found)} stages of {len(packages)} packages, all importable")
+
+
+def hooks() -> Iterator[Finding]:
+    """Every package with commands is imported."""
+    for module in load_hooks().modules:
+        if module.problem:
+            remedy = f"reinstall or uninstall {module.distribution}"
+            yield wrong(f"commands of {module.name}", module.problem, remedy)
+
+
+def graph(path: str, room: str | None) -> Iterator[Finding]:
+    """What `followspot check` would say."""
+    try:
+        plan = compile_graph(path, room=room)
+    except InputError as error:
+        for mistake in error.mistakes:
+            yield wrong(f"graph {mistake.place or path}", mistake.text, mistake.remedy)
+    else:
+        yield fine("graph", f"{plan.graph}: {len(plan.stages)} stages, {len(plan.edges)} edges")

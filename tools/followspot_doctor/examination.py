@@ -1,0 +1,51 @@
+"""All checks, one after the other; one that fails itself is a finding, too."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from followspot_doctor.checks import cameras, libraries, machine, network, plugins
+from followspot_doctor.finding import Finding, doubtful
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What to look at beside this computer."""
+
+    room: Path | None = None
+    graph: str | None = None
+    out: Path = Path("runs")
+
+
+def examine(subject: Subject) -> list[Finding]:
+    """Everything that was found, in the order of the checks."""
+    room = str(subject.room) if subject.room is not None else None
+    checks: list[tuple[str, Callable[[], Iterator[Finding]]]] = [
+        ("computer", machine.computer),
+        ("open files", machine.open_files),
+        ("shared memory", machine.shared_memory),
+        ("output folder", lambda: machine.output_folder(subject.out)),
+        ("clock", machine.clock),
+        ("loopback", network.loopback),
+        ("multicast", network.multicast),
+        ("ports", network.router_port),
+        ("zenoh", network.zenoh_session),
+        ("opencv", libraries.opencv),
+        ("plugins", plugins.stages),
+        ("hooks", plugins.hooks),
+    ]
+    if room is not None:
+        checks.append(("cameras", lambda: cameras.cameras(room)))
+    if subject.graph is not None:
+        graph = subject.graph
+        checks.append(("graph", lambda: plugins.graph(graph, room)))
+    return [finding for name, check in checks for finding in _checked(name, check)]
+
+
+def _checked(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:
+    try:
+        return list(check())
+    except Exception as error:
+        return [doubtful(name, f"could not be looked at: {type(error).__name__}: {error}", "")]
