@@ -16,6 +16,10 @@ from followspot_persons.panorama import full_turn
 
 SAME = 0.45
 """Overlap from which two boxes show the same body."""
+CROWD = 8.0
+"""Windows that show a body in a usual search; what is no body shows in fewer."""
+FAINT = -2.5
+"""Log-odds from which a window counts as one of them."""
 
 
 class Hog(Stage):
@@ -94,19 +98,22 @@ class Hog(Stage):
         return np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
 
     def boxes(self, box: Array, judgement: Judgement) -> Boxes:
-        """One box for each body: the mean of the windows that show it, weighted by their odds."""
-        sure = judgement.score > self.params.threshold
-        box, score = box[sure], judgement.score[sure]
-        torso, head = judgement.torso[sure], judgement.head[sure]
-        found = groups(box, score, SAME, self.turn)
+        """One box for each body: the mean of the windows that show it, weighted by their odds.
+
+        Its odds are the sum of theirs over what a usual body gathers.
+        """
+        shown = judgement.score > FAINT
+        box, odds = box[shown], np.exp(judgement.score[shown])
+        torso, head = judgement.torso[shown], judgement.head[shown]
+        least = CROWD * np.exp(self.params.threshold)
+        found = [rows for rows in groups(box, odds, SAME, self.turn) if odds[rows].sum() > least]
         means, angles = np.empty((len(found), 4)), np.empty((2, len(found), DIRECTIONS))
-        for row, members in enumerate(found):
-            weight = np.exp(score[members] - score[members[0]])
-            weight /= weight.sum()
-            means[row] = weight @ self.beside(box[members])
-            angles[:, row] = weight @ torso[members], weight @ head[members]
-        best = np.array([members[0] for members in found], int)
-        return Boxes(camera=self.camera.name, box=means, score=score[best], torso=angles[0], head=angles[1])
+        for number, rows in enumerate(found):
+            weight = odds[rows] / odds[rows].sum()
+            means[number] = weight @ self.beside(box[rows])
+            angles[:, number] = weight @ torso[rows], weight @ head[rows]
+        score = np.log(np.array([odds[rows].sum() for rows in found]) / CROWD)
+        return Boxes(camera=self.camera.name, box=means, score=score, torso=angles[0], head=angles[1])
 
     def beside(self, box: Array) -> Array:
         """Boxes (N, 4) with those that are a turn away from the first moved next to it."""

@@ -66,6 +66,8 @@ class PeopleDetector(Stage):
     def people(self, pixels: Array) -> tuple[Array, Array]:
         """Windows x, y, width, height of people, (N, 4) px of the picture, and their scores."""
         p = self.params
+        if pixels.shape[0] * p.scale < WINDOW[1] + 1 or pixels.shape[1] * p.scale < WINDOW[0] + 1:
+            return np.empty((0, 4)), np.empty(0)
         if self.turn:
             width = min(pixels.shape[1], pixels.shape[0] // 2)  # no window is wider
             pixels = np.asarray(cv2.copyMakeBorder(pixels, 0, 0, 0, width, cv2.BORDER_WRAP))

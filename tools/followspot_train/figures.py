@@ -69,9 +69,16 @@ def direction(likelihood: Array) -> Array:
 
 
 def trust(trials: Sequence[Trial], part: str) -> tuple[float, float]:
-    """Factor and share of mistakes under which the true directions of strangers are likeliest."""
+    """:func:`best_trust` of what the trials said of strangers' `torso` or `head`."""
     said = np.concatenate([getattr(trial.found, part) for trial in trials])
-    true = np.concatenate([getattr(trial, part) for trial in trials])
+    return best_trust(said, np.concatenate([getattr(trial, part) for trial in trials]))
+
+
+def best_trust(said: Array, true: Array) -> tuple[float, float]:
+    """Factor and share of mistakes under which the true directions are likeliest.
+
+    said: (N, DIRECTIONS) logits; true: (N,) rad, NaN where unknown.
+    """
     known = np.isfinite(true)
     bin_of = np.rint(true[known] / (2 * np.pi) * DIRECTIONS).astype(int) % DIRECTIONS
     rows = np.arange(len(bin_of))

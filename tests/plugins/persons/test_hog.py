@@ -1,0 +1,199 @@
+"""Windows, groups and weights of the detector of upper bodies."""
+
+import csv
+import pickle
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from followspot import Camera, InputError
+from followspot.messages import Header, stamped
+from followspot.stage import Context
+from followspot.tracking import Frame
+from followspot_persons.hog import Hog
+from followspot_persons.hog_cells import LOOKS, looks
+from followspot_persons.hog_model import DIRECTIONS, SHIPPED, judge, load, save, trusted
+from followspot_persons.hog_search import groups, overlap
+from followspot_persons.hog_window import BODY, HEIGHT, WIDTH, cut
+from followspot_persons.people_detector import PeopleDetector
+
+SHARED = Path(__file__).parents[4] / "shared/data"
+needs_shared = pytest.mark.skipif(not SHARED.is_dir(), reason="no ../shared beside the checkout")
+FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
+PLACE = -FACING @ [0, 0, 1.2]
+
+
+def panorama():
+    f = 1396 / (2 * np.pi)
+    matrix = np.array([[f, 0, 697.5], [0, f, 129.5], [0, 0, 1]])
+    return Camera("c", "color", (1396, 260), matrix, np.zeros(5), FACING, PLACE, "cylinder")
+
+
+def perspective():
+    matrix = np.array([[457.0, 0, 319.5], [0, 457.0, 239.5], [0, 0, 1]])
+    return Camera("c", "color", (640, 480), matrix, np.zeros(5), FACING, PLACE)
+
+
+def ready(stage, camera, **params):
+    made = stage(Context(camera=camera), **params)
+    made.setup()
+    return made
+
+
+def test_a_box_of_the_size_of_the_window_is_cut_without_change():
+    pixels = np.random.default_rng(0).integers(0, 256, (120, 100, 3), np.uint8)
+    window = cut(pixels, BODY + np.tile([20, 30], 2))
+    assert np.array_equal(window, pixels[30 : 30 + HEIGHT, 20 : 20 + WIDTH])
+
+
+@pytest.mark.parametrize("scale", [0.5, 2.0, 4.0])
+def test_a_window_shows_the_same_in_any_size_of_the_picture(scale):
+    v, u = np.mgrid[:120, :100]
+    wave = 128 + 60 * np.sin(u / 9) + 40 * np.cos(v / 11)
+    pixels = np.repeat(wave[:, :, None], 3, axis=2).astype(np.uint8)
+    kind = cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    resized = cv2.resize(pixels, None, fx=scale, fy=scale, interpolation=kind)
+    box = BODY + np.tile([20, 30], 2)
+    apart = cut(resized, box * scale).astype(int) - cut(pixels, box)
+    assert np.abs(apart).max() <= 12  # of a contrast of 200: half a pixel would be 15
+
+
+def test_beyond_the_picture_its_border_goes_on():
+    pixels = np.zeros((100, 100, 3), np.uint8)
+    pixels[:, 0] = 77
+    assert (cut(pixels, BODY - [40, 0, 40, 0])[:, :30] == 77).all()
+
+
+def test_looks_do_not_depend_on_the_exposure():
+    window = np.random.default_rng(1).integers(40, 120, (1, HEIGHT, WIDTH, 3), np.uint8)
+    dark, bright = looks(window), looks(2 * window)
+    assert dark.shape == (1, LOOKS)
+    brightness = slice(9 * 144, 9 * 144 + 80)
+    assert np.abs(dark[0, brightness] - bright[0, brightness]).max() < 0.1
+
+
+def test_overlap_reaches_across_the_seam():
+    left, right = np.array([2.0, 0, 50, 72]), np.array([[1390.0, 0, 1438, 72]])
+    assert overlap(left, right, 1396.0)[0] == pytest.approx(40 / 56)
+    assert overlap(left, right, 0.0)[0] == 0
+
+
+def test_groups_are_headed_by_the_best_and_share_no_row():
+    box = np.array([[0, 0, 48, 72], [4, 0, 52, 72], [200, 0, 248, 72], [6, 2, 54, 74.0]])
+    found = groups(box, np.array([1.0, 3.0, 2.0, 0.5]), 0.5, 0.0)
+    assert [group.tolist() for group in found] == [[1, 0, 3], [2]]
+
+
+def test_trust_bounds_how_unlikely_a_direction_may_be():
+    logits = np.zeros((1, DIRECTIONS))
+    logits[0, 3] = 50
+    sure, doubting = trusted(logits, 1.0, 0.0), trusted(logits, 1.0, 0.16)
+    assert sure[0, 3] == pytest.approx(0)
+    assert np.exp(doubting[0, 5]) == pytest.approx(0.01)
+    assert np.exp(doubting).sum() == pytest.approx(1)
+
+
+def test_weights_come_back_as_they_were_written(tmp_path):
+    model = load(SHIPPED)
+    save(model, tmp_path / "again.npz")
+    again = load(tmp_path / "again.npz")
+    window = np.random.default_rng(2).integers(0, 256, (3, HEIGHT, WIDTH, 3), np.uint8)
+    assert np.array_equal(judge(model, looks(window)).score, judge(again, looks(window)).score)
+    assert SHIPPED.stat().st_size < 300_000
+
+
+def test_files_that_hold_no_weights_are_refused(tmp_path):
+    def broken(name, **changes):
+        with np.load(SHIPPED) as stored:
+            arrays = {**dict(stored), **changes}
+        np.savez(tmp_path / name, **arrays)
+        return tmp_path / name
+
+    evil = tmp_path / "evil.npz"
+    evil.write_bytes(pickle.dumps([1, 2]))
+    huge = tmp_path / "huge.npz"
+    huge.write_bytes(bytes(4_000_001))
+    cases = {
+        evil: "pickle",
+        huge: "larger",
+        tmp_path / "missing.npz": "No such file",
+        broken("short.npz", linear=np.zeros(7)): "linear has shape",
+        broken("nan.npz", output_bias=np.full(33, np.nan)): "not finite",
+        broken("object.npz", trust=np.array([[None, 1], [2, 3]], object)): "allow_pickle",
+    }
+    for path, cause in cases.items():
+        with pytest.raises(InputError, match=cause):
+            load(path)
+
+
+@pytest.mark.parametrize("stage", [Hog, PeopleDetector])
+def test_only_every_nth_frame_is_searched(stage):
+    made = ready(stage, perspective(), every=3)
+    frame = Frame(camera="c", pixels=np.full((480, 640, 3), 90, np.uint8))
+    said = [made.process(stamped(frame, Header("camera", seq, seq))) for seq in range(4)]
+    assert [boxes is None for boxes in said] == [False, True, True, False]
+    assert said[0].box.shape == (0, 4)
+
+
+def test_grey_pictures_are_searched_too():
+    made = ready(Hog, perspective())
+    grey = np.random.default_rng(3).integers(0, 256, (480, 640, 1), np.uint8)
+    assert made.process(Frame(camera="c", pixels=grey)).torso.shape[1] == DIRECTIONS
+
+
+def picture_of(video, number):
+    capture = cv2.VideoCapture(str(SHARED / "persons-dev" / video))
+    capture.set(cv2.CAP_PROP_POS_FRAMES, number)
+    ok, pixels = capture.read()
+    assert ok
+    return pixels
+
+
+@needs_shared
+def test_a_person_on_the_seam_is_found_as_elsewhere():
+    made = ready(Hog, panorama())
+    pixels = picture_of("d_o.mp4", 0)
+    plain = made.process(Frame(camera="c", pixels=pixels))
+    best = int(np.argmax(plain.score))
+    middle = int(plain.box[best, [0, 2]].mean())
+    moved = made.process(Frame(camera="c", pixels=np.roll(pixels, -middle, axis=1)))
+    again = int(np.argmax(moved.score))
+    shifted = plain.box[best] - [middle, 0, middle, 0]
+    apart = (moved.box[again] - shifted + 698) % 1396 - 698
+    assert np.abs(apart[[0, 2]]).max() < 8
+    assert np.abs(moved.box[again, [1, 3]] - shifted[[1, 3]]).max() < 8
+    assert moved.score[again] == pytest.approx(plain.score[best], abs=1)
+
+
+def wrapped(angle):
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def likeliest(likelihood):
+    return 2 * np.pi * np.argmax(likelihood, axis=-1) / DIRECTIONS
+
+
+@needs_shared
+@pytest.mark.parametrize(("video", "view"), [("d_o", panorama()), ("d_p", perspective())])
+def test_strangers_in_strange_pictures_are_found_with_their_headings(video, view):
+    """The shipped weights never saw these videos or the persons in them."""
+    made = ready(Hog, view)
+    with (SHARED / f"persons-dev/{video}_gt.csv").open(newline="") as stream:
+        truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
+    hits, extra, errors = [], 0, []
+    numbers = range(5, 200, 30)
+    for number in numbers:
+        row = truth[number]
+        boxes = made.process(Frame(camera="c", pixels=picture_of(f"{video}.mp4", number)))
+        box = np.array([float(row[c]) for c in ("ux0", "uy0", "ux1", "uy1")])
+        shared = overlap(box, boxes.box, view.size[0] if video == "d_o" else 0.0)
+        hits.append(bool((shared > 0.4).any()))
+        extra += int((shared < 0.2).sum())
+        if hits[-1]:
+            said = likeliest(boxes.torso[int(np.argmax(shared))])
+            errors.append(np.rad2deg(abs(wrapped(said - float(row["torso_heading"])))))
+    assert np.mean(hits) >= 0.9
+    assert extra <= len(numbers)
+    assert np.median(errors) < 22.5

@@ -1,0 +1,169 @@
+"""`followspot train hog`: what is learnt, what is held out, and what is refused."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from followspot import InputError
+from followspot.cli.main import main
+from followspot_persons.hog_model import DIRECTIONS, OUTPUTS, load, trusted
+from followspot_train import figures, linear, network, recipe, svm
+from followspot_train.pictures import Background, Person, Pictures, read_folder
+
+RNG = np.random.default_rng(0)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 1000))
+def test_weights_minimise_the_squared_hinge(seed):
+    """At the minimum the gradient w - 2 C sum(sign x max(0, 1 - sign w x)) vanishes."""
+    rng = np.random.default_rng(seed)
+    X = np.column_stack([rng.normal(size=(40, 2)), np.ones(40)]).astype(np.float32)
+    sign = np.where(X[:, 0] + 0.3 * rng.normal(size=40) > 0, 1.0, -1.0)
+    cost = rng.uniform(0.01, 0.05, 40)
+    w = svm.fit(X, sign, cost, rng)
+    short = np.maximum(0, 1 - sign * (X @ w))
+    gradient = w - 2 * (cost * sign * short) @ X
+    assert np.abs(gradient).max() < 5e-3
+
+
+def entropy(out, person, torso, head):
+    """The cross entropies of which `network.errors` is the derivative, summed over rows."""
+    total = np.logaddexp(0, out[:, 0]) - person * out[:, 0]
+    for first, true in ((1, torso), (1 + DIRECTIONS, head)):
+        part = out[:, first : first + DIRECTIONS]
+        total = total + (true * (np.logaddexp.reduce(part, axis=1)[:, None] - part)).sum(axis=1)
+    return total.sum()
+
+
+def test_the_network_learns_along_the_derivative_of_its_cross_entropy():
+    out = RNG.normal(size=(3, OUTPUTS))
+    torso = network.directions(np.array([0.3, np.nan, -2.0]))
+    taught = (np.array([1.0, 0.0, 1.0]), torso, torso[::-1])
+    wrong = network.errors(out, *taught)
+    for row, column in [(0, 0), (1, 0), (0, 5), (1, 5), (2, 30)]:
+        step = np.zeros_like(out)
+        step[row, column] = 1e-6
+        slope = (entropy(out + step, *taught) - entropy(out - step, *taught)) / 2e-6
+        assert wrong[row, column] == pytest.approx(slope, abs=1e-6)
+
+
+def test_an_unknown_heading_teaches_nothing():
+    unknown = network.directions(np.array([np.nan]))
+    wrong = network.errors(RNG.normal(size=(1, OUTPUTS)), np.array([1.0]), unknown, unknown)
+    assert not wrong[:, 1:].any()
+    assert wrong[0, 0] != 0
+
+
+def people(bodies=8, rooms=("a", "b", "c")):
+    pixels = np.zeros((2, 2, 3), np.uint8)
+    known = [Person(pixels, np.zeros(4), body, room) for body in range(bodies) for room in rooms]
+    unknown = [Person(pixels, np.zeros(4), -1, f"street{i % 4}") for i in range(12)]
+    places = [*rooms, *(f"street{i}" for i in range(4))]
+    return Pictures(tuple(known + unknown), tuple(Background(pixels, place) for place in places))
+
+
+def test_no_body_and_no_place_is_both_learnt_and_held_out():
+    pictures = people()
+    held = []
+    for split in recipe.splits(pictures):
+        learnt = [pictures.persons[i] for i in split.learnt]
+        tried = [pictures.persons[i] for i in split.held]
+        assert {p.place for p in tried} == split.held_places
+        assert not {p.place for p in learnt} & split.held_places
+        assert not {p.body for p in learnt if p.body >= 0} & {p.body for p in tried if p.body >= 0}
+        held += [p.body for p in tried if p.body >= 0]
+    assert set(held) == set(range(8))
+
+
+def test_recall_is_at_the_score_that_a_share_of_all_windows_exceeds():
+    scores = np.arange(100.0)
+    assert figures.score_at(scores, 10_000, 1e-3) == 89.0
+    assert (scores > 89.0).sum() == 10
+
+
+def test_trust_finds_how_wrong_the_network_is_on_strangers():
+    true = RNG.integers(0, DIRECTIONS, 4000)
+    said = np.where(RNG.random(4000) < 0.12, RNG.integers(0, DIRECTIONS, 4000), true)
+    logits = np.zeros((4000, DIRECTIONS))
+    logits[np.arange(4000), said] = 40
+    angle = 2 * np.pi * true / DIRECTIONS
+    factor, mistaken = figures.best_trust(logits, angle)
+    assert mistaken == 0.12
+    assert trusted(logits, factor, mistaken).min() > np.log(0.12 / DIRECTIONS) - 1e-6
+
+
+def figure(rng, towards):
+    """A crop with a head and a torso, and a bright bar on the side that it turns to."""
+    pixels = rng.integers(90, 110, (112, 96, 3), np.uint8)
+    cv2.circle(pixels, (48, 34), 12, (60, 90, 160), -1)
+    cv2.ellipse(pixels, (48, 96), (24, 44), 0, 180, 360, (40, 40, 40), -1)
+    cv2.rectangle(
+        pixels, (47 + int(12 * np.sin(towards)), 60), (51 + int(12 * np.sin(towards)), 90), (255,) * 3
+    )
+    return pixels
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Four bodies in two rooms."""
+    rows = ["file,body,room,torso_heading,head_pan"]
+    for number in range(32):
+        towards = 2 * np.pi * (number // 4) / 8 - np.pi
+        cv2.imwrite(str(tmp_path / f"c{number}.png"), figure(RNG, towards))
+        rows.append(f"c{number}.png,{number % 4},{'ab'[number // 4 % 2]},{towards},0.1")
+    (tmp_path / "boxes.csv").write_text("\n".join(rows))
+    for room in "ab":
+        cv2.imwrite(str(tmp_path / f"neg_{room}.png"), RNG.integers(0, 256, (150, 170, 3), np.uint8))
+    return tmp_path
+
+
+def test_the_command_writes_weights_and_tells_figures_of_strangers(folder, monkeypatch, capsys):
+    for name, value in (("FIRST", 60), ("HARD", 40), ("ROUNDS", 1)):
+        monkeypatch.setattr(linear, name, value)
+    monkeypatch.setattr(recipe, "DECEIVING", 50)
+    monkeypatch.setattr(recipe, "VIEWS", 6)
+    out = folder / "weights.npz"
+    assert main(["train", "hog", str(folder), "-o", str(out), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["persons"] == 32
+    assert report["found"]["rooms"]["persons"] == 16  # each fold tries one body in one room of the two
+    assert report["found"]["rooms"]["recall"] >= 0.9
+    assert set(report["torso"]) == {"median_deg", "within_22_5", "within_45", "flipped"}
+    assert set(report["opencv"]) == {"rooms"}
+    assert load(out).hidden.shape[1] == network.UNITS
+    assert main(["train", "hog", str(folder), "-o", str(out)]) == 0
+    assert "found at 1 false positive in 1,000 windows: rooms" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("spoil", "cause"),
+    [
+        (lambda folder: (folder / "c3.png").unlink(), "c3.png is no picture"),
+        (lambda folder: rewrite(folder, "c3.png", "../c3.png"), "line 5: .*no name of a file"),
+        (lambda folder: rewrite(folder, "torso_heading", "heading"), "line 2: .*torso_heading"),
+        (lambda folder: rewrite(folder, "c3.png,3,a", "c3.png,x,a"), "line 5: .*invalid literal"),
+        (lambda folder: (folder / "boxes.csv").unlink(), "no pictures to learn from"),
+    ],
+)
+def test_folders_that_cannot_be_learnt_from_are_refused(folder, spoil, cause):
+    spoil(folder)
+    with pytest.raises(InputError, match=cause):
+        read_folder(folder)
+
+
+def rewrite(folder, old, new):
+    file = folder / "boxes.csv"
+    file.write_text(file.read_text().replace(old, new))
+
+
+def test_too_few_bodies_and_a_wrong_name_are_told_at_once(folder, capsys):
+    rewrite(folder, ",3,", ",2,")
+    assert main(["train", "hog", str(folder), "-o", str(folder / "weights.txt")]) == 2
+    told = capsys.readouterr().err
+    assert "3 numbered bodies" in told
+    assert "name a file .npz" in told
