@@ -40,7 +40,7 @@ class Finished:
 
 def balanced(summary: dict[str, Any]) -> bool:
     """Whether every message of every edge was accounted for."""
-    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "in_flight")
+    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
     sums = all(e["sent"] == sum(e[p] for p in parts) for e in summary["edges"])
     return sums and all(e["in_flight"] == 0 for e in summary["edges"])
 

@@ -69,6 +69,7 @@ def test_a_message_that_breaks_its_contract_is_invalid_and_goes_no_further(
             "late": 0,
             "unmatched": 0,
             "invalid": 1,
+            "lost": 0,
             "in_flight": 0,
         }
         assert any("load has dtype float64, declared uint8" in w for w in finished.summary["warnings"])

@@ -178,7 +178,7 @@ class Write(Stage):
     params: Params
 
     def setup(self) -> None:
-        self.file: TextIO = (self.context.out / self.params.path).open("w")
+        self.file: TextIO = (self.context.out / self.params.path).open("w", buffering=1)
 
     def process(self, number: Tick) -> None:
         h = number.header

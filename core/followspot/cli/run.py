@@ -24,6 +24,11 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     parser.add_argument(
+        "--restart",
+        action="store_true",
+        help="start workers that die again, as in live runs, in a replay too",
+    )
+    parser.add_argument(
         "--host", metavar="NAME", help="host of the workers that the placement gives none (default: this one)"
     )
     parser.add_argument(
@@ -54,6 +59,7 @@ def _run(args: argparse.Namespace) -> int:
             None if args.quiet else bar.show,
             network=network,
             media=media_folder(plan, args.media),
+            restart=args.restart,
         )
     finally:
         bar.close()

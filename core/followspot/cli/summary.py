@@ -8,7 +8,7 @@ from typing import Any
 from followspot.deploy.report import RunReport
 from followspot.runtime.ledger import EdgeCount
 
-_COUNTS = ("sent", "delivered", "dropped", "late", "unmatched", "invalid", "in_flight")
+_COUNTS = ("sent", "delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
 
 
 def text(report: RunReport, accuracy: str) -> str:

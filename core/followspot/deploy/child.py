@@ -18,6 +18,7 @@ from typing import Any
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.links import EdgeLinks, uses_zenoh
 from followspot.deploy.report import Warnings, worker_report
+from followspot.deploy.snapshot import state_from_data, state_to_data
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
@@ -37,6 +38,7 @@ class Child:
         self.channel = channel
         self.warnings = Warnings()
         self.worker: Worker | None = None
+        self.links: EdgeLinks | None = None
         self.over = threading.Event()
         self._orders: list[dict[str, Any]] = []
 
@@ -46,13 +48,14 @@ class Child:
         while (order := self.channel.receive())["kind"] != "plan":
             sockets[order["side"]][order["edge"]] = socket.socket(fileno=order["descriptors"][0])
         name, error = order["worker"], ""
-        links = None
         try:
-            links = self._links(order, sockets["sending"], sockets["receiving"])
+            self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
             self.channel.send("built")
-            links.wait_matched()
+            if not order["incarnation"]:  # later ones find the others at work, and some perhaps not at all
+                links.wait_matched()
             self.worker.setup()
+            self._restore(order["states"])
             self.channel.send("ready", expected=self.worker.expected())
             if self._started():
                 self._run()
@@ -62,8 +65,8 @@ class Child:
             self.over.set()
             if self.worker is not None:
                 self.worker.close()
-            if links is not None:
-                links.close()
+            if self.links is not None:
+                self.links.close()
         if self.worker is not None:
             report = worker_report(name, self.worker, self.warnings, error)
             self.channel.send("done", report=report.to_data())
@@ -84,13 +87,13 @@ class Child:
 
             session = connected(network_from_data(order["network"]))
             self.channel.send("listening", locators=locators(session))
-        return EdgeLinks(plan, sending, receiving, session, order["run"])
+        return EdgeLinks(plan, sending, receiving, session, order["run"], order["incarnation"])
 
     def _build(self, order: dict[str, Any], links: EdgeLinks) -> Worker:
         use_plugin_files(links.plan.plugin_files)
         edges = len(links.plan.edges)
         ledger = Ledger(edges, _shared_words(order["descriptors"][0], edges))
-        options = RunOptions(Path(order["out"]), order["frames"], self.warnings.add)
+        options = RunOptions(Path(order["out"]), order["frames"], self.warnings.add, order["restart"])
         return build_worker(Wiring(links.plan), order["worker"], ledger, options, links)
 
     def _started(self) -> bool:
@@ -119,10 +122,41 @@ class Child:
         return False
 
     def _obey(self, orders: list[dict[str, Any]]) -> None:
-        """Stop is the only order of a running worker."""
+        """Orders to a running worker come between two firings."""
         assert self.worker is not None
-        if any(order["kind"] == "stop" for order in orders):
-            self.worker.stop()
+        assert self.links is not None
+        for order in orders:
+            if order["kind"] == "stop":
+                self.worker.stop()
+            elif order["kind"] == "final":
+                self.worker.give_up_lost()
+            elif order["kind"] == "ring":
+                sock = socket.socket(fileno=order["descriptors"][0])
+                self.links.renew(self.worker, order["edge"], sock)
+            elif order["kind"] == "snapshot":
+                self._tell_states()
+
+    def _tell_states(self) -> None:
+        """What successors of the stages would need to carry on."""
+        assert self.worker is not None
+        for cell in self.worker.cells:
+            try:
+                state = state_to_data(cell.stage.state())
+            except Exception as error:
+                self.warnings.add(cell.name, f"its state cannot be kept: {error}")
+                continue
+            if state is not None:
+                self.channel.send("state", stage=cell.name, state=state)
+
+    def _restore(self, states: dict[str, Any]) -> None:
+        """Carry on from what the stages of the worker that died had told."""
+        assert self.worker is not None
+        for cell in self.worker.cells:
+            if cell.name in states:
+                try:
+                    cell.stage.restore(state_from_data(states[cell.name]))
+                except Exception as error:
+                    self.warnings.add(cell.name, f"it starts anew, for its state cannot be restored: {error}")
 
     def _tell_progress(self) -> None:
         assert self.worker is not None

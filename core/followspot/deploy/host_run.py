@@ -6,7 +6,7 @@ import mmap
 import os
 import selectors
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from typing import Any
 from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.links import uses_zenoh
 from followspot.deploy.report import WorkerReport
-from followspot.deploy.rings import Rings
+from followspot.deploy.rings import RingEnd, Rings
 from followspot.deploy.supervision import Pulse, back_off
 from followspot.deploy.worker_process import WorkerProcess
 from followspot.graph.plan import Plan
@@ -87,8 +87,10 @@ class HostRun:
             self._give_up(self.workers[name], error="")
 
     def wind_down(self) -> None:
-        """Start nobody again."""
+        """Start nobody again but those that are away already."""
         self._ending = True
+        for worker in self.workers.values():
+            worker.tell("final")
 
     def attend(self, timeout: float) -> None:
         """Hear what workers say, restart those that died, kill those that hang."""
@@ -125,12 +127,9 @@ class HostRun:
         """Start one worker and tell it what it is."""
         worker = self.workers[name] = WorkerProcess(name, incarnation)
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
-        ends = self.rings.renew(name) if incarnation else self.rings.take(name)
-        for end in ends:
-            with end.socket:
-                self.workers[end.worker].tell(
-                    "ring", (end.socket.fileno(),), edge=end.edge, side=end.side, new=end.worker != name
-                )
+        if incarnation:
+            self.rings.renew(name)
+        self._hand_over(self.rings.take(name, of=name))
         worker.tell(
             "plan",
             (self._ledger_fd,),
@@ -141,12 +140,21 @@ class HostRun:
             run=self.order.run,
             network=asdict(self.network.for_worker(self._peers())),
             incarnation=incarnation,
-            restart=self.order.restart,
+            restart=self.order.restart and not self._ending,
             states=self._states.get(name, {}),
         )
         if not self.hub and uses_zenoh(self.plan, name):  # each connects to those before it
             while not worker.locators and worker.busy:
                 self._listen(worker)
+
+    def _hand_over(self, ends: Iterable[RingEnd]) -> None:
+        """Give ends to their workers; one that is being started again will bring its own."""
+        for end in ends:
+            if end.of not in ("", end.worker) and self.workers[end.worker].phase != "running":
+                end.socket.close()
+                continue
+            with end.socket:
+                self.workers[end.worker].tell("ring", (end.socket.fileno(),), edge=end.edge, side=end.side)
 
     def _peers(self) -> list[str]:
         return [*self.hub, *(locator for worker in self.workers.values() for locator in worker.locators)]
@@ -165,7 +173,8 @@ class HostRun:
             self._selector.unregister(channel)
         if before == "starting" and worker.phase == "ready" and self._running:
             self._begin(worker)
-            self.news.append(f"worker {worker.name} is back")
+            self._hand_over(self.rings.take(of=worker.name))
+            self._tell_news(f"worker {worker.name} is back")
         if worker.phase not in ("over", "absent") and not worker.busy:
             self._ended(worker)
 

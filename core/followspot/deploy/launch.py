@@ -35,20 +35,23 @@ def run_plan(
     *,
     network: Network = Network(),
     media: Path = Path(),
+    restart: bool = False,
 ) -> RunReport:
     """Run to the end of all sources, or until it is interrupted; see `interruptible`.
 
     network: leads to the agents of other hosts that the plan names; media: folder here whose files agents
-    have below their own --media folder. Raises InputError where an agent is missing.
+    have below their own --media folder; restart: whether workers that die are started again in a replay,
+    too, as they are in live runs. Raises InputError where an agent is missing.
     """
+    restart = restart or any(stage.live for stage in plan.stages)
     if any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return interruptible(Coordinator(plan, options, hosts), on_progress)
+            return interruptible(Coordinator(plan, options, hosts, restart=restart), on_progress)
     if len(plan.workers) == 1:
         return interruptible(LocalRun(plan, options), on_progress)
-    return interruptible(Coordinator(plan, options, [HostRun("")]), on_progress)
+    return interruptible(Coordinator(plan, options, [HostRun("")], restart=restart), on_progress)
 
 
 def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:

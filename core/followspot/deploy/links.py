@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from followspot.errors import FollowspotError
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
+from followspot.runtime.worker import Worker
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.keys import port_key
 from followspot.transport.ring_reader import RingReader
@@ -49,13 +50,15 @@ class EdgeLinks:
         self.incarnation = incarnation
         hosts = {worker.name: worker.host for worker in plan.workers}
         self._host = {stage.name: hosts[stage.worker] for stage in plan.stages}
+        self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
+        self._ring_writers: dict[int, tuple[RingWriter, int]] = {}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
         planned = self.plan.edges[edge]
         if planned.kind == "ring":
-            return RingReader(self.receiving[edge], kind)
+            return self._ring_reader(edge, self.receiving[edge], kind)
         from followspot.transport.zenoh_edge import ZenohReader
 
         assert self.session is not None
@@ -75,7 +78,9 @@ class EdgeLinks:
         """The writing end of all edges of one output port that have the same kind and codec."""
         planned = [self.plan.edges[edge] for edge in edges]
         if kind == "ring":
-            return RingWriter([self.sending[edge] for edge in edges], _depth(planned))
+            ring = RingWriter([self.sending[edge] for edge in edges], _depth(planned))
+            self._ring_writers.update({edge: (ring, index) for index, edge in enumerate(edges)})
+            return ring
         from followspot.transport.zenoh_edge import ZenohWriter
 
         assert self.session is not None
@@ -90,6 +95,21 @@ class EdgeLinks:
         )
         self._zenoh_ends.append((planned[0].name, writer))
         return writer
+
+    def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
+        """The worker at the other end of a ring edge was started again; `sock` leads to it."""
+        if edge in self._ring_readers:
+            old, kind = self._ring_readers[edge]
+            worker.adopt_reader(old, self._ring_reader(edge, sock, kind))
+        else:
+            ring, index = self._ring_writers[edge]
+            ring.replace(index, sock)
+            worker.adopt_link(ring, sock.fileno())
+
+    def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
+        reader = RingReader(sock, kind)
+        self._ring_readers[edge] = reader, kind
+        return reader
 
     def wait_matched(self) -> None:
         """Return when every Zenoh edge has found its other end, so that nothing is lost at the start.

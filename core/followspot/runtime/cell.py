@@ -15,7 +15,7 @@ from followspot.runtime.firing import Join
 from followspot.runtime.latency import LatencyHistogram
 from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
-from followspot.transport.token import END
+from followspot.transport.token import ABSENT, END
 
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
@@ -87,6 +87,8 @@ class Cell:
         """Whether `setup` succeeded."""
         self.blocked = False
         """Whether an output is full; its reader's credit wakes this stage."""
+        self.absent = False
+        """Whether the outputs were declared absent."""
         self.count = CellCount()
         self.paths: dict[str, LatencyHistogram] = {}
         self.is_sink = not self.outlets
@@ -192,10 +194,22 @@ class Cell:
         if bound == END:
             self.finish()
             return
+        if bound == ABSENT:
+            self._pass_on_absence()
+            return
+        self.absent = False
         if bound > self._passed:
             self._passed = bound
+            self.join.closed = max(self.join.closed, bound - 1)  # for members that come back late
             for _, outlet in self.outlets:
                 outlet.settle(bound)
+
+    def _pass_on_absence(self) -> None:
+        """All inputs are away: who joins the outputs need not wait for them either; said once."""
+        if not self.absent:
+            self.absent = True
+            for _, outlet in self.outlets:
+                outlet.absent()
 
     def _overdue(self, deadline: float) -> bool:
         """Whether a message of a live join waits longer than it may; notes when one will."""

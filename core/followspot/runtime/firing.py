@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from followspot.messages import Message
 from followspot.runtime.inlet import HeldInlet, Inlet
 from followspot.runtime.ledger import LATE, UNMATCHED
-from followspot.transport.token import END
+from followspot.transport.token import ABSENT, END
 
 
 @dataclass(frozen=True)
@@ -98,11 +98,14 @@ class Join:
         return arguments, fired
 
     def bound(self) -> int:
-        """Nothing fires earlier than this capture time, ns; `END` when the stage will not fire again."""
+        """Nothing fires earlier than this capture time, ns.
+
+        `END` when the stage will not fire again; `ABSENT` when all that could still come is away.
+        """
         earliest = END
         for inlet in self.members:
             earliest = min(earliest, inlet.queue[0].header.time if inlet.queue else inlet.bound)
-        return max(earliest, self.closed + 1) if earliest != END else END
+        return max(earliest, self.closed + 1) if earliest < ABSENT else earliest
 
     def waiting_since(self) -> int | None:
         """When the oldest message that waits for others entered the graph, ns; None where none waits."""

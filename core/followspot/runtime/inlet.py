@@ -8,8 +8,10 @@ from collections.abc import Callable
 from followspot.messages import Message
 from followspot.runtime.ledger import DELIVERED, DROPPED, INVALID, SENT, UNMATCHED
 from followspot.transport.edge import PortReader
-from followspot.transport.token import END, Invalid, Settled, Token
+from followspot.transport.token import ABSENT, END, Invalid, Settled, Token
 
+UNCHANGED = -END
+"""As a bound: nothing new is known; who joins goes on waiting."""
 _BEFORE_ALL = -END - 1
 """Earlier than any bound: the first firings of a feedback edge wait for nothing."""
 
@@ -23,6 +25,7 @@ class Inlet:
     """
 
     __slots__ = (
+        "after_loss",
         "bound",
         "depth",
         "invalid_reason",
@@ -32,6 +35,7 @@ class Inlet:
         "reopened",
         "row",
         "slack",
+        "stale",
         "wake",
         "words",
     )
@@ -48,6 +52,10 @@ class Inlet:
         self.wake: Callable[[], None] = _nothing
         self.reopened: Callable[[], None] = _nothing
         self.invalid_reason = ""
+        self.after_loss = END
+        """The bound when the writer dies: `ABSENT` or `UNCHANGED` where it is started again."""
+        self.stale = 0
+        """Messages in the queue that a former writer sent; the present one gets no credit for them."""
 
     def put(self, message: Message) -> None:
         """A message from a stage of the same worker; the call is the edge."""
@@ -58,18 +66,26 @@ class Inlet:
 
     def settle(self, bound: int) -> None:
         """Nothing earlier than `bound`, ns, will come."""
-        if bound > self.bound:
+        if bound > self.bound or self.bound == ABSENT:
             self.bound = bound
             self.wake()
 
     def poll(self) -> bool:
-        """Take over what has arrived from another worker; whether the stream is over."""
+        """Take over what has arrived from another worker; whether nothing more comes from its reader."""
         assert self.reader is not None
         for token in self.reader.poll():
             self.accept(token)
         if self.reader.lost:
-            self.settle(END)
-        return self.bound == END
+            self.settle(self.after_loss)
+        return self.bound == END or self.reader.broken
+
+    def adopt(self, reader: PortReader) -> None:
+        """Another writer feeds this edge from now on, after what the former one sent."""
+        assert self.reader is not None
+        self.poll()
+        self.reader.close()
+        self.reader = reader
+        self.stale = len(self.queue)
 
     def accept(self, token: Token) -> None:
         """One token from another worker; the sender counted it."""
@@ -115,7 +131,9 @@ class Inlet:
 
     def _pop(self) -> Message:
         message = self.queue.popleft()
-        if self.reader is not None:
+        if self.stale:
+            self.stale -= 1
+        elif self.reader is not None:
             self.reader.consumed()
         elif len(self.queue) == self.depth - 1:
             self.reopened()

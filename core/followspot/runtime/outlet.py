@@ -9,7 +9,7 @@ from followspot.messages import Array, Header, InvalidMessage, Message, seal, st
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.ledger import INVALID, SENT, SHED
 from followspot.transport.edge import PortWriter
-from followspot.transport.token import END, Settled
+from followspot.transport.token import ABSENT, END, Settled
 
 _PLENTY = 1 << 30
 
@@ -21,7 +21,18 @@ class Outlet:
     rows: ledger rows of the edges behind each writer; slack: see `Inlet`.
     """
 
-    __slots__ = ("_living", "bound", "inlets", "refused", "rows", "slack", "type", "words", "writers")
+    __slots__ = (
+        "_living",
+        "bound",
+        "inlets",
+        "patient",
+        "refused",
+        "rows",
+        "slack",
+        "type",
+        "words",
+        "writers",
+    )
 
     def __init__(self, kind: type[Message], words: memoryview, *, slack: int) -> None:
         self.type = kind
@@ -34,6 +45,8 @@ class Outlet:
         """Writers with the rows of their living readers."""
         self.bound = -END
         self.refused: Callable[[str], None] = _nothing
+        self.patient = False
+        """Whether to wait for a reader that is away and will be back: in replays, which lose nothing."""
 
     def attach(self, writer: PortWriter, rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; rows: of its readers, in its order."""
@@ -42,7 +55,7 @@ class Outlet:
         self.forget_lost()
 
     def forget_lost(self) -> None:
-        """A reader that died is sent nothing more, so nothing more is counted as sent to it."""
+        """A reader that died is sent nothing, so nothing is counted as sent to it until it is back."""
         self._living = [
             (writer, [row for index, row in enumerate(rows) if index not in writer.lost])
             for writer, rows in zip(self.writers, self.rows, strict=True)
@@ -53,7 +66,11 @@ class Outlet:
         for inlet in self.inlets:
             if len(inlet.queue) >= inlet.depth:
                 return False
-        return not self.writers or all(writer.credit() > 0 for writer in self.writers)
+        if not self.writers:
+            return True
+        if self.patient and any(writer.lost for writer in self.writers):
+            return False
+        return all(writer.credit() > 0 for writer in self.writers)
 
     def send(self, message: Message, header: Header) -> None:
         """Stamp, check and deliver; one that breaks its contract is counted as invalid on every edge."""
@@ -90,6 +107,15 @@ class Outlet:
             inlet.settle(bound)
         for writer in self.writers:
             writer.send(Settled(bound))
+
+    def absent(self) -> None:
+        """Nothing comes for now, for nothing comes in; readers need not wait."""
+        if self.bound == END:
+            return
+        for inlet in self.inlets:
+            inlet.settle(ABSENT)
+        for writer in self.writers:
+            writer.send(Settled(ABSENT))
 
     def end(self) -> None:
         """Nothing more will come."""

@@ -19,13 +19,14 @@ from followspot.ports import InputPort as PortSpec
 from followspot.ports import Ports, ports
 from followspot.runtime.cell import Cell
 from followspot.runtime.firing import InputPort, Join
-from followspot.runtime.inlet import HeldInlet, Inlet
+from followspot.runtime.inlet import UNCHANGED, HeldInlet, Inlet
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.outlet import Outlet
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.runtime.worker import Worker
 from followspot.stage import Context, Stage
 from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.token import ABSENT
 
 
 class Links(Protocol):
@@ -54,12 +55,14 @@ class NoLinks:
 class RunOptions:
     """What the user said about this run and not about the graph.
 
-    out: folder for outputs; frames: messages per source, None for all; warn: stage name and text.
+    out: folder for outputs; frames: messages per source, None for all; warn: stage name and text;
+    rejoin: whether workers that die are started again: live joins then go on without them, others wait.
     """
 
     out: Path = Path()
     frames: int | None = None
     warn: Callable[[str, str], None] = lambda stage, text: None
+    rejoin: bool = False
 
 
 class Wiring:
@@ -172,6 +175,8 @@ class _Builder:
         inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack)
         if edge.kind != "reference":
             inlet.reader = self.links.reader(number, self.wiring.message_type(edge))
+            if self.options.rejoin:
+                inlet.after_loss = ABSENT if self.wiring.live else UNCHANGED
         return inlet
 
     def _cell(self, rank: int, stage: PlannedStage) -> Cell:
@@ -179,6 +184,7 @@ class _Builder:
         warn = partial(self.options.warn, stage.name)
         for outlet in outlets.values():
             outlet.refused = warn
+            outlet.patient = self.options.rejoin and not self.wiring.live
         context = Context(
             name=stage.name,
             room=self.plan.room,

@@ -21,7 +21,7 @@ from followspot.runtime.cell import Cell, StageError
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.runtime.team import teams
-from followspot.transport.edge import PortWriter
+from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import END
 
 _TURNS = 32
@@ -83,6 +83,31 @@ class Worker:
         """Call back when the descriptor is readable, until the callback says that it is over."""
         self._watched[fd] = callback
         self._poll.register(fd, select.POLLIN)
+
+    def adopt_reader(self, old: PortReader, new: PortReader) -> None:
+        """The worker that wrote to `old` was started again, and writes to `new`."""
+        inlet = next(inlet for inlet in self.readers if inlet.reader is old)
+        self._unwatch(old.fileno())
+        inlet.adopt(new)
+        self.watch(new.fileno(), inlet.poll)
+
+    def adopt_link(self, writer: PortWriter, fd: int) -> None:
+        """The worker that read from `writer` was started again, and reads through `fd`."""
+        rank = next(rank for known, rank in self.writers if known is writer)
+        self.watch(fd, partial(self._credited, fd, writer, rank))
+        for _, outlet in self.cells[rank].outlets:
+            outlet.forget_lost()
+        self.mark(rank)
+
+    def give_up_lost(self) -> None:
+        """Who is away, or dies from now on, does not come back: its streams are over."""
+        for inlet in self.readers:
+            inlet.after_loss = END
+            inlet.poll()
+        for cell in self.cells:
+            for _, outlet in cell.outlets:
+                outlet.patient = False
+            self.mark(cell.rank)
 
     def stop(self) -> None:
         """End all sources; what is in flight is still finished. Safe in signal handlers and threads."""
@@ -233,8 +258,11 @@ class Worker:
     def _receive(self, timeout_ms: int) -> None:
         for fd, _ in self._poll.poll(timeout_ms):
             if self._watched[fd]():
-                self._poll.unregister(fd)
-                del self._watched[fd]
+                self._unwatch(fd)
+
+    def _unwatch(self, fd: int) -> None:
+        if self._watched.pop(fd, None) is not None:
+            self._poll.unregister(fd)
 
     def _answer_bell(self) -> bool:
         with suppress(BlockingIOError):
@@ -242,8 +270,9 @@ class Worker:
         return False
 
     def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
+        before = writer.lost
         writer.drain()
-        if writer.lost:
+        if writer.lost or before:
             for _, outlet in self.cells[rank].outlets:
                 outlet.forget_lost()
         self.mark(rank)
@@ -251,6 +280,7 @@ class Worker:
 
     def _stop_sources(self) -> None:
         self._stopping = False
+        self.give_up_lost()
         for source in self.sources:
             if not source.done:
                 source.stop()

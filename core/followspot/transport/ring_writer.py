@@ -17,13 +17,14 @@ from followspot.transport.doorbell import (
     HELLO,
     INLINE,
     INLINE_BYTES,
+    OVER,
     SETTLED,
     SLOT,
     Link,
 )
 from followspot.transport.memory import Memory
 from followspot.transport.slots import Slots
-from followspot.transport.token import Settled
+from followspot.transport.token import END, Settled
 from followspot.transport.wire import ALIGN, padded
 
 
@@ -44,6 +45,7 @@ class RingWriter:
         self._slots = self._quota * (len(sockets) + 1) + 2
         self._sequence = 0
         self._granted = 0
+        self._over = False
         self._pool: Slots | None = None
         self._links = [self._linked(sock) for sock in sockets]
 
@@ -60,6 +62,8 @@ class RingWriter:
         """Serve another reader, from the next message on, in the place of one that is gone."""
         self._links[index].socket.close()
         self._links[index] = self._linked(sock)
+        if self._over:
+            self._links[index].post(OVER)
 
     def credit(self) -> int:
         """How many messages may be sent now."""
@@ -76,6 +80,7 @@ class RingWriter:
     def send(self, token: Message | Settled) -> None:
         """Ring the readers' doorbells; see `PortWriter.send`."""
         if isinstance(token, Settled):
+            self._over |= token.bound == END
             self._post(DOORBELL.pack(SETTLED, 0, 0, 0, token.bound))
             return
         if not self._controls():

@@ -8,6 +8,8 @@ from followspot.messages import Message
 
 END = 2**63 - 1
 """The bound, ns, of a stream that is over."""
+ABSENT = END - 1
+"""The bound, ns, of a stream whose source is away: nothing comes for now; whatever comes next ends that."""
 
 
 class Settled(NamedTuple):

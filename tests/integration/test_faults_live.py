@@ -1,0 +1,134 @@
+"""Live runs outlive their workers: joins go on, the dead come back, every message is accounted for."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
+
+PAIR = """
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+more: {uses: ticks.add, in: {number: a}}
+less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
+sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.004}
+save: {uses: ticks.write, in: {number: sum}}
+"""
+PLACEMENT = """
+placement: cameras
+workers:
+  left:  {stages: [a, more]}
+  right: {stages: [b, less]}
+  main:  {stages: [sum, save]}
+"""
+
+
+class Live:
+    """A live run with a worker for each of two sources, and one that joins them."""
+
+    def __init__(self, folder: Path, *options: str) -> None:
+        graph = write_graph(folder, PAIR)
+        (folder / "placement.yaml").write_text(PLACEMENT)
+        self.out = folder / "out"
+        self.process = start(graph, self.out, "--placement", str(folder / "placement.yaml"), *options)
+        assert wait_until(lambda: self.lines() > 5), "the run never began"
+
+    def lines(self) -> int:
+        path = self.out / "ticks.csv"
+        return len(path.read_text().splitlines()) if path.exists() else 0
+
+    def go_on(self, count: int = 10) -> None:
+        """Wait until so many more lines are written."""
+        wanted = self.lines() + count
+        assert wait_until(lambda: self.lines() >= wanted), "nothing is written any more"
+
+    def workers(self) -> list[int]:
+        """Process ids in the order of the placement."""
+        return sorted(children(self.process.pid))
+
+    def victim(self, name: str) -> int:
+        return self.workers()[["left", "right", "main"].index(name)]
+
+    def end(self) -> Finished:
+        self.process.send_signal(signal.SIGINT)
+        finished = finish(self.process, self.out)
+        assert finished.code == 0, finished.errors + json.dumps(finished.summary.get("errors"))
+        return finished
+
+
+@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+def test_a_camera_that_is_killed_comes_back_and_the_rest_goes_on(tmp_path: Path, edges: str) -> None:
+    run = Live(tmp_path, "--edges", edges)
+    first = run.workers()
+    os.kill(run.victim("left"), signal.SIGKILL)
+    run.go_on()
+    assert wait_until(lambda: len(run.workers()) == 3 and run.workers() != first), "it was not started again"
+    new = (set(run.workers()) - set(first)).pop()
+    before = run.lines()
+    assert wait_until(lambda: joined(run.out, before)), "its numbers never came back"
+    finished = run.end()
+    assert balanced(finished.summary)
+    assert any("worker left" in line and "SIGKILL" in line for line in finished.summary["warnings"])
+    assert any("worker left is back" in line for line in finished.summary["warnings"])
+    assert finished.edge("more.", "sum.")["lost"] <= 10
+    assert finished.edge("less.", "sum.")["lost"] == 0
+    assert wait_until(lambda: not any(alive(pid) for pid in [*first, new]))
+
+
+def joined(out: Path, after: int) -> bool:
+    """Whether a line after the first ones is a sum of both sources, or of the left one alone."""
+    lines = [line.split(",") for line in (out / "ticks.csv").read_text().splitlines()[after:]]
+    values = [int(line[2]) for line in lines if len(line) == 4]
+    return any(value < 1_000_000 for value in values) or any(
+        b - a > 1 for a, b in pairwise(values)
+    )
+
+
+@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+def test_the_worker_that_joins_is_killed_and_tracks_go_on(tmp_path: Path, edges: str) -> None:
+    run = Live(tmp_path, "--edges", edges)
+    os.kill(run.victim("main"), signal.SIGKILL)
+    assert wait_until(lambda: run.lines() < 3), "its file is begun anew when it comes back"
+    run.go_on()
+    finished = run.end()
+    assert balanced(finished.summary)
+    assert all(0 <= edge["lost"] <= 10 for edge in finished.summary["edges"])
+
+
+def test_a_worker_that_hangs_is_noticed_killed_and_started_again(tmp_path: Path) -> None:
+    run = Live(tmp_path)
+    victim = run.victim("right")
+    os.kill(victim, signal.SIGSTOP)
+    assert wait_until(lambda: not alive(victim)), "it was not noticed"
+    assert wait_until(lambda: len(run.workers()) == 3)
+    run.go_on()
+    finished = run.end()
+    assert balanced(finished.summary)
+    assert any("worker right" in line and "hangs" in line for line in finished.summary["warnings"])
+
+
+def test_a_replay_fails_when_a_worker_dies_unless_told_to_restart(tmp_path: Path) -> None:
+    graph = write_graph(
+        tmp_path,
+        """
+a:    {uses: ticks.count, with: {count: 400, size: 5000}}
+b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.002}}
+save: {uses: ticks.write, in: {number: b}}
+""",
+    )
+    out = tmp_path / "out"
+    process = start(graph, out, "--placement", "stage", "--restart")
+    assert wait_until(lambda: (out / "ticks.csv").exists() and (out / "ticks.csv").stat().st_size > 0)
+    os.kill(sorted(children(process.pid))[1], signal.SIGKILL)
+    finished = finish(process, out)
+    assert finished.code == 0, finished.errors + json.dumps(finished.summary)
+    assert balanced(finished.summary)
+    values = finished.values()
+    assert values == sorted(values)
+    assert values[-1] == 400
+    assert len(values) >= 380
