@@ -193,6 +193,39 @@ def test_ctrl_c_ends_a_live_camera_with_what_was_seen() -> None:
     assert len(collect("cam0", interrupted(), None, Detector(BOARD), io.StringIO()).views) == 1
 
 
+def playing(folder: Path) -> Camera:
+    """A camera whose live source shows a board at eight places."""
+    photographer = Photographer(lens(), BOARD)
+    film = cv2.VideoWriter(str(folder / "board.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 30, SIZE)
+    for place in places(0.42, (0.35, 0.25), 8):
+        film.write(cv2.cvtColor(photographer.picture(place), cv2.COLOR_GRAY2BGR))
+    film.release()
+    return lens(source=StageUse("cameras.playback", {"path": "board.avi", "speed": 1000}))
+
+
+def test_a_camera_of_the_room_is_calibrated_live(tmp_path: Path) -> None:
+    """A recording that plays as a live camera does, from the room file to the lens in it."""
+    camera = replace(playing(tmp_path), matrix=np.eye(3))
+    save(Room("studio", {camera.name: camera}), tmp_path / "room.yaml")
+    assert intrinsics(tmp_path, "--live") == 0
+    found = load(tmp_path / "room.yaml").cameras[camera.name]
+    assert found.matrix[0, 0] == pytest.approx(lens().matrix[0, 0], rel=0.02)
+    assert found.source is not None
+    assert found.source.uses == "cameras.playback"
+
+
+def test_a_missing_device_is_told_at_once_and_the_others_are_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    camera = playing(tmp_path)
+    save(Room("studio", {camera.name: camera}), tmp_path / "room.yaml")
+    assert intrinsics(tmp_path, "--live", "--device", "absent=77") == 1
+    told = capsys.readouterr()
+    assert "absent: its camera gives no pictures: is it connected, and free?" in told.err
+    assert camera.name in told.out
+    assert list(load(tmp_path / "room.yaml").cameras) == [camera.name]
+
+
 class Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Container, Iterator
 from pathlib import Path
 
@@ -9,8 +10,10 @@ import cv2
 
 from followspot import Camera, Context
 from followspot.errors import InputError, Mistake
+from followspot.graph.parameters import path_parameters
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
+from followspot.stage import PathIn
 from followspot_cameras.images import SUFFIXES, natural_order
 from followspot_cameras.recordings import SUFFIXES as VIDEOS
 from followspot_cameras.recordings import find_recordings
@@ -59,20 +62,40 @@ def pictures(path: Path, chosen: Container[int]) -> Numbered:
 
 
 def live_pictures(camera: Camera) -> Numbered:
-    """Pictures of the camera's own source as they come, without end. Raises InputError."""
+    """Pictures of the camera's own source as they come, without end; none where it gives none at first.
+
+    Raises InputError.
+    """
     use = camera.source
     stage_type = load_stage(use.uses) if use is not None else None
     if use is None or stage_type is None or not stage_type.live:
         text = f"camera {camera.name} has no live source"
         remedy = "give it one in the room file: source: {uses: cameras.device}, or give --videos"
         raise InputError([Mistake(None, text, remedy)])
-    stage = stage_type(Context(name=camera.name, camera=camera), **use.params)
+    number = 0
+
+    def warn(text: str) -> None:
+        if not number:
+            raise _Silent  # whoever stands there with a board need not wait for it
+        print(f"warning: {text}", file=sys.stderr)
+
+    inside = use.params.keys() & set(path_parameters(stage_type.Params, PathIn))
+    paths = {key: str(Path(use.folder) / str(use.params[key])) for key in inside}
+    context = Context(name=camera.name, camera=camera, warn=warn)
+    stage = stage_type(context, **{**use.params, **paths})
     stage.setup()
     try:
-        for number, frame in enumerate(stage.process()):
+        for frame in stage.process():
             yield number, _gray(frame.pixels)
+            number += 1
+    except _Silent:
+        return
     finally:
         stage.close()
+
+
+class _Silent(Exception):
+    """A live camera that gave no picture."""
 
 
 def _names(folder: Path) -> list[str]:

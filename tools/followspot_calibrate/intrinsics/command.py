@@ -37,18 +37,23 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
     done: dict[str, LensCalibration] = {}
     failed: dict[str, str] = {}
     for name, collected in look(args, live, Detector(board)).items():
+        if name in live and not collected.looked_at:
+            failed[name] = f"{name}: its camera gives no pictures: is it connected, and free?"
+            continue
         try:
             done[name] = calibrate_lens(name, collected.views, board, collected.size, args.model)
         except NoFit as error:
-            failed[name] = f"{name}: {error} ({collected.looked_at} pictures searched)"
+            failed[name] = (
+                f"{name}: {error} ({collected.looked_at} pictures searched)\n"
+                f"    is --board {args.board} right? Hold the whole board still, in good light"
+            )
     report = args.report or args.room.with_suffix(".intrinsics.html")
     notes = write(args.room, room, live, done, report) if done else {}
     print(as_json(done, notes) if args.json else summary(done))
     if done and not args.json:
         print(f"written to {args.room}; the page to look at: {report}")
     if failed:
-        remedy = f"\n    is --board {args.board} right? Hold the whole board still, in good light"
-        raise FollowspotError("\n".join(failed.values()) + remedy)
+        raise FollowspotError("\n".join(failed.values()))
     return 0
 
 
