@@ -6,6 +6,7 @@ part but for the likeness to skin, for clothes and hair have any colour.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import cv2
@@ -26,7 +27,7 @@ SKIN = ((0.35, 0.2), (0.2, 0.15))
 """log(red / green) and log(green / blue) of skin, light to dark: mean and standard deviation."""
 
 
-def looks(windows: Array) -> Array:
+def looks(windows: Array | Sequence[Array]) -> Array:
     """Descriptions of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, LOOKS) f4."""
     described = np.empty((len(windows), LOOKS), np.float32)
     for row, window in zip(described, windows, strict=True):

@@ -5,6 +5,7 @@ Histograms as Dalal & Triggs 2005: cells of 8 x 8 px, blocks of 2 x 2 cells, 9 u
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
 
 import cv2
@@ -41,7 +42,7 @@ def _hog() -> cv2.HOGDescriptor:
     return cv2.HOGDescriptor((WIDTH, HEIGHT), (16, 16), (STRIDE, STRIDE), (8, 8), 9)
 
 
-def describe(windows: Array) -> Array:
+def describe(windows: Array | Sequence[Array]) -> Array:
     """Histograms of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, FEATURES) f4."""
     hog = descriptor()
     features = np.empty((len(windows), FEATURES), np.float32)

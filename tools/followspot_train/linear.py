@@ -45,14 +45,15 @@ def train(
     persons: (N, FEATURES); tell: called with progress.
     """
     windows = anywhere(backgrounds, FIRST, rng)
-    negatives = describe(np.stack(windows))
+    negatives = describe(windows)
     weights = _fitted(persons, negatives, rng)
     for number in range(ROUNDS):
         tell(f"searching backgrounds for what deceives, {number + 1} of {ROUNDS}")
         seen = [s for picture in backgrounds for s in hardest(picture.pixels, weights, -0.5)]
         seen.sort(key=lambda s: -s.score)
-        windows += [s.window for s in seen[:HARD]]
-        negatives = np.vstack([negatives, describe(np.stack([s.window for s in seen[:HARD]]))])
+        hard = [s.window for s in seen[:HARD]]
+        windows += hard
+        negatives = np.vstack([negatives, describe(hard)])
         weights = _fitted(persons, negatives, rng)
     weights[-1] -= np.quantile(persons @ weights[:-1] + weights[-1], 1 - PASSING)
     return weights, windows

@@ -47,9 +47,8 @@ def joined(*parts: Windows) -> Windows:
 
 def described(windows: Sequence[Array], owner: Sequence[int], headings: Array) -> Windows:
     """Windows (HEIGHT, WIDTH, 3) u8 with owners and headings (N, 2) of torso and head, rad."""
-    pictures = np.stack(windows) if windows else np.empty((0, HEIGHT, WIDTH, 3), np.uint8)
     angles = np.reshape(headings, (-1, 2)).astype(float)
-    return Windows(describe(pictures), looks(pictures), np.array(owner, int), angles[:, 0], angles[:, 1])
+    return Windows(describe(windows), looks(windows), np.array(owner, int), angles[:, 0], angles[:, 1])
 
 
 def exact(persons: Sequence[Person]) -> Windows:
