@@ -94,14 +94,14 @@ def _window(at: Spots, rng: np.random.Generator) -> Array:
 
 
 def _poster(at: Spots, rng: np.random.Generator) -> Array:
-    """A picture of discs in strong colours, in a dark frame."""
-    color = _flat(at, rng.uniform(20, 200, 3))
-    for _ in range(6):
-        x, y, r = rng.uniform(0, at.width), rng.uniform(0, at.height), rng.uniform(0.05, 0.28)
-        color[np.hypot(at.u - x, at.v - y) < r] = rng.uniform(10, 245, 3)
+    """A landscape in strong colours, in a dark frame."""
+    height = at.v / at.height + 0.12 * cloud(rng, at.u, np.zeros_like(at.v), 0.12)
+    bands = np.sort(rng.uniform(0.15, 0.85, 4))
+    color = rng.uniform(15, 235, (5, 3))[np.searchsorted(bands, height)]
+    color *= 1 + 0.15 * cloud(rng, at.u, at.v, 0.05)[:, None]
     edge = np.minimum.reduce([at.u, at.width - at.u, at.v, at.height - at.v])
     color[edge < 0.025] = (40, 45, 50)
-    return color
+    return np.asarray(color)
 
 
 def _board(at: Spots, rng: np.random.Generator) -> Array:
