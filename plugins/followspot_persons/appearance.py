@@ -11,7 +11,7 @@ import numpy as np
 from followspot import Array, Field, InputPath, Stage, StageParams
 from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
-from followspot_persons.association import box_distance, carried, matched
+from followspot_persons.association import box_distance, carried, matched, on_body
 from followspot_persons.body_view import BodyView, view
 from followspot_persons.color_difference import SHIPPED as SHIPPED_RELATIONS
 from followspot_persons.color_difference import completed, read_relations
@@ -24,7 +24,7 @@ from followspot_persons.identity import same_person
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
-from followspot_persons.spawning import spawned
+from followspot_persons.spawning import STATURE, spawned
 from followspot_persons.track import Track, coasted, followed
 
 NANOSECOND = 1e-9
@@ -33,6 +33,12 @@ SHARP_VISIBILITY = 0.3
 NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
 each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
+MISS = 1.5
+"""Trust that a person loses without a box."""
+TRUSTED = 12.0
+"""Most trust in a person."""
+UNUSUAL = 0.12
+"""Difference from the usual height that costs a newcomer half a point of trust, m."""
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
 STRANGE = 2.0
@@ -43,7 +49,8 @@ STRANGE = 2.0
 class Acquaintance:
     """A person, known or not yet: number 0 until enough boxes have shown that somebody is there.
 
-    begun, seen: ns, of the first and of the last box; hits: boxes so far; absent: whether the person is away.
+    begun, seen: ns, of the first and of the last box; hits, trust: number of the boxes so far, and their
+    scores less what missing ones cost; absent: whether the person is away.
     """
 
     number: int
@@ -51,7 +58,8 @@ class Acquaintance:
     colors: ColorModel
     begun: int
     seen: int
-    hits: int = 1
+    hits: int
+    trust: float
     absent: bool = False
 
 
@@ -64,8 +72,12 @@ class Appearance(Stage):
         shape: InputPath = Field(SHIPPED_SHAPE, description="shape model")
         relations: InputPath = Field(SHIPPED_RELATIONS, description="how colours of features relate")
         particles: int = Field(200, ge=20, le=10_000, unit="1", description="per person")
-        confirm: int = Field(
-            3, ge=1, unit="1", description="boxes that make a person; raising it avoids false persons"
+        score: float = Field(0.8, unit="1", description="lowest score of a box that begins a person")
+        confirm: float = Field(
+            4.0,
+            unit="1",
+            description="sum of the scores of boxes, two at least, that makes a person; raising it avoids "
+            "false persons and finds true ones later",
         )
         away: float = Field(
             1.5, gt=0, unit="s", description="time without a box after which a person is away"
@@ -73,7 +85,6 @@ class Appearance(Stage):
         keep: float = Field(
             120.0, gt=0, unit="s", description="time for which a person who is away is remembered"
         )
-        score: float = Field(0.0, unit="1", description="lowest score of a box that begins a person")
         difference: bool = Field(True, description="predict the colours of unseen sides from the seen ones")
         memory: float = Field(
             30.0,
@@ -108,12 +119,12 @@ class Appearance(Stage):
         present = [p for p in self.people if not p.absent]
         pairs = self.assigned(present, detections, picture, now)
         for person, box in pairs:
-            present[person] = self.updated(present[person], detections[box], picture, seconds, now)
+            score = float(boxes.score[box])
+            present[person] = self.updated(present[person], detections[box], score, picture, seconds, now)
         missed = set(range(len(present))) - {person for person, _ in pairs}
         kept = [p for i, p in enumerate(present) if i not in missed]
         kept += [p for i in sorted(missed) if (p := self.missed(present[i], seconds, now))]
-        free = set(range(len(detections))) - {box for _, box in pairs}
-        kept += [self.begun(detections[i], now) for i in sorted(free) if boxes.score[i] >= self.params.score]
+        kept += [self.begun(detections[i], float(boxes.score[i]), now) for i in self.unclaimed(boxes, pairs)]
         gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.keep]
         self.people = self.recognised(kept + gone)
         return self.appearances(frame.camera)
@@ -147,8 +158,21 @@ class Appearance(Stage):
         )
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
+    def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]]) -> list[int]:
+        """Boxes that begin a person: sure enough, and not one more box of somebody who has one."""
+        claimed = [box for _, box in pairs]
+        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (boxes.score < self.params.score)
+        taken[claimed] = True
+        return [int(i) for i in np.flatnonzero(~taken)]
+
     def updated(
-        self, person: Acquaintance, detection: Detection, picture: Picture, seconds: float, now: int
+        self,
+        person: Acquaintance,
+        detection: Detection,
+        score: float,
+        picture: Picture,
+        seconds: float,
+        now: int,
     ) -> Acquaintance:
         """The person after a box: pose by edges and box, colours by the pose."""
         fitness = Fitness(picture, self.shape, self.weights, detection=detection)
@@ -160,24 +184,34 @@ class Appearance(Stage):
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
         model = learnt(person.colors, colors[0].astype(float), weight, self.params.memory)
-        return replace(person, track=track, colors=model, seen=now, hits=person.hits + 1)
+        return replace(
+            person,
+            track=track,
+            colors=model,
+            seen=now,
+            hits=person.hits + 1,
+            trust=min(person.trust + score, TRUSTED),
+        )
 
     def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
         """The person after a picture without a box; None for one whom nobody knows yet."""
-        if person.number == 0 and person.hits < self.params.confirm:
-            return replace(person, hits=person.hits - 1) if person.hits > 1 else None
-        absent = (now - person.seen) * NANOSECOND > self.params.away
-        return replace(person, track=coasted(person.track, seconds), absent=absent)
+        trust = person.trust - MISS
+        if person.number == 0 and trust <= 0:
+            return None
+        absent = trust <= 0 or (now - person.seen) * NANOSECOND > self.params.away
+        return replace(person, track=coasted(person.track, seconds), trust=trust, absent=absent)
 
-    def begun(self, detection: Detection, now: int) -> Acquaintance:
+    def begun(self, detection: Detection, score: float, now: int) -> Acquaintance:
         """Somebody whom one box has shown."""
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
-        return Acquaintance(0, Track.begun(particles), ColorModel.unseen(len(self.shape.names)), now, now)
+        return Acquaintance(
+            0, Track.begun(particles), ColorModel.unseen(len(self.shape.names)), now, now, 1, score
+        )
 
     def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:
         """Everybody, newcomers with the number of one who was lost and looks the same, or with a new one."""
-        newcomers = [p for p in people if p.number == 0 and p.hits >= self.params.confirm]
-        others = [p for p in people if p.number or p.hits < self.params.confirm]
+        newcomers = [p for p in people if self.convincing(p)]
+        others = [p for p in people if not self.convincing(p)]
         for newcomer in newcomers:
             lost = [p for p in others if p.number and p.seen < newcomer.begun]
             likeness = [self.likeness(newcomer, p) for p in lost]
@@ -189,6 +223,11 @@ class Appearance(Stage):
                 self.numbers += 1
                 others.append(replace(newcomer, number=self.numbers))
         return others
+
+    def convincing(self, person: Acquaintance) -> bool:
+        """Whether a newcomer is a person."""
+        unusual = 0.5 * ((person.track.stature - STATURE) / UNUSUAL) ** 2
+        return person.number == 0 and person.hits > 1 and person.trust >= self.params.confirm + unusual
 
     def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
         """Log of how much likelier two acquaintances are one person than two."""

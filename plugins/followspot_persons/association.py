@@ -6,6 +6,9 @@ import numpy as np
 
 from followspot import Array
 
+BESIDE = 0.5
+"""Distance from the middle of a body that belongs to it still, in heights of its box: shoulders and arms."""
+
 
 def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
     """Pairs (row, column) of lowest cost, each row and column at most once, none above the limit; greedily.
@@ -36,6 +39,20 @@ def box_distance(expected: Array, detected: Array, around: int = 0) -> Array:
     down = (a[..., 1] + a[..., 3] - b[..., 1] - b[..., 3]) / 2
     size = np.log(np.maximum(a[..., 3] - a[..., 1], 1e-6) / height)
     return np.asarray(np.hypot(np.hypot(across, down) / height, size))
+
+
+def on_body(boxes: Array, body: Array, around: int = 0) -> Array:
+    """Whether boxes are parts of bodies that have one: their middle lies on it or up to a height below.
+
+    boxes: (N, 4) px; body: (K, 4) px, upper bodies; around: columns of a full turn, 0 for none. Returns (N,).
+    """
+    a, b = boxes[:, None], body[None]
+    height = b[..., 3] - b[..., 1]
+    across = (a[..., 0] + a[..., 2] - b[..., 0] - b[..., 2]) / 2
+    if around:
+        across = across - around * np.rint(across / around)
+    down = (a[..., 1] + a[..., 3]) / 2 - b[..., 1]
+    return np.asarray(((np.abs(across) < BESIDE * height) & (down > 0) & (down < 2 * height)).any(axis=1))
 
 
 def carried(points: Array, source: Array, target: Array) -> Array:

@@ -70,7 +70,7 @@ class PoseTracker(Stage):
             0.6, gt=0, unit="s", description="time without such a picture after which a person is gone"
         )
         unseen: float = Field(
-            3.0,
+            2.0,
             gt=0,
             unit="s",
             description="time after which one is gone whom the slow instance does not see",
