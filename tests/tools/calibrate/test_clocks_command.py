@@ -66,6 +66,8 @@ def test_offsets_are_found_and_track_as_well_as_if_they_were_known(
     written = np.array([c.clock_offset for c in room_file.load(room).cameras.values()])
     assert written == pytest.approx([told[name]["clock_offset"] for name in told])
     assert written == pytest.approx(TRUE, abs=1e-3)
+    page = room.with_suffix(".clocks.html").read_text()
+    assert all(f"{1e3 * offset:+.2f} ms" in page for offset in written)
     after = errors(room, None, tmp_path)
     known = errors(recording, TRUE, tmp_path)
     assert (after < 0.6 * before).all()

@@ -171,3 +171,6 @@ def test_targets_that_look_alike_are_warned_about(studio: Path, capsys: pytest.C
     assert found["warnings"] == [line.removeprefix("warning: ") for line in said.err.splitlines()]
     assert main(["calibrate", "targets", "--room", room, "--clips", clips]) == 0
     assert "in the worst camera" in capsys.readouterr().out
+    page = (studio / "room.targets.html").read_text()
+    assert "look alike in cam0" in page
+    assert page.count("<rect") == 16 * 3  # a bar for each hue of green, red and rose, seen by one camera

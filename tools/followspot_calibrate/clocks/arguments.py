@@ -42,6 +42,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"refuse offsets whose standard deviation is larger, ms (default: {LIMIT:g})",
     )
     parser.add_argument("--dry-run", action="store_true", help="show the offsets, write nothing")
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.clocks.html)"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
     add_change_options(parser)
 

@@ -20,6 +20,8 @@ from followspot.graph.plan import Plan
 from followspot.messages import Array
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
+from followspot_calibrate.clocks.page import page_of
+from followspot_calibrate.report import write_report
 from followspot_calibrate.tracked import Tracked, track, tracking_plan
 
 FEWEST = 30
@@ -45,9 +47,14 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
         found = found_in_rounds(plan, Path(folder), args)
     if reference is not None:
         found = found.relative_to(reference)
-    print(as_json(room, found) if args.json else table(room, found))
     if not args.dry_run:
         write(args.room, room, found)
+    report = args.report or args.room.with_suffix(".clocks.html")
+    try:
+        write_report(report, page_of(room, found))
+    except OSError as error:
+        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
+    print(as_json(room, found) if args.json else f"{table(room, found)}\nthe page to look at: {report}")
     return 0
 
 

@@ -4,6 +4,7 @@ A page is a title, a verdict, warnings and sections; the sections stand ready he
 the usual ones together.
 """
 
+from followspot_calibrate.report.bars import hue_bars, interval_chart
 from followspot_calibrate.report.charts import Course, drift_charts
 from followspot_calibrate.report.page import Page, Section, Verdict, write_report
 from followspot_calibrate.report.pictures import coverage
@@ -20,6 +21,8 @@ __all__ = [
     "camera_table",
     "coverage",
     "drift_charts",
+    "hue_bars",
+    "interval_chart",
     "pair_table",
     "plain_table",
     "poses",

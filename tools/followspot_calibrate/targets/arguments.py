@@ -33,6 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         help=f"radius of the targets, m; else as in the room file, else {RADIUS} (a 6-inch ball)",
     )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.targets.html)"
+    )
     parser.add_argument("--json", action="store_true", help="print one JSON object with the templates")
 
 
@@ -40,7 +43,7 @@ def run(args: argparse.Namespace) -> int:
     """Learn, write, report."""
     from followspot_calibrate.targets.command import calibrate_targets
 
-    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, in_json=args.json)
+    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, args.report, in_json=args.json)
 
 
 COMMAND = Command("targets", HELP, configure, run, parent="calibrate")

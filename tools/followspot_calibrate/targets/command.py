@@ -10,19 +10,21 @@ from followspot import Room, Target
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
+from followspot_calibrate.report import write_report
 from followspot_calibrate.targets.learning import Lesson, learn, taught
+from followspot_calibrate.targets.page import page_of
 from followspot_calibrate.targets.separability import Separability, separability
 from followspot_calibrate.targets.text import as_json, summary
 
 
 def calibrate_targets(
-    room_file: Path, clips: Path, radius: float | None, usual: float, *, in_json: bool
+    room_file: Path, clips: Path, radius: float | None, usual: float, page: Path | None, *, in_json: bool
 ) -> int:
-    """Learn all targets, update the room file, report; returns the exit code.
+    """Learn all targets, update the room file, write the page, report; returns the exit code.
 
-    radius, usual: m, as given, and where neither the user nor the room file knows it. A clip that teaches
-    nothing is a warning, and so are two targets that look alike. Raises FollowspotError for targets that no
-    camera saw; the others are written.
+    radius, usual: m, as given, and where neither the user nor the room file knows it; page: to look at,
+    by default beside the room file. A clip that teaches nothing is a warning, and so are two targets that
+    look alike. Raises FollowspotError for targets that no camera saw; the others are written.
     """
     if radius is not None and not radius > 0:
         text = f"--radius {radius:g} is not positive"
@@ -36,14 +38,16 @@ def calibrate_targets(
         if name not in failed
     }
     targets = {**room.targets, **learnt}
+    apart = told_apart(room, targets, report)
+    page = page or room_file.with_suffix(".targets.html")
     try:
         update(room_file, targets=targets)
+        write_report(page, page_of(room.name, report, apart))
     except OSError as error:
-        raise FollowspotError(f"{room_file} cannot be written: {error.strerror}") from None
-    apart = told_apart(room, targets, report)
+        raise FollowspotError(f"{error.filename or room_file} cannot be written: {error.strerror}") from None
     for text in (warning for one in apart for warning in one.warnings):
         print(f"warning: {text}", file=sys.stderr)
-    print(as_json(report, apart) if in_json else summary(report, apart))
+    print(as_json(report, apart) if in_json else f"{summary(report, apart)}\nthe page to look at: {page}")
     if failed:
         raise FollowspotError(f"no camera saw {', '.join(failed)}; {room_file} has the other targets")
     return 0

@@ -12,17 +12,20 @@ from followspot.cli.summary import table
 from followspot_calibrate.targets.learning import Lesson
 from followspot_calibrate.targets.separability import Separability, worst
 
+HEAD = ("target", "camera", "frames", "area", "template")
 APART = "blobs of the target on the left that the template above accepts, in the worst camera"
 
 
 def summary(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
     """A line per target and camera, then how well the targets are told apart."""
-    head = ("target", "camera", "frames", "area", "template")
-    lines = [head, *(_line(name, one) for name, lessons in report.items() for one in lessons)]
+    lines = [HEAD, *(template_row(name, one) for name, lessons in report.items() for one in lessons)]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     rows = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
     learnt = "\n".join("  ".join(row).rstrip() for row in rows)
-    return f"{learnt}\n\n{APART}\n{_matrix(worst(apart))}" if apart else learnt
+    if not apart:
+        return learnt
+    one = worst(apart)
+    return f"{learnt}\n\n{APART}\n{table(('', *one.targets), accepted_rows(one))}"
 
 
 def as_json(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
@@ -45,15 +48,16 @@ def as_json(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability
     )
 
 
-def _matrix(one: Separability) -> str:
-    rows = [
+def accepted_rows(one: Separability) -> list[tuple[str, ...]]:
+    """One line per target: which share of its blobs the template of each other one accepts."""
+    return [
         (name, *("" if i == j else f"{100 * share:.0f} %" for j, share in enumerate(one.accepted[i])))
         for i, name in enumerate(one.targets)
     ]
-    return table(("", *one.targets), rows)
 
 
-def _line(name: str, one: Lesson) -> Sequence[str]:
+def template_row(name: str, one: Lesson) -> Sequence[str]:
+    """What a camera learnt of a target, in the order of `HEAD`."""
     area = f"{one.area[0]:.0f}-{one.area[1]:.0f} px" if one.area else "-"
     template = "nothing learnt"
     if one.hue_histogram is not None:

@@ -1,0 +1,34 @@
+"""The page of `followspot calibrate clocks`."""
+
+from __future__ import annotations
+
+from followspot import Room
+from followspot_calibrate.clocks.estimation import Offsets
+from followspot_calibrate.report import Page, interval_chart, plain_table
+
+HEAD = ("camera", "offset ms", "± ms", "sightings of moving targets")
+NOTE = (
+    "How much later than its time stamps say each camera takes its pictures; bars: two sigmas to each side."
+)
+
+
+def page_of(room: Room, found: Offsets) -> Page:
+    """The offsets, how well they are known, and from how much."""
+    names, offset, sigma = list(room.cameras), 1e3 * found.offset, 1e3 * found.sigma
+    rows = [
+        [name, f"{value:+.2f}", f"{error:.2f}", str(count)]
+        for name, value, error, count in zip(
+            names, offset.tolist(), sigma.tolist(), found.sightings.tolist(), strict=True
+        )
+    ]
+    summary = f"{len(names)} cameras, {offset.max() - offset.min():.1f} ms between the first and the last"
+    return Page(
+        f"Clocks of {room.name}",
+        "good",
+        summary,
+        [],
+        [
+            plain_table("Clock offsets", HEAD, rows),
+            interval_chart("Offsets", names, offset, sigma, "ms", NOTE),
+        ],
+    )
