@@ -9,6 +9,7 @@ import cv2
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
+from followspot.messages import Array
 from followspot.tracking import Frame
 from followspot_cameras.clock import capture_time, exact_rate
 from followspot_cameras.picture import as_frame
@@ -59,7 +60,7 @@ class Images(Stage):
         rate = exact_rate(self.params.fps)
         unreadable = []
         for number, path in enumerate(self.chosen, self.params.start_frame):
-            image = cv2.imread(str(path), cv2.IMREAD_COLOR)
+            image = read_picture(path)
             if image is None:
                 unreadable.append(path.name)
                 continue
@@ -67,6 +68,14 @@ class Images(Stage):
             yield at(capture_time(number, rate), frame, seq=number)
         if unreadable:
             self.context.warn(f"{len(unreadable)} pictures cannot be read, the first is {unreadable[0]}")
+
+
+def read_picture(path: Path) -> Array | None:
+    """The picture, (H, W, 3) uint8; None where it cannot be read, or claims a size beyond all reason."""
+    try:
+        return cv2.imread(str(path), cv2.IMREAD_COLOR)
+    except cv2.error:
+        return None
 
 
 def natural_order(folder: Path, pattern: str) -> list[Path]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,6 +18,10 @@ from followspot_calibrate.sightings import Sightings
 MOST_BYTES = 1_000_000_000
 """Of all arrays in the file, unpacked."""
 KEY = "keypoints"
+_UNREADABLE = (
+    *(OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error),
+    *(NotImplementedError, RuntimeError, MemoryError),  # other compression, a password, a shape without bytes
+)
 VIEWS = "views_xywh"
 """Optional: (C, 4), the last two width and height of each picture."""
 
@@ -40,10 +45,15 @@ def read_keypoints(
     pixel = np.where(unseen[..., None], np.nan, keypoints[..., :2])
     names = names_of(path, count, cameras)
     views = arrays.get(VIEWS)
-    own = views is not None and views.shape == (count, 4) and (views[:, 2:] >= 1).all()
+    own = views is not None and views.shape == (count, 4) and _are_sizes(views[:, 2:])
     sizes = views[:, 2:].astype(int) if own and views is not None else sizes_of(path, names, cameras, size)
     frame, label = np.repeat(np.arange(frames), points), np.tile(np.arange(points), frames)
     return Sightings(names, sizes, frame, label, pixel)
+
+
+def _are_sizes(sizes: Array) -> bool:
+    """Whether these are numbers that a picture may have as width and height."""
+    return sizes.dtype.kind in "iuf" and bool(((sizes >= 1) & (sizes < 1 << 16)).all())
 
 
 def _arrays(path: Path) -> dict[str, Array]:
@@ -55,5 +65,5 @@ def _arrays(path: Path) -> dict[str, Array]:
             raise InputError([Mistake(None, f"{path} unpacks to {unpacked} bytes, at most {MOST_BYTES}")])
         with np.load(path, allow_pickle=False) as file:
             return {name: file[name] for name in (KEY, VIEWS) if name in file}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except _UNREADABLE as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error}", "needs an NPZ file")]) from None

@@ -1,0 +1,80 @@
+"""What fuzzing has found: each input once, so that it stays mended."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from followspot.errors import InputError
+from followspot.room import Camera
+from followspot.stage import Context
+from followspot_calibrate.points_file.reading import read_points
+from followspot_cameras.images import Images
+
+
+def keypoints(**more: Any) -> bytes:
+    kept = io.BytesIO()
+    np.savez_compressed(kept, keypoints=np.ones((2, 3, 1, 3)), **more)
+    return kept.getvalue()
+
+
+def with_compression(data: bytes, method: int) -> bytes:
+    """The archive, its members said to be compressed in this way."""
+    found = bytearray(data)
+    for signature, offset in ((b"PK\3\4", 8), (b"PK\1\2", 10)):
+        place = found.index(signature) + offset
+        found[place : place + 2] = method.to_bytes(2, "little")
+    return bytes(found)
+
+
+def claiming_shape(shape: str) -> bytes:
+    """An archive with an array whose head claims more than is there."""
+    head = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}".ljust(117) + "\n"
+    kept = io.BytesIO()
+    with zipfile.ZipFile(kept, "w") as archive:
+        archive.writestr("keypoints.npy", b"\x93NUMPY\1\0" + len(head).to_bytes(2, "little") + head.encode())
+    return kept.getvalue()
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        with_compression(keypoints(), 97),
+        keypoints()[:100] + bytes(8) + keypoints()[108:],
+        claiming_shape("(100000000, 100000000, 2, 3)"),
+    ],
+    ids=["unknown compression", "damaged stream", "claims a huge array"],
+)
+def test_an_archive_of_keypoints_that_is_damaged_is_refused(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "points.npz"
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="cannot be read"):
+        read_points(path, size=(320, 240))
+
+
+@pytest.mark.parametrize("views", [np.full((2, 4), "wide"), np.full((2, 4), np.nan), np.full((2, 4), 1e300)])
+def test_sizes_of_pictures_that_are_none_are_not_believed(tmp_path: Path, views: np.ndarray) -> None:
+    path = tmp_path / "points.npz"
+    path.write_bytes(keypoints(views_xywh=views))
+    found = read_points(path, size=(320, 240))
+    assert found.sizes.tolist() == [[320, 240]] * 2
+
+
+@pytest.mark.parametrize(
+    "size", ["8 2000000000", "2000000000 8", "1000000 1000000", "99999999999 1", "30000 30000"]
+)
+def test_a_picture_that_claims_a_size_beyond_reason_leaves_a_gap(tmp_path: Path, size: str) -> None:
+    (tmp_path / "frame0.ppm").write_bytes(b"P6 " + size.encode() + b" 255 " + bytes(100))
+    (tmp_path / "frame1.ppm").write_bytes(b"P6 8 6 255 " + bytes(8 * 6 * 3))
+    eye = np.eye(3)
+    camera = Camera("cam0", "color", (8, 6), eye, np.zeros(5), eye, np.zeros(3))
+    warnings: list[str] = []
+    stage = Images(Context("camera/cam0", camera=camera, warn=warnings.append), path=tmp_path)
+    stage.setup()
+    assert [frame.header.seq for frame in stage.process()] == [1]
+    assert "frame0.ppm" in warnings[0]

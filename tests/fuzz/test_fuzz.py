@@ -1,0 +1,59 @@
+"""Broken inputs of every kind, a few of each; `python tools/fuzz.py` tries a hundred thousand."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+FUZZ = Path(__file__).parents[2] / "tools" / "fuzz.py"
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict[str, Any]:
+    words = [sys.executable, str(FUZZ), "--share", "0.004", "--seed", "11", "--json"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.stdout, done.stderr
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def test_no_broken_input_crashes_hangs_or_takes_much_memory(outcomes: dict[str, Any]) -> None:
+    assert {name: outcome["crashes"] for name, outcome in outcomes.items() if outcome["crashes"]} == {}
+
+
+def test_every_broken_input_is_accepted_or_counted_with_a_reason(outcomes: dict[str, Any]) -> None:
+    assert len(outcomes) == 14
+    for outcome in outcomes.values():
+        assert outcome["accepted"] + sum(outcome["refused"].values()) == outcome["inputs"] > 0
+    reasons = [reason for outcome in outcomes.values() for reason in outcome["refused"]]
+    assert len(reasons) > 50
+
+
+def test_a_crash_is_reported_and_fails_the_script(tmp_path: Path) -> None:
+    script = tmp_path / "weak.py"
+    script.write_text(
+        f"import os, sys\nsys.path.insert(0, {str(FUZZ.parent)!r})\n"
+        "import fuzz\nfrom fuzz_target import Target\n"
+        "def take(number):\n"
+        "    if number == 1: raise AssertionError('seen')\n"
+        "    if number == 3: os.abort()\n"
+        "fuzz.__file__ = __file__\n"
+        "numbers = iter(range(100))\n"
+        "fuzz.target = lambda name: Target(lambda rng: int(fuzz_place[0]), take, ())\n"
+        "attack = fuzz.attack\n"
+        "def watched(name, seed, first, last, place):\n"
+        "    global fuzz_place\n    fuzz_place = place\n    return attack(name, seed, first, last, place)\n"
+        "fuzz.attack = watched\n"
+        "sys.exit(fuzz.main())\n"
+    )
+    words = [sys.executable, str(script), "--only", "ring", "--share", "0.0003", "--json"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    outcome = json.loads(done.stdout)["ring"]
+    assert any("3: the process ended with -6" in crash for crash in outcome["crashes"])
+    assert outcome["inputs"] == 6

@@ -1,0 +1,190 @@
+"""Try to break everything that reads what others wrote, with broken inputs by the thousand.
+
+    python tools/fuzz.py                      100,000 messages, 15,000 files and requests, 2,000 recordings
+    python tools/fuzz.py --share 0.01         a hundredth of that
+    python tools/fuzz.py --only graph room --seed 7
+
+Each target runs in a process of its own with bounded memory; an input that takes longer than ten seconds or
+kills the process is a crash. Inputs follow from the seed, so a crash comes again: --only TARGET --at NUMBER.
+Exit code 1 where anything but a refusal was seen.
+"""
+
+from __future__ import annotations
+
+import argparse
+import faulthandler
+import json
+import mmap
+import os
+import random
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+import traceback
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from fuzz_target import Outcome, Target
+
+COUNTS = {
+    "zenoh": 80_000,
+    "ring": 20_000,
+    "graph": 2_500,
+    "room": 2_500,
+    "placement": 1_500,
+    "override": 500,
+    "tables": 2_000,
+    "keypoints": 500,
+    "calibration": 1_500,
+    "request": 3_000,
+    "status": 500,
+    "roster": 500,
+    "video": 1_000,
+    "images": 1_000,
+}
+MODULES = {
+    "fuzz_wire": ("zenoh", "ring"),
+    "fuzz_files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
+    "fuzz_control": ("request", "status", "roster"),
+    "fuzz_pictures": ("video", "images"),
+}
+LONGEST_S = 10.0
+"""For one input."""
+MEMORY = 2 << 30
+"""Bytes of address space that a target may take beyond what it has at the start."""
+_MOST_CRASHES = 20
+
+
+def target(name: str) -> Target:
+    """The target; the others are not imported."""
+    module = next(module for module, names in MODULES.items() if name in names)
+    made: Target = getattr(import_module(module), f"{name}_target")()
+    return made
+
+
+def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Outcome:
+    """Try inputs `first` to `last`; place: one word, the number of the input under way."""
+    aim = target(name)
+    outcome = Outcome()
+    start = _memory_mb()
+    _limit_memory()
+    for number in range(first, last):
+        place[0] = number
+        made = aim.make(random.Random(f"{name}:{seed}:{number}"))
+        faulthandler.dump_traceback_later(LONGEST_S, exit=True)
+        began = time.perf_counter()
+        try:
+            aim.take(made)
+            outcome.accepted += 1
+        except aim.refusals as error:
+            outcome.refuse(error)
+        except (Exception, SystemExit) as error:
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            text = f"{number}: {type(error).__name__}: {str(error)[:200]} at {where.filename}:{where.lineno}"
+            if len(outcome.crashes) < _MOST_CRASHES:
+                outcome.crashes.append(text)
+        outcome.slowest_s = max(outcome.slowest_s, time.perf_counter() - began)
+        outcome.inputs += 1
+    faulthandler.cancel_dump_traceback_later()
+    outcome.peak_mb = _memory_mb() - start
+    return outcome
+
+
+def besiege(name: str, seed: int, first: int, last: int) -> Outcome:
+    """Attack in a process of its own, again after each death."""
+    whole = Outcome()
+    while first < last and len(whole.crashes) < _MOST_CRASHES:
+        with tempfile.NamedTemporaryFile() as file:
+            file.write(bytes(8))
+            file.flush()
+            words = [sys.executable, __file__, "--child", name, str(seed), str(first), str(last), file.name]
+            done = subprocess.run(
+                words, capture_output=True, env={**os.environ, "OPENCV_LOG_LEVEL": "SILENT"}
+            )
+            number = int.from_bytes(Path(file.name).read_bytes(), sys.byteorder)
+        if done.returncode == 0:
+            _add(whole, json.loads(done.stdout.splitlines()[-1]))
+            break
+        end = done.stderr.decode(errors="replace").strip().splitlines()[-8:]
+        if done.returncode == 1 and b"Timeout (" not in done.stderr:
+            raise SystemExit(f"the attack on {name} cannot be made:\n" + "\n".join(end))
+        whole.crashes.append(f"{number}: the process ended with {done.returncode}: {' | '.join(end)[:600]}")
+        whole.inputs += number + 1 - first
+        first = number + 1
+    return whole
+
+
+def _add(whole: Outcome, part: dict[str, Any]) -> None:
+    whole.inputs += part["inputs"]
+    whole.accepted += part["accepted"]
+    whole.refused.update(part["refused"])
+    whole.crashes += part["crashes"]
+    whole.slowest_s = max(whole.slowest_s, part["slowest_s"])
+    whole.peak_mb = max(whole.peak_mb, part["peak_mb"])
+
+
+def _memory_mb() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _limit_memory() -> None:
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    limit = pages * resource.getpagesize() + MEMORY
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def _child(words: list[str]) -> int:
+    """One attack; the outcome is the last line of standard output."""
+    name, seed, first, last, path = words
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    with Path(path).open("r+b") as file:
+        place = memoryview(mmap.mmap(file.fileno(), 8)).cast("q")
+    print(json.dumps(attack(name, int(seed), int(first), int(last), place).to_data()))
+    return 0
+
+
+def _tell(name: str, outcome: Outcome) -> None:
+    refused = sum(outcome.refused.values())
+    print(
+        f"{name:<12} {outcome.inputs:>7} inputs {outcome.accepted:>7} accepted {refused:>7} refused "
+        f"({len(outcome.refused)} reasons) {len(outcome.crashes)} crashes, "
+        f"slowest {outcome.slowest_s:.2f} s, memory +{outcome.peak_mb:.0f} MB",
+        flush=True,
+    )
+    for reason, count in outcome.refused.most_common(3):
+        print(f"{'':<12} {count:>7} {reason}")
+    for crash in outcome.crashes:
+        print(f"    CRASH {crash}")
+
+
+def main() -> int:
+    """Entry of the script."""
+    if sys.argv[1:2] == ["--child"]:
+        return _child(sys.argv[2:])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--only", nargs="+", choices=COUNTS, default=list(COUNTS), help="targets")
+    parser.add_argument("--share", type=float, default=1.0, help="of the usual number of inputs")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--at", type=int, metavar="NUMBER", help="this input alone")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    args = parser.parse_args()
+    outcomes = {}
+    for name in args.only:
+        first = 0 if args.at is None else args.at
+        last = max(1, round(COUNTS[name] * args.share)) if args.at is None else args.at + 1
+        outcomes[name] = besiege(name, args.seed, first, last)
+        if not args.json:
+            _tell(name, outcomes[name])
+    if args.json:
+        print(json.dumps({name: outcome.to_data() for name, outcome in outcomes.items()}))
+    return 1 if any(outcome.crashes for outcome in outcomes.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

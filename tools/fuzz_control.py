@@ -1,0 +1,93 @@
+"""Targets: what comes to an agent and to a coordinator over the network."""
+
+from __future__ import annotations
+
+import json
+import random
+import time
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+from uuid import UUID
+
+from followspot.deploy.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
+from followspot.deploy.parcel import packed, unpacked
+from followspot.deploy.security.admission import Admission, Asked
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data
+from followspot.transport.roster import read_roster
+from fuzz_mutation import broken_bytes, broken_text, broken_tree
+from fuzz_target import Target
+
+ROOT = Path(__file__).parent.parent
+HOST = "pc-left"
+
+
+def _plan() -> Plan:
+    plan = compile_graph(ROOT / "graphs/glowballs.yaml", placement="camera")
+    return replace(plan, workers=tuple(replace(worker, host=HOST) for worker in plan.workers))
+
+
+def request_target() -> Target:
+    """Requests as bytes, from the key to the plan that is unpacked; nothing is started."""
+    gate = Admission({"prepare", "stop", "status"}, clock=lambda: 1000.0)
+    order = RunOrder("run", packed(_plan(), HOST, Path()), 10).to_data()
+    keys = [f"followspot/agent/{HOST}/{verb}/operator/desk" for verb in ("prepare", "stop", "status")]
+
+    def make(rng: random.Random) -> tuple[str, bytes]:
+        name = UUID(int=rng.getrandbits(128)).hex
+        verb = rng.choice(("prepare", "prepare", "stop"))
+        data: Any = {"order": order} if verb == "prepare" else {"run": "run"}
+        tree: Any = {"format": 1, "id": name, "time": 1000.0, "data": data}
+        way = rng.random()
+        if way < 0.4:
+            tree["data"] = broken_tree(data, rng)
+        elif way < 0.6:
+            tree = broken_tree(tree, rng)
+        key = next(key for key in keys if f"/{verb}/" in key)
+        if way > 0.95:
+            key = broken_text(key.encode(), rng, [k.encode() for k in keys]).decode("utf-8", "replace")
+        text = json.dumps(tree).encode("utf-8", "surrogatepass")
+        return key, broken_bytes(text, rng) if way > 0.7 else text
+
+    def take(made: tuple[str, bytes]) -> object:
+        asked = Asked.of(made[0])
+        data = gate.admit(asked, made[1])
+        if asked.verb != "prepare":
+            return data
+        return _unpacked(**data)
+
+    return Target(make, take, (FollowspotError, ValueError, TypeError, KeyError))
+
+
+def _unpacked(order: Any) -> object:
+    """What an agent does with an order before it starts a worker."""
+    found = order_from_data(order)
+    plan = unpacked(found.plan, HOST, None, ())
+    return found.here(plan, "out"), plan_from_data(plan).graph
+
+
+def status_target() -> Target:
+    """Statuses of hosts, as a coordinator gets them."""
+    valid = HostStatus(
+        (WorkerStatus("a", "running", 3, 5), WorkerStatus("b", "over")), (1, 2, 3), ("x",)
+    ).to_data()
+    return Target(lambda rng: broken_tree(valid, rng), status_from_data, (ValueError,))
+
+
+def roster_target() -> Target:
+    """Lists of hosts."""
+    import tempfile
+
+    path = Path(tempfile.mkdtemp(prefix="followspot-fuzz-")) / "hosts.json"
+    expires = time.strftime("2036-%m-%dT00:00:00+00:00", time.gmtime(0))
+    entry = {"role": "camera", "expires": expires}
+    text = json.dumps({"format": 1, "own": "a", "hosts": {"a": entry, "b": entry}}).encode()
+
+    def take(data: bytes) -> object:
+        path.write_bytes(data)
+        return read_roster(path)
+
+    return Target(lambda rng: broken_text(text, rng, [text]), take, (FollowspotError,))
