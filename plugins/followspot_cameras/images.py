@@ -70,10 +70,10 @@ class Images(Stage):
             self.context.warn(f"{len(unreadable)} pictures cannot be read, the first is {unreadable[0]}")
 
 
-def read_picture(path: Path) -> Array | None:
-    """The picture, (H, W, 3) uint8; None where it cannot be read, or claims a size beyond all reason."""
+def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
+    """The picture, (H, W, 3) uint8 unless flags say otherwise; None where it cannot be read, or claims a size beyond all reason."""
     try:
-        return cv2.imread(str(path), cv2.IMREAD_COLOR)
+        return cv2.imread(str(path), flags)
     except cv2.error:
         return None
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from followspot import Camera
 from followspot.errors import InputError, Mistake
-from followspot_cameras.images import natural_order
+from followspot_cameras.images import natural_order, read_picture
 from followspot_cameras.video import open_video
 
 BLOCK = 16
@@ -26,7 +25,7 @@ def picture_size(recording: Path) -> tuple[int, int] | None:
     """
     if recording.is_dir():
         files = natural_order(recording, "*")
-        picture = cv2.imread(str(files[0]), cv2.IMREAD_COLOR) if files else None
+        picture = read_picture(files[0]) if files else None
     else:
         video = open_video(recording)
         picture = video.read()[1]

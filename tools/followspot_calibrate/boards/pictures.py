@@ -14,7 +14,7 @@ from followspot.graph.parameters import path_parameters
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.stage import PathIn
-from followspot_cameras.images import SUFFIXES, natural_order
+from followspot_cameras.images import SUFFIXES, natural_order, read_picture
 from followspot_cameras.recordings import SUFFIXES as VIDEOS
 from followspot_cameras.recordings import find_recordings
 from followspot_cameras.video import open_video
@@ -114,7 +114,7 @@ def _has_pictures(path: Path) -> bool:
 
 def _of_folder(path: Path, chosen: Container[int]) -> Numbered:
     for number, file in enumerate(natural_order(path, "*")):
-        picture = cv2.imread(str(file), cv2.IMREAD_GRAYSCALE) if number in chosen else None
+        picture = read_picture(file, cv2.IMREAD_GRAYSCALE) if number in chosen else None
         if picture is not None:
             yield number, picture
 
