@@ -71,7 +71,10 @@ class Images(Stage):
 
 
 def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
-    """The picture, (H, W, 3) uint8 unless flags say otherwise; None where it cannot be read, or claims a size beyond all reason."""
+    """The picture, (H, W, 3) uint8 unless flags say otherwise.
+
+    None where it cannot be read, or claims a size beyond all reason.
+    """
     try:
         return cv2.imread(str(path), flags)
     except cv2.error:
