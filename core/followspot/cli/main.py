@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from followspot.cli import agent, certs, check, graph, plugins, router, run
+from followspot.cli import agent, attach, certs, check, graph, plugins, router, run
 from followspot.errors import FollowspotError, InputError
 from followspot.plugins.hooks import Command
 
@@ -21,6 +21,7 @@ CORE = (
     plugins.COMMAND,
     agent.COMMAND,
     router.COMMAND,
+    attach.COMMAND,
     *certs.COMMANDS,
 )
 """Commands of the core, in the order of `followspot --help`."""

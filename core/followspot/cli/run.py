@@ -15,10 +15,16 @@ from followspot.plugins.hooks import Command
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
+    from followspot.transport.zenoh_network import Network
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     add_graph_options(parser)
+    add_run_options(parser)
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """--out, --frames, --json, --quiet, --restart, --host, --media and those of the network."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
@@ -27,6 +33,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--restart",
         action="store_true",
         help="start workers that die again, as in live runs, in a replay too",
+    )
+    parser.add_argument(
+        "--detach", action="store_true", help="leave the run to the agents once it has begun; see attach"
     )
     parser.add_argument(
         "--host", metavar="NAME", help="host of the workers that the placement gives none (default: this one)"
@@ -40,6 +49,11 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    return execute(plan_of(args), args)
+
+
+def execute(plan: Plan, args: argparse.Namespace) -> int:
+    """Run a plan as the options say and print the summary. Returns the exit code."""
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
@@ -48,8 +62,10 @@ def _run(args: argparse.Namespace) -> int:
     from followspot.runtime.wiring import RunOptions
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
 
-    plan = placed(plan_of(args), args.host)
+    plan = placed(plan, args.host)
     network = network_of(args, LOOPBACK, AGENT)
+    if args.detach:
+        return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
     bar = ProgressBar()
     try:
@@ -79,6 +95,15 @@ def _run(args: argparse.Namespace) -> int:
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
+
+
+def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
+    from followspot.deploy.attach import detach
+    from followspot.runtime.wiring import RunOptions
+
+    run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
+    print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")
+    return 0
 
 
 def placed(plan: Plan, host: str | None) -> Plan:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.host import order_from_data
+from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.parcel import unpacked
 from followspot.deploy.requests import Answers, agents
@@ -30,6 +30,8 @@ _KEPT = 600.0
 MAX_RUNS = 16
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """What a host may be called."""
+_RUN = re.compile(r"[0-9a-f]{8,64}")
+"""What a run is called."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,9 @@ class AgentOptions:
 class Part:
     """A run as the agent keeps it, and when an operator last asked for it."""
 
-    def __init__(self, graph: str, plan: dict[str, Any], run: HostRun) -> None:
+    def __init__(self, graph: str, order: RunOrder, run: HostRun) -> None:
         self.graph = graph
-        self.plan = plan
+        self.order = order
         self.run = run
         self.asked = time.monotonic()
         self.started = False
@@ -137,27 +139,34 @@ class Agent:
             "wind_down": lambda run: self._part(run).run.wind_down(),
             "status": lambda run: self._part(run).run.status().to_data(),
             "close": self.close,
+            "knows": lambda run: run in self.parts,
             "runs": self.runs,
-            "plan": lambda run: self._part(run).plan,
+            "order": lambda run: self._part(run).order.to_data(),
         }
 
     def prepare(self, order: Any) -> None:
         """Start the workers of a run. Raises FollowspotError, ValueError."""
         found = order_from_data(order)
         name = self.options.name
-        if not NAME.fullmatch(found.run) or found.run in self.parts or len(self.parts) >= MAX_RUNS:
+        if not _RUN.fullmatch(found.run) or found.run in self.parts or len(self.parts) >= MAX_RUNS:
             raise FollowspotError(
                 f"cannot take the run {found.run!r}: named wrongly, there already, or too many"
             )
         plan = unpacked(found.plan, name, self.options.media, self.options.plugin_files)
         graph = plan_from_data(plan).graph
-        out = self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}-{found.run[:8]}"
-        out.mkdir(parents=True, exist_ok=True)
+        out = self._folder(found.run)
         hub = (*self.locators, *self.options.network.connect)
         run = HostRun(name, self.options.network, hub)
-        self.parts[found.run] = Part(graph, found.plan, run)
-        run.prepare(found.here(plan, str(out)))
+        self.parts[found.run] = Part(graph, found, run)
+        run.prepare(found.here(plan, str(out)), out / ".ledger")
         self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
+
+    def _folder(self, run: str) -> Path:
+        """The folder of a run: the one that it had before this agent was started, or a new one."""
+        known = sorted(self.options.runs.glob(f"*-{run}")) if self.options.runs.is_dir() else []
+        out = known[-1] if known else self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}-{run}"
+        out.mkdir(parents=True, exist_ok=True)
+        return out
 
     def start(self, run: str) -> None:
         """All hosts are ready."""

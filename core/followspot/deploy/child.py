@@ -39,6 +39,7 @@ class Child:
         self.warnings = Warnings()
         self.worker: Worker | None = None
         self.links: EdgeLinks | None = None
+        self.restart = False
         self.over = threading.Event()
         self._orders: list[dict[str, Any]] = []
 
@@ -47,7 +48,7 @@ class Child:
         sockets: dict[str, dict[int, socket.socket]] = {"sending": {}, "receiving": {}}
         while (order := self.channel.receive())["kind"] != "plan":
             sockets[order["side"]][order["edge"]] = socket.socket(fileno=order["descriptors"][0])
-        name, error = order["worker"], ""
+        name, error, self.restart = order["worker"], "", order["restart"]
         try:
             self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
@@ -117,6 +118,8 @@ class Child:
             self._obey(self.channel.arrived())
         except ChannelClosed:
             threading.Thread(target=_exit_later, daemon=True).start()
+            if self.restart:  # another one will take its place, so its streams are not over
+                raise
             self.worker.stop()
             return True
         return False

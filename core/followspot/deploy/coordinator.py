@@ -18,23 +18,32 @@ _GRACE = 20.0
 """Seconds that hosts have to end after a stop."""
 
 
+def order_of(plan: Plan, options: RunOptions, *, restart: bool, detached: bool = False) -> RunOrder:
+    """A new order. restart: whether workers that die are started again; detached: see `RunOrder`."""
+    out = str(options.out.resolve())
+    return RunOrder(uuid.uuid4().hex, plan_to_data(plan), options.frames, out, restart, detached)
+
+
 class Coordinator:
     """A run of a plan on one host or many."""
 
     def __init__(
-        self, plan: Plan, options: RunOptions, hosts: Sequence[Host], *, restart: bool = False
+        self,
+        plan: Plan,
+        hosts: Sequence[Host],
+        order: RunOrder,
     ) -> None:
-        """hosts: every host that the plan names; restart: whether workers that die are started again."""
+        """hosts: every host that the plan names; order: what they were, or are to be, told."""
         self.plan = plan
         self.hosts = tuple(hosts)
         self.stopped = False
-        self.order = RunOrder(
-            uuid.uuid4().hex, plan_to_data(plan), options.frames, str(options.out.resolve()), restart
-        )
+        self.order = order
+        self._leaving = False
         self._stop_asked = self._winding_down = False
         self._give_up_at: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, and what is known of that."""
+        self._news: list[str] = []
 
     def stop(self) -> None:
         """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
@@ -47,24 +56,31 @@ class Coordinator:
         Raises FollowspotError where a host refuses its part.
         """
         try:
-            for host in self.hosts:
-                host.prepare(self.order)
-            if not self._all_ready():
-                self._end_early()
-                self._attend(None)
-                return self._report(0.0)
-            return self.follow(on_progress)
+            return self.watch(on_progress if self.begin() else None)
         finally:
             for host in self.hosts:
                 host.close()
 
-    def follow(self, on_progress: OnProgress | None = None) -> RunReport:
-        """Begin, and watch to the end."""
+    def begin(self) -> bool:
+        """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
+        for host in self.hosts:
+            host.prepare(self.order)
+        if not self._all_ready():
+            self._end_early()
+            return False
         for host in self.hosts:
             host.start()
+        return True
+
+    def watch(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Look on to the end of a run that has begun, or until `leave`."""
         started = time.monotonic()
         self._attend(on_progress)
         return self._report(time.monotonic() - started)
+
+    def leave(self) -> None:
+        """Look on no longer; the run goes on. Safe in a signal handler."""
+        self._leaving = True
 
     def _all_ready(self) -> bool:
         """Wait for every worker everywhere; False where one failed or the user stopped."""
@@ -76,7 +92,7 @@ class Coordinator:
 
     def _attend(self, on_progress: OnProgress | None) -> None:
         """Watch until every worker has ended, or nobody can tell."""
-        while not all(self._over(host) for host in self.hosts):
+        while not (self._leaving or all(self._over(host) for host in self.hosts)):
             self._look(on_progress)
             if self._stop_asked or self._failed():
                 self._end_early()
@@ -91,8 +107,11 @@ class Coordinator:
         for host in self.hosts:
             try:
                 host.attend(PROGRESS_PERIOD / len(self.hosts))
-                self._silent.pop(host.name, None)
+                if self._silent.pop(host.name, None):
+                    self._news.append(f"host {host.name} is back")
             except HostLost as error:
+                if host.name not in self._silent:
+                    self._news.append(str(error))
                 self._silent[host.name] = str(error)
         if on_progress is not None:
             on_progress(self._progress(), self._expected())
@@ -132,7 +151,10 @@ class Coordinator:
             seconds,
             stopped=self.stopped,
             restarts=restarts,
-            news=[_where(name, line) for name, status in statuses.items() for line in status.news],
+            news=[
+                *self._news,
+                *(_where(name, line) for name, status in statuses.items() for line in status.news),
+            ],
             outs={name: status.out for name, status in statuses.items() if name},
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from followspot.graph.ship import plan_from_data
 
 _PERIOD = 0.2
 """Seconds between two questions for the status."""
+_MARGIN = 4
+"""How many restarts of a worker may have been missed when its agent died."""
 _PREPARING = 30.0
 """Seconds that an agent may take to start its workers."""
 
@@ -29,12 +32,15 @@ class FarHost:
     media: folder on this host whose files the agent has below its own --media folder.
     """
 
-    def __init__(self, asker: Asker, name: str, media: Path = Path(), run: str = "") -> None:
-        """asker: speaks with the agent; run: that it has a part in already, empty before `prepare`."""
+    def __init__(self, asker: Asker, name: str, media: Path = Path(), order: RunOrder | None = None) -> None:
+        """asker: speaks with the agent; order: that it has taken already, None before `prepare`."""
         self.name = name
-        self.run = run
+        self.run = "" if order is None else order.run
+        self.order = order
         self._asker = asker
         self._media = media
+        self._before: tuple[str, ...] = ()
+        """News from before the agent was started anew."""
         self._status = HostStatus((), ())
         self._heard = time.monotonic()
         self._news = threading.Event()
@@ -45,11 +51,12 @@ class FarHost:
         """Ship the plan. Raises FollowspotError where the agent refuses, HostLost where it is not there."""
         self.run = order.run
         plan = packed(plan_from_data(order.plan), self.name, self._media)
-        self._ask("prepare", _PREPARING, order=replace(order, plan=plan, out=None).to_data())
+        self.order = replace(order, plan=plan, out=None)
+        self._ask("prepare", _PREPARING, order=self.order.to_data())
         self.watch()
 
     def watch(self) -> None:
-        """Begin to ask for the status; the first is there on return. Raises HostLost."""
+        """Begin to ask for the status; the first is there on return. Raises HostLost, FollowspotError."""
         self._refresh()
         self._asking.start()
 
@@ -97,13 +104,27 @@ class FarHost:
             return
 
     def _refresh(self) -> None:
-        self._status = status_from_data(self._ask("status", SILENCE, run=self.run))
+        status = status_from_data(self._ask("status", SILENCE, run=self.run))
+        self._status = replace(status, news=(*self._before, *status.news))
         self._heard = time.monotonic()
         self._news.set()
 
     def _keep_asking(self) -> None:
         while not self._over.wait(_PERIOD):
-            try:
-                self._refresh()
-            except (FollowspotError, ValueError, zenoh.ZError):
-                continue
+            with suppress(FollowspotError, ValueError, zenoh.ZError):
+                try:
+                    self._refresh()
+                except HostLost:
+                    raise
+                except FollowspotError:
+                    self._take_up_again()
+
+    def _take_up_again(self) -> None:
+        """The agent was started anew and knows nothing of the run: let it do its part again."""
+        order = self.order
+        if order is None or not order.restart or self._ask("knows", run=self.run):
+            return
+        incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
+        self._before = (*self._status.news, "the agent was started anew")
+        self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
+        self._ask("start", run=self.run)

@@ -6,7 +6,7 @@ or comes later, has nothing to catch up on.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 import pydantic
@@ -24,7 +24,8 @@ class RunOrder:
 
     run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
     all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
-    started again; detached: whether it goes on without an operator.
+    started again; detached: whether it goes on without an operator; incarnations: of workers that were
+    started before, under an agent that is gone.
     """
 
     run: str
@@ -33,6 +34,7 @@ class RunOrder:
     out: str | None = None
     restart: bool = False
     detached: bool = False
+    incarnations: dict[str, int] = field(default_factory=dict)
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""

@@ -53,27 +53,30 @@ class HostRun:
         self._kill_at: float | None = None
         self._pulse = Pulse()
 
-    def prepare(self, order: RunOrder) -> None:
-        """Start all workers, each with its ends of the rings. Raises FollowspotError, OSError."""
+    def prepare(self, order: RunOrder, ledger: Path | None = None) -> None:
+        """Start all workers, each with its ends of the rings. Raises FollowspotError, OSError.
+
+        ledger: file that keeps the counts over the death of this process; none where the run dies with it.
+        """
         self.order = order
         self.plan: Plan = plan_from_data(order.plan)
         self._plan_data = order.plan
         self.out = str(Path(order.out or ".").resolve())
         edges = len(self.plan.edges)
-        self._ledger_fd = os.memfd_create("followspot-ledger", os.MFD_CLOEXEC)
         size = max(1, edges * COLUMNS * 8)
-        os.ftruncate(self._ledger_fd, size)
+        self._ledger_fd = _memory(ledger, size)
         self.ledger = Ledger(edges, memoryview(mmap.mmap(self._ledger_fd, size)).cast("q"))
         mine = [worker.name for worker in self.plan.workers if worker.host == self.name]
         self.rings = Rings(self.plan, set(mine))
         for name in mine:
-            self._spawn(name, 0)
+            self._spawn(name, order.incarnations.get(name, 0))
 
     def start(self) -> None:
         """Let all begin at once."""
         self._running = True
         for worker in self.workers.values():
-            self._begin(worker)
+            if worker.phase == "ready":  # else it begins when it is
+                self._begin(worker)
 
     def stop(self) -> None:
         """Ask every worker to finish what is in flight; once."""
@@ -123,11 +126,11 @@ class HostRun:
             self.rings.close()
         self._selector.close()
 
-    def _spawn(self, name: str, incarnation: int) -> None:
+    def _spawn(self, name: str, incarnation: int, *, again: bool = False) -> None:
         """Start one worker and tell it what it is."""
         worker = self.workers[name] = WorkerProcess(name, incarnation)
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
-        if incarnation:
+        if again:
             self.rings.renew(name)
         self._hand_over(self.rings.take(name, of=name))
         worker.tell(
@@ -214,7 +217,7 @@ class HostRun:
                 worker.heard = now
         for name in [name for name, at in self._restart_at.items() if at <= now]:
             del self._restart_at[name]
-            self._spawn(name, self.workers[name].incarnation + 1)
+            self._spawn(name, self.workers[name].incarnation + 1, again=True)
         if now >= self._snapshot_at:
             self._snapshot_at = now + _SNAPSHOT_PERIOD
             for worker in self.workers.values():
@@ -224,3 +227,13 @@ class HostRun:
     def _tell_news(self, line: str) -> None:
         self.news.append(line)
         del self.news[:-_MAX_NEWS]
+
+
+def _memory(file: Path | None, size: int) -> int:
+    """A descriptor of memory for the ledger, of a file where one is given: what it holds stays."""
+    if file is None:
+        fd = os.memfd_create("followspot-ledger", os.MFD_CLOEXEC)
+    else:
+        fd = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
+    os.ftruncate(fd, size)
+    return fd

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Protocol
 
-from followspot.deploy.coordinator import Coordinator
+from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.local import LocalRun, OnProgress
 from followspot.deploy.report import RunReport
@@ -43,15 +43,15 @@ def run_plan(
     have below their own --media folder; restart: whether workers that die are started again in a replay,
     too, as they are in live runs. Raises InputError where an agent is missing.
     """
-    restart = restart or any(stage.live for stage in plan.stages)
+    order = order_of(plan, options, restart=restart or any(stage.live for stage in plan.stages))
     if any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return interruptible(Coordinator(plan, options, hosts, restart=restart), on_progress)
+            return interruptible(Coordinator(plan, hosts, order), on_progress)
     if len(plan.workers) == 1:
         return interruptible(LocalRun(plan, options), on_progress)
-    return interruptible(Coordinator(plan, options, [HostRun("")], restart=restart), on_progress)
+    return interruptible(Coordinator(plan, [HostRun("")], order), on_progress)
 
 
 def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:

@@ -1,0 +1,62 @@
+"""`followspot attach`: come back to a run that goes on under agents."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+
+from followspot.cli.agent_options import add_network_options, network_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "graph", nargs="?", metavar="GRAPH", help="name of the graph, where there are several"
+    )
+    parser.add_argument("--stop", action="store_true", help="end the run; outputs are complete")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+    add_network_options(parser)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.cli import summary
+    from followspot.cli.progress import ProgressBar
+    from followspot.deploy.attach import attached
+    from followspot.deploy.launch import interruptible
+    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+
+    network = network_of(args, LOOPBACK, AGENT)
+    with attached(network, args.graph) as attachment:
+        run = attachment.found
+        print(f"run {run.run[:8]} of {run.graph} on {', '.join(run.hosts)}", file=sys.stderr, flush=True)
+        if args.stop:
+            attachment.coordinator.stop()
+        bar = ProgressBar()
+        try:
+            report = interruptible(attachment, None if args.quiet else bar.show)
+        finally:
+            bar.close()
+    if attachment.stopped:
+        print("the run goes on; come back with followspot attach", file=sys.stderr)
+        return 0
+    print(json.dumps(summary.data(report, {}, {})) if args.json else summary.text(report, ""))
+    for host, folder in report.outs.items():
+        print(f"outputs on {host}: {folder}", file=sys.stderr)
+    return 0 if report.ok else 1
+
+
+COMMAND = Command(
+    "attach",
+    """come back to a run that goes on under agents: its progress, and its summary at the end
+
+  followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach
+  followspot attach --connect tls/pc-left:7450 --certificates certs
+  followspot attach glowballs --stop
+
+Ctrl-C leaves the run to itself again.
+""",
+    _configure,
+    _run,
+)

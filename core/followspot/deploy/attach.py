@@ -1,0 +1,122 @@
+"""Runs that go on without their operator: begun and left, found again, looked at, stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from followspot.deploy.coordinator import Coordinator, order_of
+from followspot.deploy.far_host import FarHost
+from followspot.deploy.host import RunOrder, order_from_data
+from followspot.deploy.local import OnProgress
+from followspot.deploy.reach import operating, reached
+from followspot.deploy.report import RunReport
+from followspot.deploy.requests import Asker, agents
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data
+from followspot.runtime.wiring import RunOptions
+from followspot.transport.zenoh_network import Network
+
+
+@dataclass(frozen=True)
+class Found:
+    """A run that agents have parts in; hosts: their names."""
+
+    run: str
+    graph: str
+    hosts: tuple[str, ...]
+    over: bool
+
+
+def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> str:
+    """Begin a run that goes on without an operator, and leave it; its name.
+
+    Raises FollowspotError where it would need this host, or not all workers get ready.
+    """
+    here = [worker.name for worker in plan.workers if not worker.host]
+    if here:
+        raise FollowspotError(
+            f"workers without a host cannot be left alone: {', '.join(here)}; give them one with --host NAME"
+        )
+    order = order_of(plan, options, restart=True, detached=True)
+    with reached(plan, network, media) as hosts:
+        coordinator = Coordinator(plan, hosts, order)
+        if not coordinator.begin():
+            report = coordinator.watch()
+            for host in hosts:
+                host.close()
+            raise FollowspotError("the run did not begin\n" + "\n".join(report.errors))
+        for host in hosts:
+            if isinstance(host, FarHost):
+                host.leave()
+    return order.run
+
+
+def found(asker: Asker) -> list[Found]:
+    """All runs of all agents in reach, the newest of each agent last."""
+    hosts: dict[str, list[str]] = {}
+    parts: dict[str, Mapping[str, object]] = {}
+    for agent in sorted(agents(asker.session)):
+        for part in asker.ask(agent, "runs"):
+            hosts.setdefault(part["run"], []).append(agent)
+            parts[part["run"]] = part
+    return [
+        Found(run, str(part["graph"]), tuple(hosts[run]), bool(part["over"])) for run, part in parts.items()
+    ]
+
+
+def chosen(runs: Sequence[Found], wanted: str | None) -> Found:
+    """The run that is meant: by the name of its graph or the beginning of its own. Raises FollowspotError."""
+    fitting = [r for r in runs if wanted is None or r.graph == wanted or r.run.startswith(wanted)]
+    fitting = [run for run in fitting if not run.over] or fitting
+    if len(fitting) == 1:
+        return fitting[0]
+    listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
+    which = "there is no run" if not fitting else "there are several runs"
+    raise FollowspotError(f"{which} {wanted or ''}".rstrip() + f"; runs in reach: {listing}")
+
+
+class Attachment:
+    """Looking on at a run; a stop only ends the looking."""
+
+    def __init__(self, found: Found, coordinator: Coordinator) -> None:
+        self.found = found
+        self.coordinator = coordinator
+        self.stopped = False
+
+    def stop(self) -> None:
+        """Leave the run to itself. Safe in a signal handler."""
+        self.stopped = True
+        self.coordinator.leave()
+
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Look on to the end, or until `stop`."""
+        return self.coordinator.watch(on_progress)
+
+
+@contextmanager
+def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
+    """A run that goes on under agents. Raises FollowspotError where there is no such run."""
+    with operating(network) as session:
+        asker = Asker(session, network.own)
+        run = chosen(found(asker), wanted)
+        hosts = [FarHost(asker, name, order=_order(asker, name, run.run)) for name in run.hosts]
+        order = hosts[0].order
+        assert order is not None
+        try:
+            for host in hosts:
+                host.watch()
+            yield Attachment(run, Coordinator(plan_from_data(order.plan), hosts, order))
+            if all(host.status().all("over") for host in hosts):
+                for host in hosts:
+                    host.close()
+        finally:
+            for host in hosts:
+                host.leave()
+
+
+def _order(asker: Asker, host: str, run: str) -> RunOrder:
+    return replace(order_from_data(asker.ask(host, "order", run=run)), incarnations={})

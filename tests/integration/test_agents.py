@@ -1,0 +1,160 @@
+"""Agents: runs that outlive their operator, agents that die and come back, and what they refuse."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hosts import Agent, near_agent
+from running import COMMAND, Finished, balanced, children, finish, start, wait_until, write_graph
+
+LIVE = """
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+more: {uses: ticks.add, in: {number: a}}
+less: {uses: ticks.add, in: {number: b}, with: {term: 1000000}}
+sum:  {uses: ticks.sum, in: {numbers: [more, less]}, tolerance: 0.002}
+save: {uses: ticks.write, in: {number: sum}}
+"""
+PLACEMENT = """
+placement: hosts
+workers:
+  left:  {host: pc-left, stages: [a, more]}
+  right: {host: pc-right, stages: [b, less]}
+"""
+PORTS = {"pc-left": 17450, "pc-right": 17451}
+CONNECT = [word for port in PORTS.values() for word in ("--connect", f"tcp/127.0.0.1:{port}")]
+
+
+class Room:
+    """Two agents on this host, and a live graph with one source on each."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.graph = write_graph(folder, LIVE)
+        (folder / "hosts.yaml").write_text(PLACEMENT)
+        self.agents: dict[str, Agent] = {}
+
+    def agent(self, name: str) -> Agent:
+        home = self.folder / name
+        home.mkdir(exist_ok=True)
+        self.agents[name] = near_agent(name, home, PORTS[name])
+        return self.agents[name]
+
+    def begin(self, *options: str) -> subprocess.Popen[str]:
+        placement = ("--placement", str(self.folder / "hosts.yaml"))
+        return start(self.graph, self.folder / "out", *placement, *CONNECT, *options)
+
+    def close(self) -> None:
+        for agent in self.agents.values():
+            agent.process.kill()
+            agent.process.communicate()
+
+
+@pytest.fixture
+def room(tmp_path: Path) -> Iterator[Room]:
+    made = Room(tmp_path)
+    made.agent("pc-left")
+    made.agent("pc-right")
+    yield made
+    made.close()
+
+
+def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*COMMAND, *map(str, words)], capture_output=True, text=True, check=False, timeout=90
+    )
+
+
+def values(path: Path) -> list[int]:
+    lines = path.read_text().splitlines() if path.exists() else []
+    return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
+
+
+def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: int = 10) -> None:
+    """Wait until so many more lines with such values were written."""
+    before = len(values(path))
+    assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
+
+
+def ended(process: subprocess.Popen[str], out: Path) -> Finished:
+    process.send_signal(signal.SIGINT)
+    return finish(process, out)
+
+
+def of_left(value: int) -> bool:
+    """Whether the source of the left host alone made it: it counts up from 0, the other from a million."""
+    return value < 1_000_000
+
+
+def test_an_agent_that_is_killed_and_started_again_takes_its_part_up(room: Room) -> None:
+    process = room.begin()
+    out = room.folder / "out"
+    grows(out / "ticks.csv", of_left, 5)
+    room.agents["pc-left"].process.kill()
+    room.agents["pc-left"].process.communicate()
+    grows(out / "ticks.csv", lambda value: not of_left(value), 50)
+    room.agent("pc-left")
+    grows(out / "ticks.csv", of_left, 5)
+    finished = ended(process, out)
+    assert finished.code == 0, finished.errors + json.dumps(finished.summary)
+    assert any("host pc-left does not answer" in line for line in finished.summary["warnings"])
+    assert any("host pc-left is back" in line for line in finished.summary["warnings"])
+    assert balanced(finished.summary), finished.summary["edges"]
+
+
+def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
+    process = room.begin("--detach", "--host", "pc-right")
+    stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == 0, stderr
+    run = json.loads(stdout)["run"]
+    assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}/ticks.csv"))))
+    (written,) = room.folder.glob(f"pc-right/runs/*-{run}/ticks.csv")
+    grows(written)
+    looking = subprocess.Popen([*COMMAND, "attach", *CONNECT], stderr=subprocess.PIPE, text=True)
+    assert looking.stderr is not None
+    assert run[:8] in looking.stderr.readline()
+    looking.kill()
+    looking.communicate()
+    grows(written)
+    (worker,) = children(room.agents["pc-left"].process.pid)
+    subprocess.run(["kill", "-9", str(worker)], check=True)
+    grows(written, lambda value: not of_left(value))
+    grows(written, of_left, 5)
+    done = command("attach", "graph", "--stop", "--json", *CONNECT)
+    assert done.returncode == 0, done.stderr + done.stdout
+    summary: dict[str, Any] = json.loads(done.stdout)
+    assert balanced(summary)
+    assert any("worker left is back" in line for line in summary["warnings"])
+    gone = command("attach", "graph", *CONNECT)
+    assert gone.returncode == 1
+    assert "there is no run graph" in gone.stderr
+
+
+def test_a_host_without_an_agent_is_named_with_the_command_to_start_it(tmp_path: Path) -> None:
+    room = Room(tmp_path)
+    finished = finish(room.begin(), tmp_path / "out")
+    assert finished.code == 2
+    assert 'there is no agent for host "pc-left"' in finished.errors
+    assert "followspot agent --name pc-right" in finished.errors
+
+
+def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path: Path) -> None:
+    refused = command("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:17459")
+    assert refused.returncode == 1
+    assert "open to other hosts without protection" in refused.stderr
+    process = subprocess.Popen(
+        [*COMMAND, "agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:17459", "--insecure"],
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stderr is not None
+    assert "warning: --insecure" in process.stderr.readline()
+    process.terminate()
+    process.communicate(timeout=30)
+    assert process.returncode == 0
