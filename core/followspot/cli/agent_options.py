@@ -47,10 +47,13 @@ def add_network_options(parser: argparse.ArgumentParser, *, listens: bool = Fals
 
 def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequence[str]) -> Network:
     """What the options say; listen, connect: where they say nothing. Says at every start what is open."""
-    from followspot.transport.zenoh_network import Network
+    from followspot.transport.zenoh_network import Network, secured
 
     listen = tuple(getattr(args, "listen", None) or listen)
-    network = Network(listen, tuple(args.connect or connect), args.certificates, args.insecure)
+    connect = tuple(args.connect or connect)
+    if args.certificates:  # what is open to this host alone is secured, too: certificates tell who is who
+        listen, connect = secured(listen), secured(connect)
+    network = Network(listen, connect, args.certificates, args.insecure)
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
     return network

@@ -66,6 +66,11 @@ class Network:
         return replace(self, listen=tuple(_any_port(e) for e in self.listen), connect=tuple(hub))
 
 
+def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
+    """The endpoints, those of loopback over TLS."""
+    return tuple(e.replace("tcp/", _SECURE, 1) if _near(e) else e for e in endpoints)
+
+
 def network_from_data(data: Mapping[str, Any]) -> Network:
     """From JSON types, as `dataclasses.asdict` gave them."""
     return Network(tuple(data["listen"]), tuple(data["connect"]), data["certificates"], data["insecure"])

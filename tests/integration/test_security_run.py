@@ -1,0 +1,80 @@
+"""A whole run between an operator and an agent with certificates, over TLS on loopback."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from hosts import Agent
+from running import COMMAND, balanced
+from test_security import free_port
+
+ROOT = Path(__file__).parent.parent.parent
+GRAPH = ROOT / "graphs" / "glowballs.yaml"
+ROOM = ROOT / "graphs" / "rooms" / "simulated6.yaml"
+
+
+def command(*words: str | Path, check: bool = True) -> subprocess.CompletedProcess[str]:
+    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
+    assert not check or done.returncode == 0, done.stderr + done.stdout
+    return done
+
+
+@pytest.fixture
+def certs(tmp_path: Path) -> Path:
+    folder = tmp_path / "certs"
+    command("certs", "init", "--dir", folder)
+    for name, role in (("desk", "operator"), ("pc-left", "camera"), ("pc-right", "camera")):
+        command("certs", "host", name, "--role", role, "--dir", folder)
+    return folder
+
+
+def spread(room: Path, to: Path) -> Path:
+    """The room with two cameras on the other host."""
+    lines = []
+    for line in room.read_text().splitlines():
+        lines.append(line)
+        if line in ("  cam0:", "  cam3:"):
+            lines.append("    host: pc-left")
+    to.write_text("\n".join(lines) + "\n")
+    return to
+
+
+def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path, tmp_path: Path) -> None:
+    endpoint = f"tls/127.0.0.1:{free_port()}"
+    words = ["agent", "--name", "pc-left", "--listen", endpoint, "--certificates", str(certs / "pc-left")]
+    agent = Agent(
+        subprocess.Popen(
+            [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+        ),
+        tmp_path,
+    )
+    room = spread(ROOM, tmp_path / "room.yaml")
+    run = ["run", GRAPH, "--room", room, "--frames", "20", "--placement", "camera", "--json", "--quiet"]
+    try:
+        there = ["--connect", endpoint, "--certificates"]
+        alone = tmp_path / "alone"
+        command("run", GRAPH, "--room", room, "--frames", "20", "--out", alone, "--quiet")
+        done = command(*run, *there, certs / "desk", "--out", tmp_path / "two")
+        summary = json.loads(done.stdout)
+        assert balanced(summary)
+        assert "zenoh" in {edge["kind"] for edge in summary["edges"]}
+        assert (tmp_path / "two" / "tracks.csv").read_bytes() == (alone / "tracks.csv").read_bytes()
+
+        refused = command(*run, *there, certs / "pc-right", "--out", tmp_path / "no", check=False)
+        assert refused.returncode != 0
+        assert "camera pc-right may not prepare; operators may" in refused.stderr
+        assert not (tmp_path / "no" / "tracks.csv").exists()
+    finally:
+        agent.process.terminate()
+        _, log = agent.process.communicate(timeout=30)
+    assert "refused (role" in log
+    assert "pc-right" in log
+
+
+def test_an_agent_does_not_pass_for_another_host(certs: Path) -> None:
+    done = command("agent", "--name", "pc-left", "--certificates", certs / "pc-right", check=False)
+    assert done.returncode == 1
+    assert "the certificate is that of pc-right" in done.stderr
