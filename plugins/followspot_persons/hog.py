@@ -10,13 +10,15 @@ from followspot.people import Boxes
 from followspot.tracking import Frame
 from followspot_persons.hog_cells import looks
 from followspot_persons.hog_model import DIRECTIONS, SHIPPED, Judgement, judge, load
-from followspot_persons.hog_search import groups, levels, plausible, proposals
+from followspot_persons.hog_search import groups, levels, outermost, plausible, proposals
 from followspot_persons.hog_window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import full_turn
 
 SAME = 0.45
 """Overlap from which two boxes show the same body."""
-CROWD = 8.0
+NESTED = 0.75
+"""Part of the smaller box within the larger one from which both show the same body."""
+CROWD = 4.0
 """Windows that show a body in a usual search; what is no body shows in fewer."""
 FAINT = -2.5
 """Log-odds from which a window counts as one of them."""
@@ -105,15 +107,22 @@ class Hog(Stage):
         shown = judgement.score > FAINT
         box, odds = box[shown], np.exp(judgement.score[shown])
         torso, head = judgement.torso[shown], judgement.head[shown]
-        least = CROWD * np.exp(self.params.threshold)
-        found = [rows for rows in groups(box, odds, SAME, self.turn) if odds[rows].sum() > least]
+        found = groups(box, odds, SAME, self.turn)
         means, angles = np.empty((len(found), 4)), np.empty((2, len(found), DIRECTIONS))
         for number, rows in enumerate(found):
             weight = odds[rows] / odds[rows].sum()
             means[number] = weight @ self.beside(box[rows])
             angles[:, number] = weight @ torso[rows], weight @ head[rows]
-        score = np.log(np.array([odds[rows].sum() for rows in found]) / CROWD)
-        return Boxes(camera=self.camera.name, box=means, score=score, torso=angles[0], head=angles[1])
+        total = np.array([odds[rows].sum() for rows in found])
+        best = outermost(means, total, NESTED, self.turn)
+        best = best[total[best] > CROWD * np.exp(self.params.threshold)]
+        return Boxes(
+            camera=self.camera.name,
+            box=means[best],
+            score=np.log(total[best] / CROWD),
+            torso=angles[0, best],
+            head=angles[1, best],
+        )
 
     def beside(self, box: Array) -> Array:
         """Boxes (N, 4) with those that are a turn away from the first moved next to it."""

@@ -100,15 +100,26 @@ def _scaled(pixels: Array, level: Level, wraps: bool) -> tuple[Array, Array, Arr
 
 def overlap(box: Array, others: Array, turn: float) -> Array:
     """Intersection over union of a box (4,) with others (N, 4); turn: width of a panorama, px, else 0."""
+    shared, area, areas = _shared(box, others, turn)
+    return np.asarray(shared / (area + areas - shared))
+
+
+def nesting(box: Array, others: Array, turn: float) -> Array:
+    """Intersection over the smaller of a box (4,) and each other (N, 4): 1 where one holds the other."""
+    shared, area, areas = _shared(box, others, turn)
+    return np.asarray(shared / np.minimum(area, areas))
+
+
+def _shared(box: Array, others: Array, turn: float) -> tuple[Array, float, Array]:
+    """Intersections (N,), the area of the box and those of the others (N,), px^2."""
     shift = (others[:, 0] + others[:, 2] - box[0] - box[2]) / 2
     moved = shift - turn * np.rint(shift / turn) if turn else shift
     half, half_others = (box[2] - box[0]) / 2, (others[:, 2] - others[:, 0]) / 2
     across = np.minimum(half, moved + half_others) - np.maximum(-half, moved - half_others)
     down = np.minimum(box[3], others[:, 3]) - np.maximum(box[1], others[:, 1])
-    shared = np.maximum(across, 0) * np.maximum(down, 0)
-    area = (box[2] - box[0]) * (box[3] - box[1])
+    area = float((box[2] - box[0]) * (box[3] - box[1]))
     areas = (others[:, 2] - others[:, 0]) * (others[:, 3] - others[:, 1])
-    return np.asarray(shared / (area + areas - shared))
+    return np.maximum(across, 0) * np.maximum(down, 0), area, areas
 
 
 def groups(box: Array, score: Array, least: float, turn: float) -> list[Array]:
@@ -122,3 +133,12 @@ def groups(box: Array, score: Array, least: float, turn: float) -> list[Array]:
         found.append(open_rows[shared >= least])
         open_rows = open_rows[shared < least]
     return found
+
+
+def outermost(box: Array, odds: Array, most: float, turn: float) -> Array:
+    """Rows of boxes that nest with no better one by `most`, best first: a part of a body is no body."""
+    kept: list[int] = []
+    for row in np.argsort(-odds, kind="stable").tolist():
+        if not kept or nesting(box[row], box[kept], turn).max() <= most:
+            kept.append(row)
+    return np.array(kept, int)

@@ -15,7 +15,7 @@ from followspot.tracking import Frame
 from followspot_persons.hog import Hog
 from followspot_persons.hog_cells import LOOKS, looks
 from followspot_persons.hog_model import DIRECTIONS, SHIPPED, judge, load, save, trusted
-from followspot_persons.hog_search import groups, overlap
+from followspot_persons.hog_search import groups, nesting, outermost, overlap
 from followspot_persons.hog_window import BODY, HEIGHT, WIDTH, cut
 from followspot_persons.people_detector import PeopleDetector
 
@@ -86,6 +86,14 @@ def test_groups_are_headed_by_the_best_and_share_no_row():
     assert [group.tolist() for group in found] == [[1, 0, 3], [2]]
 
 
+def test_a_box_within_a_better_one_is_no_other_body():
+    whole, part, beside = [0, 0, 96, 144.0], [24, 0, 72, 72.0], [100, 0, 196, 144.0]
+    box = np.array([part, whole, beside])
+    assert nesting(box[0], box[1:2], 0.0)[0] == 1
+    assert outermost(box, np.array([2.0, 3.0, 1.0]), 0.75, 0.0).tolist() == [1, 2]
+    assert outermost(box, np.array([4.0, 3.0, 1.0]), 0.75, 0.0).tolist() == [0, 2]
+
+
 def test_trust_bounds_how_unlikely_a_direction_may_be():
     logits = np.zeros((1, DIRECTIONS))
     logits[0, 3] = 50
@@ -143,18 +151,18 @@ def test_grey_pictures_are_searched_too():
     assert made.process(Frame(camera="c", pixels=grey)).torso.shape[1] == DIRECTIONS
 
 
-def picture_of(video, number):
+def pictures_of(video, numbers):
     capture = cv2.VideoCapture(str(SHARED / "persons-dev" / video))
-    capture.set(cv2.CAP_PROP_POS_FRAMES, number)
-    ok, pixels = capture.read()
-    assert ok
-    return pixels
+    for number in range(max(numbers) + 1):
+        assert capture.grab()
+        if number in numbers:
+            yield number, capture.retrieve()[1]
 
 
 @needs_shared
 def test_a_person_on_the_seam_is_found_as_elsewhere():
     made = ready(Hog, panorama())
-    pixels = picture_of("d_o.mp4", 0)
+    [(_, pixels)] = pictures_of("d_o.mp4", [0])
     plain = made.process(Frame(camera="c", pixels=pixels))
     best = int(np.argmax(plain.score))
     middle = int(plain.box[best, [0, 2]].mean())
@@ -183,10 +191,10 @@ def test_strangers_in_strange_pictures_are_found_with_their_headings(video, view
     with (SHARED / f"persons-dev/{video}_gt.csv").open(newline="") as stream:
         truth = {int(row["frame"]): row for row in csv.DictReader(stream)}
     hits, extra, errors = [], 0, []
-    numbers = range(5, 200, 30)
-    for number in numbers:
+    numbers = range(0, 200, 20)
+    for number, pixels in pictures_of(f"{video}.mp4", numbers):
         row = truth[number]
-        boxes = made.process(Frame(camera="c", pixels=picture_of(f"{video}.mp4", number)))
+        boxes = made.process(Frame(camera="c", pixels=pixels))
         box = np.array([float(row[c]) for c in ("ux0", "uy0", "ux1", "uy1")])
         shared = overlap(box, boxes.box, view.size[0] if video == "d_o" else 0.0)
         hits.append(bool((shared > 0.4).any()))
@@ -195,5 +203,5 @@ def test_strangers_in_strange_pictures_are_found_with_their_headings(video, view
             said = likeliest(boxes.torso[int(np.argmax(shared))])
             errors.append(np.rad2deg(abs(wrapped(said - float(row["torso_heading"])))))
     assert np.mean(hits) >= 0.9
-    assert extra <= len(numbers)
+    assert extra <= 0.25 * len(numbers)
     assert np.median(errors) < 22.5
