@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from followspot import document
@@ -153,6 +153,7 @@ JSON = st.recursive(
 
 
 @given(JSON)
+@settings(suppress_health_check=[HealthCheck.too_slow])  # trees take long to make on a busy machine
 def test_plain_is_the_inverse_of_node_of(data: Any) -> None:
     assert plain(node_of(data, Place("data", 1, 1))) == data
 

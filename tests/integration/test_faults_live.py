@@ -84,9 +84,7 @@ def joined(out: Path, after: int) -> bool:
     """Whether a line after the first ones is a sum of both sources, or of the left one alone."""
     lines = [line.split(",") for line in (out / "ticks.csv").read_text().splitlines()[after:]]
     values = [int(line[2]) for line in lines if len(line) == 4]
-    return any(value < 1_000_000 for value in values) or any(
-        b - a > 1 for a, b in pairwise(values)
-    )
+    return any(value < 1_000_000 for value in values) or any(b - a > 1 for a, b in pairwise(values))
 
 
 @pytest.mark.parametrize("edges", ["ring", "zenoh"])

@@ -21,7 +21,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Line:
-    """All edges of one kind and codec between the same ports of two boxes; back: it leads against the flow."""
+    """All edges of one kind and codec between the same ports of two boxes; back: against the flow."""
 
     start: Box
     port: str
