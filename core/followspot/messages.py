@@ -14,6 +14,8 @@ The message types of tracking itself stand in `followspot.tracking`.
 from __future__ import annotations
 
 import dataclasses
+import math
+from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform, get_type_hints
 
 import numpy as np
@@ -142,29 +144,38 @@ def seal(message: M) -> M:
     an edge between processes delivers contiguous arrays. Scalars of numpy become plain ones, for the
     same reason. Raises InvalidMessage.
     """
-    sizes: dict[str, int] = {}
-    total = 0
     values = message.__dict__
     for name, kind in message.scalars:
         value = values[name]
         if type(value) is not kind:
             values[name] = _plain(name, value, kind)
-    for name, shape, dtype, _ in message.columns:
+    layout: list[Any] = []
+    for name, _, _, _ in message.columns:
         array = values[name]
         if type(array) is not np.ndarray:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
-        if array.dtype is not dtype and array.dtype != dtype:
-            raise InvalidMessage(f"{name} has dtype {array.dtype}, declared {dtype}")
-        check_shape(name, array.shape, shape, sizes)
-        total += array.nbytes
-        flags = array.flags
-        if not flags.c_contiguous:
+        if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
-            flags = array.flags
-        flags.writeable = False
+        array.setflags(write=False)
+        layout += array.shape, array.dtype
+    check_layout(type(message), tuple(layout))
+    return message
+
+
+@lru_cache(maxsize=4096)  # the same few layouts come again and again
+def check_layout(kind: type[Message], layout: tuple[Any, ...]) -> None:
+    """Compare shapes and dtypes with their declarations: of each column in turn. Raises InvalidMessage."""
+    sizes: dict[str, int] = {}
+    total = 0
+    for (name, declared, wanted, _), shape, dtype in zip(
+        kind.columns, layout[::2], layout[1::2], strict=True
+    ):
+        if dtype != wanted:
+            raise InvalidMessage(f"{name} has dtype {dtype}, declared {wanted}")
+        check_shape(name, shape, declared, sizes)
+        total += math.prod(shape) * dtype.itemsize
     if total > MAX_BYTES:
         raise InvalidMessage(f"{total} bytes, at most {MAX_BYTES} allowed")
-    return message
 
 
 def _plain(name: str, value: Any, kind: Any) -> Any:

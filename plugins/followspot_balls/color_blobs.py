@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
-from followspot.geometry import undistort
+from followspot import Array, Field, Latest, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
+from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, hue_bits, normalised
-from followspot_balls.search import Regions, search_regions, side_by_side
-from followspot_balls.strip import at_border
+from followspot_balls.search import Circles, Regions, search_regions
+from followspot_balls.strip import Windows, abreast, at_border, row_and_column
 from followspot_balls.votes import disc_centers
 
 SMALL = 12.0
@@ -50,7 +51,7 @@ class ColorBlobs(Stage):
 
     per_camera = True
 
-    class Params(StageParams):
+    class Params(DetectionParams):
         similarity: float = Field(
             0.8,
             ge=0,
@@ -100,12 +101,6 @@ class ColorBlobs(Stage):
             description="how much wider than its outline a ball looks at the edge; raise it where balls are "
             "overexposed",
         )
-        smallest: float = Field(
-            0.3,
-            gt=0,
-            unit="1",
-            description="smallest area over the template's; lowering it accepts balls that are mostly hidden",
-        )
         largest: float = Field(
             1.5,
             gt=0,
@@ -118,18 +113,6 @@ class ColorBlobs(Stage):
             unit="1",
             description="largest area over the outline expected at the forecast; a ball that is part of more "
             "counts as hidden; raising it keeps biased blobs",
-        )
-        radius: float = Field(
-            10.0,
-            gt=0,
-            unit="px",
-            description="smallest search radius; raising it survives jumps, and costs time",
-        )
-        scale: float = Field(
-            1.5,
-            gt=0,
-            unit="1",
-            description="search radius over expected travel; raising it survives sharper turns",
         )
 
     params: Params
@@ -150,30 +133,14 @@ class ColorBlobs(Stage):
     def process_together(
         cls, stages: Sequence[Self], inputs: Sequence[tuple[Frame, Forecast | None]]
     ) -> list[Blobs]:
-        p, count = stages[0].params, len(stages[0].room.targets)
-        regions = side_by_side(
-            [
-                search_regions(stage.room, forecast, p.radius, p.scale)[stage.camera.name]
-                for stage, (_, forecast) in zip(stages, inputs, strict=True)
-            ]
-        )
-        templates = Templates(*map(np.concatenate, zip(*(s.templates for s in stages), strict=True)))
-        found = blobs_of([frame.pixels for frame, _ in inputs], regions, templates, p)
-        view = found.owner // max(count, 1)
-        return [stage.labelled(found, np.flatnonzero(view == number)) for number, stage in enumerate(stages)]
-
-    def labelled(self, found: Found, rows: Array) -> Blobs:
-        """The message of what was found in this camera's view."""
-        pixel = found.pixel.take(rows, axis=0)
-        numbers = np.arange(len(self.room.targets))
-        return Blobs(
-            camera=self.camera.name,
-            xy=undistort(self.camera, pixel),
-            pixel=pixel,
-            area=found.area.take(rows),
-            similarity=found.similarity.take(rows),
-            targets=found.owner.take(rows)[:, None] % max(len(numbers), 1) == numbers,
-        )
+        p, room = stages[0].params, stages[0].room
+        cameras, pictures = [s.camera for s in stages], [frame.pixels for frame, _ in inputs]
+        regions = search_regions(room, [c.name for c in cameras], [f for _, f in inputs], p.radius, p.scale)
+        found = blobs_of(pictures, regions, joint_templates(tuple(stages)), p)
+        count = len(room.targets)
+        view, target = row_and_column(found.owner, max(count, 1))
+        targets = target[:, None] == np.arange(count)
+        return blobs_by_view(cameras, view, Detections(found.pixel, found.area, found.similarity, targets))
 
 
 def blobs_of(
@@ -185,8 +152,9 @@ def blobs_of(
     found = [NOTHING]
     if len(regions.near):
         shown = [pictures[number] for number in (regions.near // count).tolist()]
-        sought = in_windows(shown, regions, templates.hues, limits)
-        found.append(measured(sought, templates, p, count, regions))
+        windows = abreast(regions.corners, regions.sides)
+        sought = in_windows(shown, windows, regions.near, templates.hues, limits)
+        found.append(measured(sought, templates, p, count, (regions.circles, windows)))
     lost = regions.circles.lost.reshape(len(pictures), count)
     for number in np.flatnonzero(lost.any(axis=1)).tolist():
         rows = np.flatnonzero(lost[number]) + number * count
@@ -196,12 +164,22 @@ def blobs_of(
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 
 
+@lru_cache(maxsize=8)
+def joint_templates(stages: tuple[ColorBlobs, ...]) -> Templates:
+    """Of the views of several stages."""
+    return Templates(*map(np.concatenate, zip(*(stage.templates for stage in stages), strict=True)))
+
+
 def measured(
-    sought: Sought, templates: Templates, p: ColorBlobs.Params, count: int, regions: Regions | None = None
+    sought: Sought,
+    templates: Templates,
+    p: ColorBlobs.Params,
+    count: int,
+    near: tuple[Circles, Windows] | None = None,
 ) -> Found:
     """Blobs of the targets that the parts of a strip are searched for.
 
-    count: targets of each view; regions: where the parts are their windows.
+    count: targets of each view; near: search regions, where the parts are their windows.
     """
     level, strip = sought.level, sought.strip
     blobs = components(above_local_peak(level, p.edge), level, strip)
@@ -212,10 +190,11 @@ def measured(
     similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
     keep &= similarity > p.similarity
     pixel = blobs.center
-    if regions is not None:
-        circles, ball = regions.circles, regions.circles.ball.take(owner)
+    if near is not None:
+        circles, windows = near
+        ball = circles.ball.take(owner)
         keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
-        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, regions.sides))
+        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, windows))
         pixel = disc_centers(level, strip, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
         right, down = (pixel - circles.center.take(owner, axis=0)).T
         keep &= np.hypot(right, down) <= circles.radius.take(owner)

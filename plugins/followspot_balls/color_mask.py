@@ -10,8 +10,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot_balls.hue import BIT
-from followspot_balls.search import Regions
-from followspot_balls.strip import Strip, clusters, cut, scattered, window_strip
+from followspot_balls.strip import Strip, Windows, clusters, cut, row_and_column, scattered, window_strip
 
 
 class Limits(NamedTuple):
@@ -36,17 +35,20 @@ class Sought(NamedTuple):
     """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
 
 
-def in_windows(pictures: Sequence[Array], regions: Regions, hues: Array, limits: Limits) -> Sought:
+def in_windows(
+    pictures: Sequence[Array], windows: Windows, owner: Array, hues: Array, limits: Limits
+) -> Sought:
     """What may show each target in its window.
 
-    pictures: (H, W, 3) BGR, one for each window; hues: (rows,) u16, bits of the targets of all views.
+    pictures: (H, W, 3) BGR, one for each window; owner: (N,) rows of the targets;
+    hues: (rows,) u16, bits of the targets of all views.
     """
-    strip = window_strip(regions.corners, regions.sides)
-    tiles = cut(pictures, regions.corners, regions.sides)
+    strip = window_strip(windows)
+    tiles = cut(pictures, windows)
     hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
     colored, core = saturated(saturation, value, limits)
-    colored &= (np.asarray(cv2.LUT(hue, BIT)) & hues.take(regions.near).take(strip.part)) > 0
-    return Sought(strip, regions.near, (colored | core).view(np.uint8) * value, hue, colored)
+    colored &= (np.asarray(cv2.LUT(hue, BIT)) & hues.take(owner).take(strip.part)) > 0
+    return Sought(strip, owner, (colored | core).view(np.uint8) * value, hue, colored)
 
 
 def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smallest: Array) -> Sought:
@@ -60,8 +62,8 @@ def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smalles
     index = np.flatnonzero(colored | core)
     core, hue, value = core.take(index), hue.take(index), value.take(index)
     shown = (BIT.take(hue) & hues.take(owner)[:, None] > 0) & ~core
-    layer, entry = np.divmod(np.flatnonzero(shown | core), max(len(index), 1))
-    y, x = np.divmod(index.take(entry), width)
+    layer, entry = row_and_column(np.flatnonzero(shown | core), max(len(index), 1))
+    y, x = row_and_column(index.take(entry), width)
     found = clusters(layer, y, x, (len(owner), height, width), smallest)
     entry = entry.take(found.entry)
     planes = (value.take(entry), hue.take(entry), ~core.take(entry))

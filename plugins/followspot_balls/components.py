@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.strip import REACH, Strip
+from followspot_balls.strip import REACH, Strip, row_and_column
 
 MOST = 256
 """Components kept, the largest first: more of them are noise, and pairs grow with the square."""
@@ -45,8 +45,9 @@ def above_local_peak(level: Array, fraction: float) -> Array:
     """
     if not level.size:
         return np.zeros(level.shape, bool)
-    floor = np.asarray(cv2.convertScaleAbs(cv2.dilate(level, NEIGHBOURHOOD), alpha=fraction))
-    return np.asarray(level >= np.maximum(floor, 1, out=floor))
+    mask = level >= np.asarray(cv2.convertScaleAbs(cv2.dilate(level, NEIGHBOURHOOD), alpha=fraction))
+    mask &= level > 0
+    return np.asarray(mask)
 
 
 def components(mask: Array, level: Array, strip: Strip) -> Components:
@@ -61,7 +62,7 @@ def components(mask: Array, level: Array, strip: Strip) -> Components:
     count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_SAUF)
     count -= 1  # the background
     label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
-    y, x = np.divmod(pixels, mask.shape[1])
+    y, x = row_and_column(pixels, mask.shape[1])
     weight = level.take(pixels).astype(float)
     total = np.bincount(label, weight, count)
     center = np.empty((count, 2))

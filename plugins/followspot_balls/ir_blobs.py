@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
-from followspot.geometry import undistort
+from followspot import Array, Field, Latest, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.components import above_local_peak, clipped, components, of_size
-from followspot_balls.search import Circles, Regions, distances, search_regions, side_by_side, within
-from followspot_balls.strip import Strip, at_border, clusters, cut, scattered, window_strip
+from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
+from followspot_balls.search import Circles, Regions, distances, search_regions, within
+from followspot_balls.strip import (
+    Strip,
+    Windows,
+    abreast,
+    at_border,
+    clusters,
+    cut,
+    row_and_column,
+    scattered,
+    window_strip,
+)
 from followspot_balls.votes import disc_centers
 
 SAME = 0.5
@@ -20,14 +31,18 @@ SAME = 0.5
 
 
 class Limits(NamedTuple):
-    """What may be a ball in each of V views, (V,) each."""
+    """What may be a ball in each of V views."""
 
     darkest: Array
+    """(V,) u8."""
     brightest: Array
+    """(V,) u8."""
     smallest: Array
-    """px."""
+    """(V,) px, of any target."""
     largest: Array
-    """px."""
+    """(V,) px, of any target."""
+    areas: Array
+    """(V, T, 2) smallest and largest of each target, px."""
 
 
 class Found(NamedTuple):
@@ -46,7 +61,7 @@ class IrBlobs(Stage):
 
     per_camera = True
 
-    class Params(StageParams):
+    class Params(DetectionParams):
         edge: float = Field(
             0.45,
             gt=0,
@@ -60,29 +75,11 @@ class IrBlobs(Stage):
             description="how much wider than its outline a ball looks at the edge; patches reflect less "
             "towards the rim, so it is negative",
         )
-        smallest: float = Field(
-            0.3,
-            gt=0,
-            unit="1",
-            description="smallest area over the template's; lowering it accepts balls that are mostly hidden",
-        )
         largest: float = Field(
             1.5,
             gt=0,
             unit="1",
             description="largest area over the template's; raising it accepts merged balls",
-        )
-        radius: float = Field(
-            10.0,
-            gt=0,
-            unit="px",
-            description="smallest search radius; raising it survives jumps, and costs time",
-        )
-        scale: float = Field(
-            1.5,
-            gt=0,
-            unit="1",
-            description="search radius over expected travel; raising it survives sharper turns",
         )
 
     params: Params
@@ -92,12 +89,13 @@ class IrBlobs(Stage):
         targets = self.room.targets.values()
         gray = np.array([t.gray.get(name, (256.0, 0.0)) for t in targets]).reshape(-1, 2)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
-        self.area = area * [self.params.smallest, self.params.largest]
-        self.limits = (
-            np.ceil(gray[:, 0].min(initial=255)),
-            np.floor(gray[:, 1].max(initial=0)),
-            self.area[:, 0].min(initial=1e9),
-            self.area[:, 1].max(initial=0),
+        area *= [self.params.smallest, self.params.largest]
+        self.limits = Limits(
+            np.ceil(gray[:, 0].min(initial=255)).astype(np.uint8),
+            np.floor(gray[:, 1].max(initial=0)).astype(np.uint8),
+            area[:, 0].min(initial=1e9),
+            area[:, 1].max(initial=0),
+            area,
         )
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
@@ -107,34 +105,24 @@ class IrBlobs(Stage):
     def process_together(
         cls, stages: Sequence[Self], inputs: Sequence[tuple[Frame, Forecast | None]]
     ) -> list[Blobs]:
-        p = stages[0].params
-        views = [
-            search_regions(stage.room, forecast, p.radius, p.scale)[stage.camera.name]
-            for stage, (_, forecast) in zip(stages, inputs, strict=True)
-        ]
-        limits = Limits(*np.array([stage.limits for stage in stages]).T)
-        found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], side_by_side(views), limits, p)
-        return [
-            stage.labelled(found, np.flatnonzero(found.view == number), regions.circles)
-            for number, (stage, regions) in enumerate(zip(stages, views, strict=True))
-        ]
+        p, cameras = stages[0].params, [stage.camera for stage in stages]
+        names, forecasts = [camera.name for camera in cameras], [forecast for _, forecast in inputs]
+        regions = search_regions(stages[0].room, names, forecasts, p.radius, p.scale)
+        limits = joint_limits(tuple(stages))
+        found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, limits, p)
+        pixel, area, view = found
+        targets = within(circles_of(regions.circles, view, len(cameras)), pixel)
+        smallest, largest = np.moveaxis(limits.areas.take(view, axis=0), 2, 0)
+        targets &= (area[:, None] >= smallest) & (area[:, None] <= largest)
+        rows = (targets.any(axis=1) & distinct(pixel, view)).nonzero()[0]
+        labelled = Detections(pixel, area, np.ones(len(area)), targets)
+        return blobs_by_view(cameras, view.take(rows), Detections(*(c.take(rows, axis=0) for c in labelled)))
 
-    def labelled(self, found: Found, rows: Array, circles: Circles) -> Blobs:
-        """The message of what was found in this camera's view."""
-        pixel, area = found.pixel.take(rows, axis=0), found.area.take(rows)
-        targets = within(circles, pixel)
-        targets &= (area[:, None] >= self.area[:, 0]) & (area[:, None] <= self.area[:, 1])
-        chosen = (targets.any(axis=1) & distinct(pixel)).nonzero()[0]
-        if len(chosen) < len(rows):
-            pixel, area, targets = pixel.take(chosen, axis=0), area.take(chosen), targets.take(chosen, axis=0)
-        return Blobs(
-            camera=self.camera.name,
-            xy=undistort(self.camera, pixel),
-            pixel=pixel,
-            area=area,
-            similarity=np.ones(len(chosen)),
-            targets=targets,
-        )
+
+@lru_cache(maxsize=8)
+def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
+    """Of the views of several stages."""
+    return Limits(*map(np.array, zip(*(stage.limits for stage in stages), strict=True)))
 
 
 def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrBlobs.Params) -> Found:
@@ -147,9 +135,11 @@ def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrB
         rows = np.flatnonzero(~whole.take(view))
         view, corners, sides = view.take(rows), regions.corners.take(rows, axis=0), regions.sides.take(rows)
         if len(rows):
-            level, strip = in_windows([pictures[number] for number in view.tolist()], corners, sides)
+            windows = abreast(corners, sides)
+            strip = window_strip(windows)
+            level = cut([pictures[number] for number in view.tolist()], windows)[..., 0]
             level = in_range(level, limits, view.take(strip.part))
-            found.append(measured(level, strip, view, regions.circles, limits, p, sides))
+            found.append(measured(level, strip, view, regions.circles, limits, p, windows))
     for number in np.flatnonzero(whole).tolist():
         view = np.array([number])
         level, strip = in_picture(in_range(pictures[number][..., 0], limits, view), limits.smallest[view])
@@ -158,23 +148,17 @@ def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrB
     return found[-1] if len(found) < 3 else Found(*map(np.concatenate, zip(*found, strict=True)))
 
 
-def in_windows(pictures: Sequence[Array], corners: Array, sides: Array) -> tuple[Array, Strip]:
-    """The windows in a strip of grey levels."""
-    return cut(pictures, corners, sides)[..., 0], window_strip(corners, sides)
-
-
 def in_picture(level: Array, smallest: Array) -> tuple[Array, Strip]:
     """Bright pixels of a whole picture, gathered into a strip; smallest: (1,) number of a cluster."""
     index = np.flatnonzero(level)
-    y, x = np.divmod(index, level.shape[1])
+    y, x = row_and_column(index, level.shape[1])
     found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), smallest)
     return scattered(found, level.reshape(-1).take(index.take(found.entry))), found.strip
 
 
 def in_range(gray: Array, limits: Limits, view: Array) -> Array:
     """Grey levels in the range of their view, 0 elsewhere. gray: (H, W) u8; view: (W,), or (1,) of all."""
-    darkest, brightest = limits.darkest.astype(np.uint8), limits.brightest.astype(np.uint8)
-    shown = (gray >= darkest.take(view)) & (gray <= brightest.take(view))
+    shown = (gray >= limits.darkest.take(view)) & (gray <= limits.brightest.take(view))
     return np.asarray(shown.view(np.uint8) * gray)
 
 
@@ -185,47 +169,56 @@ def measured(
     circles: Circles,
     limits: Limits,
     p: IrBlobs.Params,
-    sides: Array | None = None,
+    windows: Windows | None = None,
 ) -> Found:
     """Bright blobs of a strip.
 
-    view: (N,) of each part; circles: of all views; sides: (N,) px, where the parts are windows.
+    view: (N,) of each part; circles: of all views; windows: where the parts are such.
     """
     blobs = components(above_local_peak(level, p.edge), level, strip)
     seen = view.take(blobs.part)
     keep = of_size(blobs.area, limits.smallest.take(seen), limits.largest.take(seen), seen)
-    if sides is not None:
-        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, sides))
+    if windows is not None:
+        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, windows))
     rows = keep.nonzero()[0]
+    near = circles_of(circles, seen.take(rows), len(limits.darkest))
     radius = np.full(len(keep), np.nan)
-    radius[rows] = nearest_radius(
-        circles, blobs.center.take(rows, axis=0), seen.take(rows), len(limits.darkest)
-    )
+    radius[rows] = nearest_radius(near, blobs.center.take(rows, axis=0))
     center = disc_centers(level, strip, blobs, radius + p.rim, p.edge)
     return Found(center.take(rows, axis=0), blobs.area.take(rows), seen.take(rows))
 
 
-def nearest_radius(circles: Circles, pixel: Array, view: Array, views: int) -> Array:
+def circles_of(circles: Circles, view: Array, views: int) -> Circles:
+    """Search regions for each of N blobs, of the view that it is seen in: (N, T, ...).
+
+    circles: of all views, so many; view: (N,).
+    """
+    count = len(circles.lost) // views
+    return Circles(
+        *(column.reshape(views, count, *column.shape[1:]).take(view, axis=0) for column in circles)
+    )
+
+
+def nearest_radius(circles: Circles, pixel: Array) -> Array:
     """Radius of the ball whose forecast is nearest to each blob, NaN without one: (N,) px.
 
-    circles: of all views, so many; pixel: (N, 2) px; view: (N,) that each blob is seen in.
+    circles: for each blob; pixel: (N, 2) px.
     """
-    count = len(circles.ball) // views
-    if not (count and len(pixel)):
+    if not circles.ball.size:
         return np.full(len(pixel), np.nan)
-    center, radius, ball = (a.reshape(views, count, *a.shape[1:]).take(view, axis=0) for a in circles[:3])
-    distance = distances(pixel, center)
-    distance = np.where(distance <= radius + ball, distance, np.inf)
+    distance = distances(pixel, circles.center)
+    distance = np.where(distance <= circles.radius + circles.ball, distance, np.inf)
     nearest = np.arange(len(pixel)), distance.argmin(axis=1)
-    return np.where(distance[nearest] < np.inf, ball[nearest], np.nan)
+    return np.where(distance[nearest] < np.inf, circles.ball[nearest], np.nan)
 
 
-def distinct(center: Array) -> Array:
+def distinct(center: Array, view: Array) -> Array:
     """Blobs without those that another window shows too, or that another part of the same ball stands for.
 
-    center: (N, 2) px. Returns (N,) bool.
+    center: (N, 2) px; view: (N,) that each is seen in. Returns (N,) bool.
     """
     near = distances(center, center) < SAME
+    near &= view[:, None] == view
     first = np.ones(len(center), bool)
     if np.count_nonzero(near) > len(center):
         first[near.argmax(axis=1) < np.arange(len(center))] = False

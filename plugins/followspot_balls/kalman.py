@@ -10,10 +10,9 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
-from followspot_balls.motion import Motion, manoeuvred, predict, started, update
+from followspot_balls.motion import Motion, followed, predict, started
 
 NANOSECOND = 1e-9
-AXES = np.arange(3)
 DEFAULT_PERIOD = 1 / 30
 """Between frames, s, until two of them were seen."""
 
@@ -93,8 +92,10 @@ class Kalman(Stage):
 
     def setup(self) -> None:
         count = len(self.room.targets)
-        self.apart = min((t.radius for t in self.room.targets.values()), default=0.0)
-        self.constant = np.eye(3) * self.params.measurement**2
+        p = self.params
+        apart = min((t.radius for t in self.room.targets.values()), default=0.0)
+        self.evidence = Evidence(p.support, p.frames, p.reach, apart)
+        self.constant = np.eye(3) * p.measurement**2
         self.motion = Motion.zero(count)
         self.life = LifeCycle.lost(count)
         self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
@@ -103,24 +104,24 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        evidence = Evidence(p.support, p.frames, p.reach, self.apart)
-        life, counted = believed(self.life, positions, evidence)
-        target, xyz = positions.target[counted], positions.xyz[counted]
-        noise = self.noise(positions.covariance[counted])
-        new = life.status[target] == LOST
+        life, counted = believed(self.life, positions, self.evidence)
+        rows = counted.nonzero()[0]
+        target, xyz = positions.target.take(rows), positions.xyz.take(rows, axis=0)
+        noise = self.noise(positions.covariance.take(rows, axis=0))
+        sure = (positions.support >= p.support).take(rows)
         motion = predict(self.motion, self.period, p.acceleration)
-        sure = ~new & (positions.support >= p.support)[counted]
-        motion = manoeuvred(motion, target[sure], xyz[sure], noise[sure], self.period, p.gate)
+        new = life.status.take(target) == LOST
+        old = slice(None)
         if new.any():
             motion = started(motion, target[new], xyz[new], noise[new], p.speed)
-            self.motion = update(motion, target[~new], xyz[~new], noise[~new])
-        else:
-            self.motion = update(motion, target, xyz, noise)
+            old = ~new
+        self.motion = followed(motion, target[old], xyz[old], noise[old], sure[old], self.period, p.gate)
+        predicted = positions.predicted.take(rows)
         measured, bridged = np.zeros((2, len(life.status)), bool)
-        measured[target] = ~positions.predicted[counted]
-        bridged[target] = positions.predicted[counted] & (self.vagueness(target) <= p.vague)
+        measured[target] = ~predicted
+        bridged[target] = predicted & (self.motion.sigma.take(target, axis=0).max(axis=1) <= p.vague)
         self.life = aged(life, measured, bridged, p.missing)
-        self.remember(target, new)
+        self.remember(target, target[new])
         return Outputs(self.tracks(), self.forecast())
 
     def advance(self, time: int) -> None:
@@ -129,19 +130,15 @@ class Kalman(Stage):
             self.period = (time - self.time) * NANOSECOND
         self.time = time
 
-    def vagueness(self, target: Array) -> Array:
-        """One sigma of some targets' places along the axis where it is largest: (M,) m."""
-        return np.asarray(np.sqrt(self.motion.covariance[target[:, None], AXES, AXES].max(axis=1)))
-
     def noise(self, covariance: Array) -> Array:
         """Covariances of measurements, with the constant one where the fusion knows none."""
         return np.where(np.isfinite(covariance), covariance, self.constant)
 
     def remember(self, target: Array, new: Array) -> None:
         """Keep the last two estimates of measured targets; let those that were not measured come to rest."""
-        self.before[target] = self.last[target]
-        self.last[target] = self.motion.xyz[target]
-        self.before[target[new]] = self.last[target[new]]
+        self.before[target] = self.last.take(target, axis=0)
+        self.last[target] = self.motion.xyz.take(target, axis=0)
+        self.before[new] = self.last[new]
         missing = self.life.status == MISSING
         if self.params.fade > 0:
             unmeasured = missing | (self.life.status == PREDICTED)
@@ -151,13 +148,13 @@ class Kalman(Stage):
 
     def tracks(self) -> Tracks:
         """Rows of the targets that were measured in this frame, or at least seen once."""
-        target = np.flatnonzero((self.life.status == TRACKED) | (self.life.status == PREDICTED))
+        target = ((self.life.status == TRACKED) | (self.life.status == PREDICTED)).nonzero()[0]
         return Tracks(
             target=target.astype(np.int32),
-            state=self.life.status[target],
-            xyz=self.motion.xyz[target],
-            velocity=self.motion.velocity[target],
-            sigma=np.sqrt(self.motion.covariance[target[:, None], AXES, AXES]),
+            state=self.life.status.take(target),
+            xyz=self.motion.xyz.take(target, axis=0),
+            velocity=self.motion.velocity.take(target, axis=0),
+            sigma=self.motion.sigma.take(target, axis=0),
         )
 
     def forecast(self) -> Forecast:

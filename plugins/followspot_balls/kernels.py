@@ -17,7 +17,10 @@ def scales(bandwidth: Array) -> Array:
     1 / max(h)^2.
     """
     squares = np.square(bandwidth)
-    return np.stack([1 / squares, np.broadcast_to(1 / squares.max(axis=1, keepdims=True), squares.shape)], 2)
+    scale = np.empty((*bandwidth.shape, 2))
+    scale[..., 0] = 1 / squares
+    scale[..., 1] = 1 / squares.max(axis=1, keepdims=True)
+    return scale
 
 
 def kernel(offsets: Array, scale: Array, unlabelled: Array) -> Array:

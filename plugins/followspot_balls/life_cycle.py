@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -59,7 +59,7 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     status = life.status[target]
     known = (status == TRACKED) | (status == PREDICTED)
     if known.all():
-        return replace(life, streak=np.zeros_like(life.streak)), np.ones(len(target), bool)
+        return LifeCycle(life.status, life.unseen, life.seen, np.zeros_like(life.streak), life.place), known
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
@@ -68,7 +68,7 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     strong = possible & (agreeing | (row >= evidence.frames))
     streak, place = np.zeros_like(life.streak), life.place.copy()
     streak[target], place[target] = row, xyz
-    return replace(life, streak=streak, place=place), known | strong
+    return LifeCycle(life.status, life.unseen, life.seen, streak, place), known | strong
 
 
 def occupied(xyz: Array, known: Array, apart: float) -> Array:
@@ -94,4 +94,4 @@ def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> Lif
     waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
     absent = np.where(waiting, np.where(bridged, PREDICTED, MISSING), LOST)
     status = np.where(measured, TRACKED, absent).astype(np.uint8)
-    return replace(life, status=status, unseen=unseen, seen=np.where(status == LOST, 0, seen))
+    return LifeCycle(status, unseen, seen * (status != LOST), life.streak, life.place)

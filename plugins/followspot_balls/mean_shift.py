@@ -79,7 +79,7 @@ class MeanShift(Stage):
         weights = epipolar_weight(candidates.epipolar, self.params.epipolar) * candidates.targets.T
         lost = lost_targets(forecast, len(weights))
         confirmed = (candidates.targets.T & candidates.confirmed).any(axis=1)
-        target = np.flatnonzero(weights.any(axis=1) & (confirmed | ~lost))
+        target = (weights.any(axis=1) & (confirmed | ~lost)).nonzero()[0]
         weights, lost = weights[target], lost[target]
         center, sigma = expectation(forecast, target, lost)
         bandwidth = np.maximum(self.params.bandwidth * sigma, self.params.smallest)
@@ -129,9 +129,8 @@ class MeanShift(Stage):
 
 def expectation(forecast: Forecast | None, target: Array, lost: Array) -> tuple[Array, Array]:
     """Forecast place and sigma along each axis, (M, 3) m each; zero for lost targets."""
-    center, sigma = np.zeros((len(target), 3)), np.zeros((len(target), 3))
-    if forecast is not None and not lost.all():
-        known = target[~lost]
-        center[~lost] = forecast.xyz[known]
-        sigma[~lost] = np.sqrt(np.diagonal(forecast.covariance[known], axis1=1, axis2=2))
-    return center, sigma
+    if forecast is None or lost.all():
+        return np.zeros((len(target), 3)), np.zeros((len(target), 3))
+    variance = forecast.covariance.diagonal(axis1=1, axis2=2)
+    known = ~lost[:, None]
+    return forecast.xyz.take(target, axis=0) * known, np.sqrt(variance.take(target, axis=0) * known)

@@ -54,8 +54,8 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
         held *= sample.weights
         total = held.sum(axis=1)
         free = moving & (total > 0)
-        mean = center.copy()
-        mean[free] = ((held @ sample.xyz) / np.maximum(total, TINY)[:, None])[free]
+        mean = (held @ sample.xyz) / np.maximum(total, TINY)[:, None]
+        mean = np.where(free[:, None], mean, center)
         taken[moving] = step
         travel = mean - center
         moving = np.einsum("ij,ij->i", travel, travel) >= tolerance * tolerance

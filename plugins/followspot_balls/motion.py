@@ -33,6 +33,11 @@ class Motion:
         """(T, 3) m/s."""
         return self.state[:, 3:]
 
+    @property
+    def sigma(self) -> Array:
+        """(T, 3) m, of the place along each axis."""
+        return np.asarray(np.sqrt(self.covariance.diagonal(axis1=1, axis2=2)[:, :3]))
+
 
 def started(motion: Motion, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
     """With some targets newly at rest where they were measured.
@@ -99,15 +104,32 @@ def jump(seconds: float) -> Array:
     return np.array([[1.0, 1.5 / seconds], [1.5 / seconds, 3.0 / seconds**2]])
 
 
-def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> Motion:
-    """Correct some targets by measured positions: K = P H^T (H P H^T + R)^-1.
+def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Motion, Array]:
+    """Correct some targets by measured positions: K = P H^T S^-1, with S = H P H^T + R.
 
-    target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2, R.
+    target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2, R. Returns also n^T S^-1 n of the innovations
+    n, (M,).
     """
+    x, P = motion.state.take(target, axis=0), motion.covariance.take(target, axis=0)
+    n = (xyz - x[:, :3])[..., None]
+    solved = np.linalg.solve(P[:, :3, :3] + noise, np.concatenate([P[:, :3], n], axis=2))
+    gain = solved[..., :6].swapaxes(1, 2)
     state, covariance = motion.state.copy(), motion.covariance.copy()
-    P = covariance[target]
-    innovation = P[:, :3, :3] + noise
-    gain = np.linalg.solve(innovation, P[:, :3]).swapaxes(1, 2)
-    state[target] += (gain @ (xyz - state[target, :3])[..., None])[..., 0]
+    state[target] = x + (gain @ n)[..., 0]
     covariance[target] = P - gain @ P[:, :3]
-    return Motion(state, covariance)
+    return Motion(state, covariance), (n * solved[..., 6:]).sum(axis=(1, 2))
+
+
+def followed(
+    motion: Motion, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float, gate: float
+) -> Motion:
+    """Corrected by measurements; where sure ones are improbable, predictions give way first.
+
+    sure: (M,) bool; others as for :func:`manoeuvred`.
+    """
+    corrected, squared = update(motion, target, xyz, noise)
+    sudden = sure & (squared > gate * gate)
+    if not sudden.any():
+        return corrected
+    motion = manoeuvred(motion, target[sudden], xyz[sudden], noise[sudden], seconds, gate)
+    return update(motion, target, xyz, noise)[0]

@@ -18,11 +18,10 @@ WINDOW = 1.5
 FARTHEST_OFF = 0.1
 """Cosine of the angle from the optical axis up to which outlines become longer."""
 TINY = np.finfo(float).tiny
-NOBODY = np.empty(0, int)
 
 
 class Circles(NamedTuple):
-    """Search regions of one view, a row for each target."""
+    """Search regions of one view or several, a row for each target of each view in turn."""
 
     center: Array
     """(T, 2) px, as in the picture; NaN behind the camera and for lost targets."""
@@ -35,15 +34,30 @@ class Circles(NamedTuple):
 
 
 class Regions(NamedTuple):
-    """Search regions of one view, and square windows around those that reach into the picture."""
+    """Search regions of some views, and square windows around those that reach into their pictures.
+
+    Rows are the targets of each view in turn.
+    """
 
     circles: Circles
     near: Array
-    """(M,) numbers of the targets that have a window."""
+    """(M,) rows that have a window."""
     corners: Array
     """(M, 2) int px, upper left corners of the windows."""
     sides: Array
     """(M,) int px, of the windows."""
+
+
+class RoomRegions(NamedTuple):
+    """Search regions of all C views of a room: C * T rows, the targets of each view in turn."""
+
+    circles: Circles
+    inside: Array
+    """(C * T,) bool, which have a window."""
+    corners: Array
+    """(C * T, 2) int px, of the windows; elsewhere of no meaning."""
+    sides: Array
+    """(C * T,) int px, likewise."""
 
 
 class Images(NamedTuple):
@@ -86,35 +100,54 @@ def search_circles(
 
     minimum: px; scale: of the expected travel.
     """
-    return search_regions(room, forecast, minimum, scale)[camera].circles
+    return search_regions(room, [camera], [forecast], minimum, scale).circles
+
+
+def search_regions(
+    room: Room, cameras: Sequence[str], forecasts: Sequence[Forecast | None], minimum: float, scale: float
+) -> Regions:
+    """Where targets are looked for in some views, by the forecast that each has."""
+    if len(set(forecasts)) > 1:  # a camera lags behind
+        alone = zip(cameras, forecasts, strict=True)
+        return side_by_side([search_regions(room, [c], [f], minimum, scale) for c, f in alone])
+    everywhere = room_regions(room, forecasts[0], minimum, scale)
+    rows = view_rows(room, tuple(cameras))
+    center, radius, ball, lost = everywhere.circles
+    circles = Circles(center.take(rows, axis=0), radius.take(rows), ball.take(rows), lost.take(rows))
+    near = everywhere.inside.take(rows).nonzero()[0]
+    rows = rows.take(near)
+    return Regions(circles, near, everywhere.corners.take(rows, axis=0), everywhere.sides.take(rows))
 
 
 @lru_cache(maxsize=8)
-def search_regions(room: Room, forecast: Forecast | None, minimum: float, scale: float) -> dict[str, Regions]:
+def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: float) -> RoomRegions:
     """Where targets are looked for in all views at once, for whichever stage of a worker asks first."""
-    count = len(room.targets)
+    views, count = len(room.cameras), len(room.targets)
     lost = lost_targets(forecast, count)
     if forecast is None or lost.all():
-        nowhere = np.full((count, 2), np.nan)
-        circles = Circles(nowhere, np.full(count, minimum), nowhere[:, 0], lost)
-        return dict.fromkeys(room.cameras, Regions(circles, NOBODY, NOBODY.reshape(0, 2), NOBODY))
+        nowhere, nothing = np.full((views * count, 2), np.nan), np.zeros((views * count, 2), int)
+        circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], np.tile(lost, views))
+        return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
     radius = search_radius(images.travel, minimum, scale)
     size = picture_sizes(room)
     inside = reaching(images.center, radius, size)
     corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
-    return {
-        camera: Regions(Circles(center, around, ball, lost), near.nonzero()[0], corner[near], side[near])
-        for camera, center, around, ball, near, corner, side in zip(
-            room.cameras, images.center, radius, images.ball, inside, corners, sides, strict=True
-        )
-    }
+    center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
+    circles = Circles(center, radius.reshape(-1), ball, np.tile(lost, views))
+    return RoomRegions(circles, inside.reshape(-1), corners.reshape(-1, 2), sides.reshape(-1))
+
+
+@lru_cache(maxsize=8)
+def view_rows(room: Room, cameras: tuple[str, ...]) -> Array:
+    """Rows of some views among those of all: (views * T,)."""
+    numbers = np.array([list(room.cameras).index(camera) for camera in cameras])
+    count = len(room.targets)
+    return np.asarray((numbers[:, None] * count + np.arange(count)).reshape(-1))
 
 
 def side_by_side(views: Sequence[Regions]) -> Regions:
-    """The regions of several views as those of one, whose rows are the targets of each view in turn."""
-    if len(views) == 1:
-        return views[0]
+    """The regions of several views, one by one, as those of all."""
     circles = Circles(*map(np.concatenate, zip(*(view.circles for view in views), strict=True)))
     count = len(views[0].circles.lost)
     near = np.concatenate([view.near + number * count for number, view in enumerate(views)])

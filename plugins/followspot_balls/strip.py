@@ -26,6 +26,17 @@ BLOCK = 4
 each other's reach."""
 
 
+class Windows(NamedTuple):
+    """Where N square windows lie."""
+
+    corners: Array
+    """(N, 2) int px, x and y of the upper left pixels in their pictures."""
+    sides: Array
+    """(N,) px."""
+    start: Array
+    """(N,) first column of each in the strip."""
+
+
 class Strip(NamedTuple):
     """Where the N parts lie: W columns."""
 
@@ -54,17 +65,26 @@ def adjoined(left: Array, top: Array, wide: Array) -> Strip:
 
     left, top: (N,) int, the first column and row of each in its picture; wide: (N,) columns of the strip.
     """
-    start = np.cumsum(wide) - wide
-    return Strip(np.repeat(np.arange(len(wide)), wide), np.column_stack([left - start, top]))
+    start = wide.cumsum() - wide
+    return Strip(np.arange(len(wide)).repeat(wide), np.column_stack([left - start, top]))
 
 
-def window_strip(corners: Array, sides: Array) -> Strip:
-    """Of square windows. corners: (N, 2) int, x and y of the upper left pixels; sides: (N,) px.
+def abreast(corners: Array, sides: Array) -> Windows:
+    """Windows in one strip.
 
     The first has empty columns before it as the others have, so that its edge looks as theirs.
     """
-    first = RIM * (np.arange(len(sides)) == 0)
-    return adjoined(corners[:, 0] - first, corners[:, 1] - RIM, sides + GAP + first)
+    wide = sides + GAP
+    return Windows(corners, sides, wide.cumsum() - wide + RIM)
+
+
+def window_strip(windows: Windows) -> Strip:
+    """The strip that they lie in."""
+    wide = windows.sides + GAP
+    wide[:1] += RIM
+    shift = windows.corners - RIM
+    shift[:, 0] += RIM - windows.start
+    return Strip(np.arange(len(wide)).repeat(wide), shift)
 
 
 def whole_strip(width: int) -> Strip:
@@ -72,37 +92,44 @@ def whole_strip(width: int) -> Strip:
     return Strip(np.zeros(width, int), np.zeros((1, 2), int))
 
 
-def cut(pictures: Sequence[Array], corners: Array, sides: Array) -> Array:
+def cut(pictures: Sequence[Array], windows: Windows) -> Array:
     """Copy windows into a strip; black where they reach beyond their pictures.
 
-    pictures: N of (H, W, C), one for each window; corners, sides: as above. Returns (rows, columns, C).
+    pictures: N of (H, W, C), one for each window. Returns (rows, columns, C).
     Raises ValueError for pictures of different kinds.
     """
     (channels,) = {pixels.shape[2] for pixels in pictures}
-    strip = np.zeros((sides.max() + 2 * RIM, RIM + (sides + GAP).sum(), channels), np.uint8)
-    start = RIM
-    for pixels, (x, y), side in zip(pictures, corners.tolist(), sides.tolist(), strict=True):
-        left, top = max(x, 0), max(y, 0)
-        part = pixels[top : max(y + side, 0), left : max(x + side, 0)]
-        row, column = top - y + RIM, start + left - x
+    corners, sides, start = windows
+    strip = np.zeros((sides.max() + 2 * RIM, start[-1] + sides[-1] + GAP, channels), np.uint8)
+    first, end = np.maximum(corners, 0), np.maximum(corners + sides[:, None], 0)
+    place = first - corners + RIM
+    place[:, 0] += start - RIM
+    places = zip(pictures, first.tolist(), end.tolist(), place.tolist(), strict=True)
+    for pixels, (left, top), (right, bottom), (column, row) in places:
+        part = pixels[top:bottom, left:right]
         strip[row : row + part.shape[0], column : column + part.shape[1]] = part
-        start += side + GAP
     return strip
 
 
-def at_border(pixels: Array, part: Array, sides: Array) -> Array:
+def at_border(pixels: Array, part: Array, windows: Windows) -> Array:
     """Which pixels of a strip of windows are the outermost of their window.
 
-    pixels: (P,) flat index; part: (W,) of each column; sides: (N,) px. Returns (P,) bool.
+    pixels: (P,) flat index; part: (W,) of each column. Returns (P,) bool.
     """
-    ends = RIM + np.cumsum(sides + GAP) - GAP
+    _, sides, start = windows
     outermost = np.zeros(len(part), bool)
-    outermost[ends - sides] = outermost[ends - 1] = True
-    y, x = np.divmod(pixels, len(part))
+    outermost[start] = outermost[start + sides - 1] = True
+    y, x = row_and_column(pixels, len(part))
     outside = outermost.take(x)
     outside |= y == RIM
-    outside |= y == sides.take(part.take(x)) + (RIM - 1)
+    outside |= y == (sides + (RIM - 1)).take(part).take(x)
     return outside
+
+
+def row_and_column(index: Array, width: int) -> tuple[Array, Array]:
+    """Of flat indices in a picture of that width: (P,) each."""
+    row = index // width  # numpy.divmod takes twice as long
+    return row, index - row * width
 
 
 def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], smallest: Array) -> Clusters:

@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot_balls.components import Components
-from followspot_balls.strip import Strip
+from followspot_balls.strip import Strip, row_and_column
 
 SMOOTH = np.array([6.0, 13.0, 6.0], np.float32)
 """Filter along rows and columns before the slopes are taken."""
@@ -32,6 +32,8 @@ UNHEARD = 1e-9
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
 TOUCHING = np.ones((3, 3), np.uint8)
+DOWN, RIGHT = np.indices((3, 3)).reshape(2, 9, 1) - 1
+"""Places in that square."""
 
 
 def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, edge: float) -> Array:
@@ -55,7 +57,7 @@ def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, e
     label, slope, height = label.take(chosen), slope.take(chosen), height.take(chosen)
     reach = (radius.take(known).take(label) - height / slope) / slope
     votes = planes.take(chosen, axis=1) * reach
-    y, x = np.divmod(index.take(chosen), level.shape[1])
+    y, x = row_and_column(index.take(chosen), level.shape[1])
     shift = strip.shift.take(blobs.part.take(known), axis=0)
     votes[0] += x + shift[:, 0].take(label)
     votes[1] += y + shift[:, 1].take(label)
@@ -86,8 +88,7 @@ def derivatives(level: Array, index: Array) -> Array:
     """
     smooth = cv2.sepFilter2D(level, cv2.CV_32F, SMOOTH, SMOOTH, borderType=cv2.BORDER_CONSTANT)
     width = level.shape[1]
-    around = np.add.outer([-width, 0, width], [-1, 0, 1]).reshape(-1, 1)
-    return np.asarray(STENCIL @ smooth.take(index + around, mode="clip"))
+    return np.asarray(STENCIL @ smooth.take(index + (DOWN * width + RIGHT), mode="clip"))
 
 
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
@@ -98,16 +99,17 @@ def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
     """
     count = len(start)
     bins = np.concatenate([label, label + count, label + 2 * count])
-    faint = np.full((3, count), UNHEARD)
-    faint[:2] *= start.T
-    center = start.T
+    sums = np.ones((3, count))
+    sums[:2] = start.T
+    faint = UNHEARD * sums
     for spread in SPREADS:
-        offset = votes[:2] - center.take(label, axis=1)
+        offset = (sums[:2] / sums[2]).take(label, axis=1)
+        offset -= votes[:2]
         offset *= offset
-        kernel = offset[0] + offset[1]
-        kernel += spread**2
+        kernel = offset[0]
+        kernel += offset[1]
+        kernel += spread * spread
         kernel *= kernel
         heard = np.bincount(bins, (votes * (weight / kernel)).reshape(-1), 3 * count)
-        sums = faint + heard.reshape(3, count)
-        center = sums[:2] / sums[2]
-    return center.T
+        sums = heard.reshape(3, count) + faint
+    return np.asarray(sums[:2] / sums[2]).T

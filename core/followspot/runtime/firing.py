@@ -113,12 +113,12 @@ class Join:
 
     def _earliest(self) -> int | None:
         """Time of the first message that no closed window claims, ns."""
-        times = []
+        earliest = END
         for inlet in self.members:
             inlet.discard_until(self.closed, self.in_time)
             if inlet.queue:
-                times.append(inlet.queue[0].header.time)
-        return min(times) if times else None
+                earliest = min(earliest, inlet.queue[0].header.time)
+        return earliest if earliest < END else None
 
     def _certain(self, limit: int) -> bool:
         """Whether every member has its message, or is known to have none up to `limit`."""

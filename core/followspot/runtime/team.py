@@ -37,7 +37,7 @@ class Team:
         fire_at = cell.due()
         if fire_at is not None:
             self.waiting[cell] = fire_at
-        if lags or len(self.waiting) == sum(not member.done for member in self.cells):
+        if lags or all(member.done or member in self.waiting for member in self.cells):
             self.fire()
 
     def fire(self) -> None:

@@ -166,6 +166,9 @@ class _Builder:
             inlet.wake = partial(worker.mark, ranks[edge.to_stage])
             if edge.kind == "reference":
                 inlet.reopened = partial(worker.mark, ranks[edge.from_stage])
+        for cell in self.cells:
+            for held in cell.join.held:
+                held.inlet.wake = partial(worker.mark_waiting, cell)
         return worker
 
     def _inlet(self, number: int) -> Inlet:

@@ -15,6 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from heapq import heappop, heappush
+from operator import attrgetter
 
 from followspot.errors import FollowspotError
 from followspot.runtime.cell import Cell, StageError
@@ -30,6 +31,9 @@ _NAP_MS = 100
 """Longest sleep, ms; a wake-up that was missed costs no more."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
+
+
+_bound = attrgetter("bound")
 
 
 class StuckError(FollowspotError):
@@ -78,6 +82,11 @@ class Worker:
         if not self._marked[rank]:
             self._marked[rank] = True
             heappush(self._ready, -rank)
+
+    def mark_waiting(self, cell: Cell) -> None:
+        """Feedback came for this cell; look at it if that may be what it waits for."""
+        if cell.done or any(inlet.queue for inlet in cell.join.members):
+            self.mark(cell.rank)
 
     def watch(self, fd: int, callback: Callable[[], bool]) -> None:
         """Call back when the descriptor is readable, until the callback says that it is over."""
@@ -201,17 +210,17 @@ class Worker:
         return True
 
     def _pull(self) -> bool:
-        """Let the source that is furthest behind yield; False where none can."""
+        """Let the source that is furthest behind yield, and all that then are; False where none can."""
         candidates = [s for s in self.sources if not s.done]
-        candidates.sort(key=lambda source: source.bound)
-        pulled = False
+        candidates.sort(key=_bound)
+        reached = END
         for source in candidates:
+            if source.bound >= reached:
+                break
             source.blocked = not source.has_room()
             if not source.blocked and (source.pull() or source.done):
-                pulled = True
-                if source not in self.live:
-                    break
-        return pulled
+                reached = min(reached, source.bound)
+        return reached < END
 
     def _fire_waiting(self) -> bool:
         """Nothing else can go on: fire members of a team without those that are not ready."""

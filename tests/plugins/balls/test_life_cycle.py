@@ -159,7 +159,7 @@ def test_prediction_and_update_follow_the_equations() -> None:
     assert ahead.covariance[0, 0, 0] == pytest.approx(4.3125)
     assert ahead.covariance[0, 3, 3] == pytest.approx(2.0)
     assert ahead.covariance[0, 0, 3] == pytest.approx(0.75)
-    measured = update(ahead, np.array([0]), np.array([[2.0, 2.0, 3.0]]), np.eye(3)[None] * 4.3125)
+    measured, _ = update(ahead, np.array([0]), np.array([[2.0, 2.0, 3.0]]), np.eye(3)[None] * 4.3125)
     assert measured.xyz[0] == pytest.approx([1.5, 2.0, 3.0])
     assert measured.velocity[0] == pytest.approx([0.75 / 8.625, 0.0, 0.0])
     assert measured.covariance[0, 0, 0] == pytest.approx(4.3125 / 2)

@@ -53,7 +53,7 @@ def test_only_the_target_that_jumped_gives_way() -> None:
 def test_a_bounce_is_followed_at_once_and_lost_sight_of_without_the_gate() -> None:
     bounced = np.array([0.0, 0.0, 0.2])
     for gate, error in ((3.0, 0.002), (1e9, 0.02)):
-        motion = update(given_way(flying(), bounced, gate), np.array([1]), bounced[None], NOISE[None])
+        motion, _ = update(given_way(flying(), bounced, gate), np.array([1]), bounced[None], NOISE[None])
         left = np.linalg.norm(motion.xyz[1] - bounced)
         assert (left < error) == (gate == 3.0)
 

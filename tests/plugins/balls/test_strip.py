@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from followspot.messages import Array
 from followspot_balls.components import above_local_peak, components, of_size
-from followspot_balls.strip import Strip, clusters, cut, scattered, whole_strip, window_strip
+from followspot_balls.strip import Strip, abreast, clusters, cut, scattered, whole_strip, window_strip
 
 SMALLEST, LARGEST = 3, 60
 EDGE = 0.6
@@ -56,10 +56,9 @@ def test_clusters_of_different_layers_are_apart() -> None:
 
 def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
     pixels = np.arange(1, 13, dtype=np.uint8).reshape(3, 4, 1)
-    corners = np.array([[-1, -1], [2, 1]])
-    sides = np.array([3, 4])
-    strip = cut([pixels, pixels], corners, sides)[..., 0]
-    parts = window_strip(corners, sides)
+    windows = abreast(np.array([[-1, -1], [2, 1]]), np.array([3, 4]))
+    strip = cut([pixels, pixels], windows)[..., 0]
+    parts = window_strip(windows)
     for x in np.flatnonzero(strip.any(axis=0)):
         for y in strip[:, x].nonzero()[0]:
             column, row = (x, y) + parts.shift[parts.part[x]]
@@ -70,9 +69,9 @@ def test_a_window_shows_its_part_of_the_picture_and_black_beyond() -> None:
 def test_a_window_looks_the_same_first_and_last_in_a_strip() -> None:
     # what the smoothing of its edge reaches is there on both sides, wherever it stands
     pixels = np.full((20, 20, 1), 200, np.uint8)
-    corners, sides = np.array([[3, 3], [8, 5]]), np.array([6, 6])
-    strip = cut([pixels, pixels], corners, sides)[..., 0]
+    windows = abreast(np.array([[3, 3], [8, 5]]), np.array([6, 6]))
+    strip = cut([pixels, pixels], windows)[..., 0]
     shown = np.flatnonzero(strip.any(axis=0))
     assert shown[0] > 0
     assert shown[-1] < strip.shape[1] - 1
-    assert len(window_strip(corners, sides).part) == strip.shape[1]
+    assert len(window_strip(windows).part) == strip.shape[1]
