@@ -125,7 +125,7 @@ def stamped(message: M, header: Header) -> M:
         copy = object.__new__(type(message))
         copy.__dict__.update(message.__dict__)
         message = copy
-    object.__setattr__(message, "header", header)
+    message.__dict__["header"] = header  # it is frozen for everyone else
     return message
 
 

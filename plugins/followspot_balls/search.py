@@ -163,10 +163,12 @@ def forecast_images(room: Room, forecast: Forecast) -> Images:
     local = np.concatenate([base, base[:, :count], base[:, :count]], axis=1)
     local[:, 3 * count : 4 * count, 0] += sizes
     local[:, 4 * count :, 1] += sizes
-    pixel = views.project_local(local).reshape(len(base), 5, count, 2)
-    offset = pixel[:, [2, 3, 4]] - pixel[:, [1, 0, 0]]
-    travel, right, down = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
-    center, ball = pixel[:, 0], (right + down) / 2 * elongation(base[:, :count])
+    center, last, before, right, down = (
+        views.project_local(local).reshape(len(base), 5, count, 2).swapaxes(0, 1)
+    )
+    offset = np.array([before - last, right - center, down - center])
+    travel, right, down = np.hypot(offset[..., 0], offset[..., 1])
+    ball = (right + down) / 2 * elongation(base[:, :count])
     lost = forecast.state == LOST
     if lost.any():
         center[:, lost], ball[:, lost] = np.nan, np.nan
@@ -242,5 +244,5 @@ def search_spheres(forecast: Forecast, minimum: float, scale: float) -> Array:
 
     minimum: m. Returns (T,) m.
     """
-    displacement = np.linalg.norm(forecast.last - forecast.before, axis=1)
+    displacement = np.sqrt(np.square(forecast.last - forecast.before).sum(axis=1))
     return np.asarray(np.maximum(scale * displacement, minimum))

@@ -76,17 +76,17 @@ class Triangulate(Stage):
         self.ambiguous = bool(self.alike.any())
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
-        back = self.back.take(pairs.view, axis=0)
-        rays = np.einsum("nvij,nvj->nvi", back[..., :2], pairs.xy) + back[..., 2]
+        back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
+        rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
         rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         if not tracked_targets(forecast, len(self.sizes)).all():
             targets &= self.plausible(sizes, forecast) & self.unclaimed(pairs, forecast)
-        whole = sizes.min(axis=1)[:, None] >= self.params.whole * self.outlines
+        whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.whole * self.outlines
         evident = pairs.evident & (targets & whole).any(axis=1)
-        rows = np.flatnonzero(targets.any(axis=1))
+        rows = targets.any(axis=1).nonzero()[0]
         return Candidates(
             cameras=pairs.cameras,
             xyz=xyz.take(rows, axis=0),

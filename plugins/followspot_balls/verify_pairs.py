@@ -11,6 +11,7 @@ from followspot import Array, Field, Joined, Latest, Room, Stage, StageParams
 from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
+from followspot_balls.strip import row_and_column
 
 SURE = 0.4
 """Part of the homography test's distance up to which a pair is light for sure: a ball that lies on a plane,
@@ -59,36 +60,40 @@ class VerifyPairs(Stage):
     def process(self, blobs: Joined[Blobs], forecast: Latest[Forecast] = None) -> Pairs:
         if not blobs:
             return self.nothing
-        view = np.repeat([self.number[b.camera] for b in blobs], [len(b.xy) for b in blobs]).astype(np.intp)
-        row = np.concatenate([np.arange(len(b.xy)) for b in blobs])
+        counts = [len(b.xy) for b in blobs]
+        view = np.array([self.number[b.camera] for b in blobs], np.intp).repeat(counts)
+        row = np.concatenate([np.arange(count) for count in counts])
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
         targets = np.concatenate([b.targets for b in blobs])
         if forecast is not None and self.seen_apart(blobs):
             xy = self.at_one_moment(xy, view, targets, blobs, forecast)
         pair = candidate_pairs(view, targets)
-        first, second = view[pair].T
-        F = self.fundamental.take(first * len(self.cameras) + second, axis=0)
-        distance = epipolar_distance(F, xy.take(pair[:, 0], axis=0), xy.take(pair[:, 1], axis=0))
-        near = distance < self.params.epipolar
-        pair, distance = pair[near], distance[near]
-        off_plane, keep = self.homography_test(pair, view, xy)
+        cameras, ends = view.take(pair), xy.take(pair, axis=0)
+        order = cameras[:, 0] * len(self.cameras) + cameras[:, 1]
+        distance = epipolar_distance(self.fundamental.take(order, axis=0), ends[:, 0], ends[:, 1])
+        near = (distance < self.params.epipolar).nonzero()[0]
+        pair, cameras, ends = (a.take(near, axis=0) for a in (pair, cameras, ends))
+        color = self.color.take(cameras)
+        off_plane = self.off_plane(order.take(near), ends)
+        keep = homography_test(pair, color, off_plane < self.params.homography, len(view))
         light = np.zeros(len(view), bool)
-        light[pair[~keep & (off_plane < SURE * self.params.homography)]] = True
-        pair, distance = pair[keep], distance[keep]
-        color = self.color[view[pair]]
+        sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography
+        light[pair[~keep & sure]] = True
+        rows = keep.nonzero()[0]
+        pair, color = pair.take(rows, axis=0), color.take(rows, axis=0)
         confirmed = color[:, 0] != color[:, 1]
         return Pairs(
             cameras=self.cameras,
-            view=view[pair].astype(np.int32),
-            blob=row[pair].astype(np.int32),
-            xy=xy[pair],
-            area=area[pair],
-            epipolar=distance,
+            view=cameras.take(rows, axis=0).astype(np.int32),
+            blob=row.take(pair).astype(np.int32),
+            xy=ends.take(rows, axis=0),
+            area=area.take(pair),
+            epipolar=distance.take(near).take(rows),
             labelled=color[:, 0] | color[:, 1],
             confirmed=confirmed,
-            evident=confirmed & ~light[pair].any(axis=1),
-            targets=targets[pair[:, 0]] & targets[pair[:, 1]],
+            evident=confirmed & ~light.take(pair).any(axis=1),
+            targets=targets.take(pair[:, 0], axis=0) & targets.take(pair[:, 1], axis=0),
         )
 
     def seen_apart(self, blobs: Sequence[Blobs]) -> bool:
@@ -105,15 +110,13 @@ class VerifyPairs(Stage):
         delay[numbers] = delays(blobs, self.clock_offset[numbers])
         return aligned(xy, view, targets, delay, self.P, forecast, self.params.reach)
 
-    def homography_test(self, pair: Array, view: Array, xy: Array) -> tuple[Array, Array]:
-        """How far (M, 2) pairs of blobs are off a plane, (M,) px, and which are no projections, (M,) bool."""
-        first, second = view[pair].T
-        H = self.homography.take(first * len(self.cameras) + second, axis=1)
-        offset = transfer(H, xy.take(pair[:, 0], axis=0)) - xy.take(pair[:, 1], axis=0)
-        distance = np.hypot(offset[..., 0], offset[..., 1])
-        on_plane = distance < self.params.homography
-        color = self.color[view[pair]]
-        return distance.min(axis=0, initial=np.inf), homography_test(pair, color, on_plane, len(view))
+    def off_plane(self, order: Array, ends: Array) -> Array:
+        """How far pairs are off each plane: (planes, M) px.
+
+        order: (M,) of the two cameras, among all ordered pairs of them; ends: (M, 2, 2) px.
+        """
+        offset = transfer(self.homography.take(order, axis=1), ends[:, 0]) - ends[:, 1]
+        return np.asarray(np.hypot(offset[..., 0], offset[..., 1]))
 
 
 def candidate_pairs(view: Array, targets: Array) -> Array:
@@ -123,7 +126,7 @@ def candidate_pairs(view: Array, targets: Array) -> Array:
     """
     weights = targets.astype(np.float32)
     common = (weights @ weights.T > 0) & (view[:, None] < view)
-    return np.column_stack(common.nonzero())
+    return np.array(row_and_column(common.reshape(-1).nonzero()[0], len(view))).T
 
 
 def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> Array:
@@ -136,10 +139,10 @@ def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> A
     """
     color_infrared = color[:, 0] != color[:, 1]
     listed = np.zeros((len(on_plane), blobs), bool)
-    plane, row = np.nonzero(on_plane & color_infrared)
+    plane, row = (on_plane & color_infrared).nonzero()
     listed[plane, np.where(color[row, 0], pair[row, 0], pair[row, 1])] = True
-    excused = (listed[:, pair] & color).any(axis=2)
-    return np.asarray(~(on_plane & ~excused).any(axis=0) | ~color.all(axis=1))
+    excused = (listed.take(pair, axis=1) & color).any(axis=2)
+    return np.asarray(~(on_plane & ~excused).any(axis=0) | ~(color[:, 0] & color[:, 1]))
 
 
 def fundamental_stack(room: Room) -> Array:

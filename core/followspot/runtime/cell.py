@@ -109,6 +109,8 @@ class Cell:
         while (fire_at := self.due()) is not None:
             firing = self.take(fire_at)
             self.deliver(self.run(firing), firing.header)
+            if not self.has_more():
+                break
 
     def due(self) -> int | None:
         """Capture time, ns, of the firing that inputs and outputs allow now; None where they allow none."""
@@ -149,6 +151,13 @@ class Cell:
             self._record(header, time.monotonic_ns())
         else:
             self.send(result, header)
+
+    def has_more(self) -> bool:
+        """Whether inputs may hold more than the last firing took: messages, or a bound to pass on."""
+        if self.deadline is not None:
+            return True
+        passed = self._passed
+        return any(inlet.queue or inlet.bound > passed for inlet in self.join.members)
 
     def has_room(self) -> bool:
         """Whether every output takes a message."""

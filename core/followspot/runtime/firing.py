@@ -104,7 +104,9 @@ class Join:
         """
         earliest = END
         for inlet in self.members:
-            earliest = min(earliest, inlet.queue[0].header.time if inlet.queue else inlet.bound)
+            next_at = inlet.queue[0].header.time if inlet.queue else inlet.bound
+            if next_at < earliest:  # cheaper than min()
+                earliest = next_at
         return max(earliest, self.closed + 1) if earliest < ABSENT else earliest
 
     def waiting_since(self) -> int | None:
@@ -116,8 +118,8 @@ class Join:
         earliest = END
         for inlet in self.members:
             inlet.discard_until(self.closed, self.in_time)
-            if inlet.queue:
-                earliest = min(earliest, inlet.queue[0].header.time)
+            if inlet.queue and inlet.queue[0].header.time < earliest:
+                earliest = inlet.queue[0].header.time
         return earliest if earliest < END else None
 
     def _certain(self, limit: int) -> bool:

@@ -37,6 +37,8 @@ class Team:
         fire_at = cell.due()
         if fire_at is not None:
             self.waiting[cell] = fire_at
+        elif not cell.done:
+            return
         if lags or all(member.done or member in self.waiting for member in self.cells):
             self.fire()
 
@@ -48,7 +50,8 @@ class Team:
         results = _together(cells, firings) if len(cells) > 1 else _each_alone(cells, firings)
         for cell, firing, result in zip(cells, firings, results, strict=True):
             cell.deliver(result, firing.header)
-            self.mark(cell.rank)
+            if cell.has_more():
+                self.mark(cell.rank)
 
 
 def teams(cells: Sequence[Cell], mark: Callable[[int], None]) -> list[Team]:
