@@ -4,21 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-from dataclasses import asdict
 from typing import Any
 
 from followspot.plugins.hooks import Command
-
-_SIGNS = {
-    "Gt": ">",
-    "Ge": ">=",
-    "Lt": "<",
-    "Le": "<=",
-    "MultipleOf": "multiple of",
-    "MinLen": "length >=",
-    "MaxLen": "length <=",
-}
-"""Limits of a parameter as they are written."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -30,12 +18,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    from followspot.plugins.description import describe
     from followspot.plugins.registry import load_stage, use_plugin_files
 
     use_plugin_files(args.plugin_files)
     if args.name is None:
         return _list(as_json=args.json)
-    described = _describe(args.name, load_stage(args.name))
+    described = describe(args.name, load_stage(args.name))
     print(json.dumps(described, indent=2) if args.json else _page(described))
     return 0
 
@@ -54,60 +43,6 @@ def _list(*, as_json: bool) -> int:
         rows += [(f"({h.name})", h.distribution, "broken" if h.problem else "ok", h.problem) for h in hooks]
         print(table(("stage (hooks)", "distribution", "state", "problem"), rows))
     return 0
-
-
-def _describe(name: str, stage: Any) -> dict[str, Any]:
-    from followspot.ports import ports
-
-    found = ports(stage)
-    return {
-        "name": name,
-        "description": (stage.__doc__ or "").strip(),
-        "inputs": [
-            {"name": p.name, "type": p.type.__name__, "kind": p.kind, "required": p.required}
-            for p in found.inputs
-        ],
-        "outputs": [{"name": p.name, "type": p.type.__name__} for p in found.outputs],
-        "parameters": [_parameter(key, info) for key, info in stage.Params.model_fields.items()],
-        "example": _example(name, stage),
-    }
-
-
-def _parameter(name: str, info: Any) -> dict[str, Any]:
-    limits = [
-        f"{_SIGNS[type(m).__name__]} {next(iter(asdict(m).values()))}"
-        for m in info.metadata
-        if type(m).__name__ in _SIGNS
-    ]
-    return {
-        "name": name,
-        "type": getattr(info.annotation, "__name__", str(info.annotation)),
-        "default": None if info.is_required() else _plain(info.default),
-        "required": info.is_required(),
-        "range": ", ".join(limits),
-        "unit": (info.json_schema_extra or {}).get("unit", ""),
-        "description": info.description or "",
-    }
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, (int, float, str, bool, list, dict, type(None))) else str(value)
-
-
-def _example(name: str, stage: Any) -> str:
-    """A line for a graph file."""
-    from followspot.ports import ports
-
-    feeds = ", ".join(f"{p.name}: ..." for p in ports(stage).inputs if p.required)
-    required = ", ".join(f"{k}: ..." for k, info in stage.Params.model_fields.items() if info.is_required())
-    parts = [f"uses: {name}"]
-    if stage.per_camera:
-        parts.append("each: cameras")
-    if feeds:
-        parts.append(f"in: {{{feeds}}}")
-    if required:
-        parts.append(f"with: {{{required}}}")
-    return f"{name.rpartition('.')[2]}: {{{', '.join(parts)}}}"
 
 
 def _page(described: dict[str, Any]) -> str:
