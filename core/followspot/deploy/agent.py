@@ -162,9 +162,13 @@ class Agent:
         self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 
     def _folder(self, run: str) -> Path:
-        """The folder of a run: the one that it had before this agent was started, or a new one."""
-        known = sorted(self.options.runs.glob(f"*-{run}")) if self.options.runs.is_dir() else []
-        out = known[-1] if known else self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}-{run}"
+        """The folder of a run: the one that it had before this agent was started, or a new one.
+
+        It bears the agent's name: several agents may be started from one folder, each has a ledger of its own.
+        """
+        ending = f"-{run}-{self.options.name}"
+        known = sorted(self.options.runs.glob(f"*{ending}")) if self.options.runs.is_dir() else []
+        out = known[-1] if known else self.options.runs / f"{time.strftime('%Y%m%d-%H%M%S')}{ending}"
         out.mkdir(parents=True, exist_ok=True)
         return out
 
