@@ -164,7 +164,7 @@ class Agent:
     def _folder(self, run: str) -> Path:
         """The folder of a run: the one that it had before this agent was started, or a new one.
 
-        It bears the agent's name: several agents may be started from one folder, each has a ledger of its own.
+        It bears the agent's name, for agents may share a folder, but not a ledger.
         """
         ending = f"-{run}-{self.options.name}"
         known = sorted(self.options.runs.glob(f"*{ending}")) if self.options.runs.is_dir() else []

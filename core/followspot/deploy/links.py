@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter
 
-_MATCH_TIMEOUT = 15.0
-"""Seconds for all Zenoh edges of a run to find their other ends."""
+_MATCH_TIMEOUT = 45.0
+"""Seconds for all Zenoh edges of a run to find their other ends; workers of a busy host start slowly."""
 
 
 class EdgeLinks:
