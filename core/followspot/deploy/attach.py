@@ -14,6 +14,7 @@ from followspot.deploy.local import OnProgress
 from followspot.deploy.reach import operating, reached
 from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
+from followspot.deploy.status import OnStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -92,9 +93,9 @@ class Attachment:
         self.stopped = True
         self.coordinator.leave()
 
-    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
         """Look on to the end, or until `stop`."""
-        return self.coordinator.watch(on_progress)
+        return self.coordinator.watch(on_progress, on_status)
 
 
 @contextmanager

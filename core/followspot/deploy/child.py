@@ -12,6 +12,8 @@ import socket
 import sys
 import threading
 import time
+from dataclasses import asdict
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +25,15 @@ from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.ledger import COLUMNS, Ledger
+from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Worker
 from followspot.transport.zenoh_network import network_from_data
 
+_PROGRESS_PERIOD = 0.2
+"""Seconds between two reports of progress."""
+_STAGES_EVERY = 3
+"""Reports of progress from one picture of all stages to the next."""
 GRACE = 3.0
 """Seconds that a worker has to complete its outputs when its agent is gone."""
 
@@ -163,12 +170,21 @@ class Child:
 
     def _tell_progress(self) -> None:
         assert self.worker is not None
-        while not self.over.wait(0.2):
+        for turn in count():
+            if self.over.wait(_PROGRESS_PERIOD):
+                return
             progress = self.worker.progress()
             try:
                 self.channel.send("progress", fired=progress.fired, time=progress.time)
+                if turn % _STAGES_EVERY == 0:
+                    self._tell_stages(self.worker)
             except ChannelClosed:
                 _exit_later()
+
+    def _tell_stages(self, worker: Worker) -> None:
+        stages = [asdict(stage) for stage in stages_now(worker, self.warnings.last)]
+        paths = [asdict(path) for path in paths_now(worker)]
+        self.channel.send("stages", stages=stages, paths=paths)
 
 
 def _exit_later() -> None:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
+from followspot.deploy.status import OnStatus, RunStatus
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.runtime.wiring import RunOptions
@@ -50,13 +51,13 @@ class Coordinator:
         self.stopped = True
         self._stop_asked = True
 
-    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
         """Start all workers together, run to the end, gather the report. Leaves nothing behind.
 
         Raises FollowspotError where a host refuses its part.
         """
         try:
-            return self.watch(on_progress if self.begin() else None)
+            return self.watch(on_progress, on_status) if self.begin() else self.watch()
         finally:
             for host in self.hosts:
                 host.close()
@@ -72,11 +73,22 @@ class Coordinator:
             host.start()
         return True
 
-    def watch(self, on_progress: OnProgress | None = None) -> RunReport:
+    def watch(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
         """Look on to the end of a run that has begun, or until `leave`."""
         started = time.monotonic()
-        self._attend(on_progress)
+        self._attend(on_progress, on_status)
         return self._report(time.monotonic() - started)
+
+    def status(self) -> RunStatus:
+        """The newest picture of the whole run."""
+        statuses = [host.status() for host in self.hosts]
+        return RunStatus(
+            tuple(self._workers()),
+            tuple(summed([s.counts for s in statuses], len(self.plan.edges)).words.tolist()),
+            self._progress().fired,
+            self._expected(),
+            (*self._news, *(line for status in statuses for line in status.news)),
+        )
 
     def leave(self) -> None:
         """Look on no longer; the run goes on. Safe in a signal handler."""
@@ -90,10 +102,12 @@ class Coordinator:
                 return False
         return True
 
-    def _attend(self, on_progress: OnProgress | None) -> None:
+    def _attend(self, on_progress: OnProgress | None, on_status: OnStatus | None) -> None:
         """Watch until every worker has ended, or nobody can tell."""
         while not (self._leaving or all(self._over(host) for host in self.hosts)):
             self._look(on_progress)
+            if on_status is not None:
+                on_status(self.status())
             if self._stop_asked or self._failed():
                 self._end_early()
             if self._give_up_at is not None and time.monotonic() > self._give_up_at:

@@ -13,6 +13,7 @@ import pydantic
 
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
+from followspot.runtime.stage_status import PathStatus, StageStatus
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 """absent: it died, and will be started again; over: it has ended, one way or the other."""
@@ -57,6 +58,8 @@ class WorkerStatus:
     expected: int | None = None
     restarts: int = 0
     report: WorkerReport | None = None
+    stages: tuple[StageStatus, ...] = ()
+    paths: tuple[PathStatus, ...] = ()
 
 
 @dataclass(frozen=True)

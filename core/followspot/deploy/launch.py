@@ -11,6 +11,7 @@ from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.local import LocalRun, OnProgress
 from followspot.deploy.report import RunReport
+from followspot.deploy.status import OnStatus
 from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
 from followspot.transport.zenoh_network import Network
@@ -24,7 +25,7 @@ class Run(Protocol):
     def stop(self) -> None:
         """End the sources; safe in a signal handler."""
 
-    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
         """Run to the end."""
 
 
@@ -32,6 +33,7 @@ def run_plan(
     plan: Plan,
     options: RunOptions,
     on_progress: OnProgress | None = None,
+    on_status: OnStatus | None = None,
     *,
     network: Network = Network(),
     media: Path = Path(),
@@ -48,13 +50,15 @@ def run_plan(
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return interruptible(Coordinator(plan, hosts, order), on_progress)
+            return interruptible(Coordinator(plan, hosts, order), on_progress, on_status)
     if len(plan.workers) == 1:
-        return interruptible(LocalRun(plan, options), on_progress)
-    return interruptible(Coordinator(plan, [HostRun("")], order), on_progress)
+        return interruptible(LocalRun(plan, options), on_progress, on_status)
+    return interruptible(Coordinator(plan, [HostRun("")], order), on_progress, on_status)
 
 
-def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
+def interruptible(
+    run: Run, on_progress: OnProgress | None = None, on_status: OnStatus | None = None
+) -> RunReport:
     """Execute; Ctrl-C and SIGTERM end the sources, and outputs are complete either way.
 
     A second Ctrl-C raises KeyboardInterrupt. Call from the main thread.
@@ -67,7 +71,7 @@ def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        return run.execute(on_progress)
+        return run.execute(on_progress, on_status)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -99,9 +99,12 @@ class Warnings:
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
         self._more = 0
+        self.last: dict[str, str] = {}
+        """The newest of each stage."""
 
     def add(self, stage: str, text: str) -> None:
         """A stage's warning; safe from any thread."""
+        self.last[stage] = text
         line = f"{stage}: {text}"
         if line in self._counts or len(self._counts) < MAX_WARNINGS:
             self._counts[line] = self._counts.get(line, 0) + 1
@@ -140,7 +143,7 @@ def edge_counts(
     counted = []
     for number, edge in enumerate(plan.edges):
         deaths = sum(restarts.get(worker, 0) for worker in {home[edge.from_stage], home[edge.to_stage]})
-        most = deaths * (max(edge.depth, edge.delay + 2) + 1)
+        most = deaths * (edge.room + 1)
         counted.append((edge, ledger.count(number).with_lost(most)))
     return tuple(counted)
 

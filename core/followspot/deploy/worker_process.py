@@ -12,6 +12,7 @@ from typing import Any
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.host import WorkerPhase, WorkerStatus
 from followspot.deploy.report import WorkerReport
+from followspot.runtime.stage_status import PathStatus, StageStatus
 
 _PATIENCE = 5.0
 """Seconds that a worker that has reported may take to exit."""
@@ -43,6 +44,8 @@ class WorkerProcess:
         self.expected: int | None = None
         self.locators: list[str] = []
         self.report: WorkerReport | None = None
+        self.stages: tuple[StageStatus, ...] = ()
+        self.paths: tuple[PathStatus, ...] = ()
         self.heard = time.monotonic()
 
     @property
@@ -74,6 +77,9 @@ class WorkerProcess:
         kind = message["kind"]
         if kind == "progress":
             self.fired, self.time = message["fired"], message["time"]
+        elif kind == "stages":
+            self.stages = tuple(StageStatus(**stage) for stage in message["stages"])
+            self.paths = tuple(PathStatus(**path) for path in message["paths"])
         elif kind == "ready":
             self.phase, self.expected = "ready", message["expected"]
         elif kind == "listening":
@@ -86,7 +92,15 @@ class WorkerProcess:
     def status(self) -> WorkerStatus:
         """As data."""
         return WorkerStatus(
-            self.name, self.phase, self.fired, self.time, self.expected, self.incarnation, self.report
+            self.name,
+            self.phase,
+            self.fired,
+            self.time,
+            self.expected,
+            self.incarnation,
+            self.report,
+            self.stages,
+            self.paths,
         )
 
     def obituary(self) -> str:
