@@ -109,9 +109,17 @@ def _axes(camera: Camera, shape: ShapeModel, pose: Array, stand: Bearing) -> _Ax
 
 def _placed(features: Array, axes: _Axes) -> Array:
     """Features, (P, features, 3) right, up and towards the camera, in the picture: (P, features, 2) px."""
-    right, below, near = features[..., :1], 1 - features[..., 1:2], features[..., 2:]
-    top, down, across, closer, closer_down = (v.astype(np.float32)[:, None] for v in vars(axes).values())
-    return np.asarray(top + below * (down + near * closer_down) + right * across + near * closer)
+    right, below, near = features[..., 0], 1 - features[..., 1], features[..., 2]
+    out = np.empty((2, *right.shape), np.float32)
+    columns = (v.T.astype(np.float32)[..., None] for v in vars(axes).values())
+    for place, top, down, across, closer, closer_down in zip(out, *columns, strict=True):
+        np.multiply(near, closer_down, out=place)
+        place += down
+        place *= below
+        place += top
+        place += right * across
+        place += near * closer
+    return np.moveaxis(out, 0, -1)
 
 
 def pixel_index(camera: Camera, points: Array) -> tuple[Array, Array]:
@@ -120,9 +128,11 @@ def pixel_index(camera: Camera, points: Array) -> tuple[Array, Array]:
     points: (..., 2) px. Returns index (...) int, valid everywhere, and inside (...) bool.
     """
     width, height = camera.size
-    rounded = np.rint(np.nan_to_num(points, nan=-1e6, posinf=-1e6, neginf=-1e6)).astype(np.int32)
-    column, row = rounded[..., 0], rounded[..., 1]
+    column, row = np.rint(points[..., 0]), np.rint(points[..., 1])
     if full_turn(camera):
-        column = column % width
+        column -= width * np.floor(column / width)
     inside = (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    return np.where(inside, row * width + column, 0), inside
+    with np.errstate(invalid="ignore"):  # what has no image has no index either
+        index = row.astype(np.intp) * width + column.astype(np.intp)
+    index *= inside
+    return index, inside

@@ -18,7 +18,8 @@ FLOOR = np.float32(0.03)
 
 def intensity_share(intensity: Array) -> Array:
     """lambda: 1 for dark and bright pixels, whose hue is noise, 0 for medium ones. Any shape, 0 to 1."""
-    return np.asarray(np.clip(np.maximum(DARK - intensity, intensity - BRIGHT) / RAMP + 1, 0, 1))
+    beyond = np.maximum(DARK - intensity, intensity - BRIGHT)
+    return np.asarray(np.minimum(np.maximum(beyond / RAMP + 1, 0), 1))
 
 
 def channel_responses(colors: Array, mean: Array, variance: Array) -> Array:
@@ -27,18 +28,25 @@ def channel_responses(colors: Array, mean: Array, variance: Array) -> Array:
     A wide Gaussian has a low peak, as a density has: what is not known does not fit well.
     colors: (P, F, 3); mean, variance: (F, 3). Returns (P, F, 3).
     """
-    difference = colors - mean
-    difference[..., 0] -= np.rint(difference[..., 0])
-    peak = NARROWEST / np.sqrt(np.maximum(variance, NARROWEST**2))
-    scale = -0.5 / np.maximum(variance, NARROWEST**2)
-    return np.asarray(peak * np.exp(difference * difference * scale))
+    wide = np.maximum(variance, NARROWEST**2)
+    peak, scale = NARROWEST / np.sqrt(wide), -0.5 / wide
+    out = np.empty((3, *colors.shape[:-1]), np.result_type(colors, mean))
+    for channel, response in enumerate(out):
+        np.subtract(colors[..., channel], mean[:, channel], out=response)
+        if channel == 0:
+            response -= np.rint(response)
+        np.square(response, out=response)
+        response *= scale[:, channel]
+        np.exp(response, out=response)
+        response *= peak[:, channel]
+    return np.moveaxis(out, 0, -1)
 
 
 def feature_responses(colors: Array, mean: Array, variance: Array) -> Array:
     """w: channels mixed by intensity (eq. 5), (P, F); the arguments of :func:`channel_responses`."""
-    w = channel_responses(colors, mean, variance)
+    hue, saturation, intensity = np.moveaxis(channel_responses(colors, mean, variance), -1, 0)
     share = intensity_share(colors[..., 2])
-    return np.asarray(share * w[..., 2] + (1 - share) * w.mean(axis=-1))
+    return np.asarray(share * intensity + (1 - share) * (hue + saturation + intensity) * np.float32(1 / 3))
 
 
 def color_likelihood(responses: Array, visibility: Array) -> Array:

@@ -48,12 +48,12 @@ class Girth:
         return float(weight @ GIRTHS / weight.sum())
 
 
-def girths_of(shape: ShapeModel) -> tuple[ShapeModel, ...]:
-    """The model with each of `GIRTHS`."""
-    return tuple(with_girth(shape, float(girth)) for girth in GIRTHS)
+def girths_of(shape: ShapeModel) -> ShapeModel:
+    """The model for as many bodies as :func:`observed` compares: each of `GIRTHS` at each distance."""
+    return with_girth(shape, np.repeat(GIRTHS, len(NEIGHBOURHOOD)))
 
 
-def observed(girth: Girth, fitness: Fitness, bodies: tuple[ShapeModel, ...], pose: Array) -> Girth:
+def observed(girth: Girth, fitness: Fitness, bodies: ShapeModel, pose: Array) -> Girth:
     """After one more picture, in which a person has a pose (6,): each body where it fits best.
 
     bodies: of :func:`girths_of`.
@@ -63,6 +63,6 @@ def observed(girth: Girth, fitness: Fitness, bodies: tuple[ShapeModel, ...], pos
     near = np.concatenate(
         [moved(pose[None], camera.center, DISTANCE, share * distance) for share in NEIGHBOURHOOD]
     )
-    best = np.array([fitness.edge(view(camera, body, near)).max() for body in bodies])
-    log = np.log(np.maximum(best, 1e-3))
+    edge = fitness.edge(view(camera, bodies, np.tile(near, (len(GIRTHS), 1))))
+    log = np.log(np.maximum(edge.reshape(len(GIRTHS), -1).max(axis=1), 1e-3))
     return Girth(MEMORY * girth.evidence + WEIGHT * (log - log.max()))

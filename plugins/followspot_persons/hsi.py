@@ -17,12 +17,16 @@ def hsi(pixels: Array) -> Array:
     blue, green, red = (pixels[..., i].astype(np.float32) for i in range(3))
     total = blue + green + red
     least = np.minimum(np.minimum(blue, green), red)
-    out = np.empty(pixels.shape, np.float32)
-    hue = np.arctan2(np.float32(np.sqrt(3)) * (green - blue), 2 * red - green - blue) * TURN
-    out[..., 0] = np.where(hue < 0, hue + 1, hue)
-    out[..., 1] = 1 - 3 * least / np.maximum(total, 1)
-    out[..., 2] = total / 765
-    return out
+    out = np.empty((3, *total.shape), np.float32)  # each channel by itself in memory
+    hue, saturation, intensity = out
+    np.arctan2(np.float32(np.sqrt(3)) * (green - blue), 3 * red - total, out=hue)
+    hue *= TURN
+    hue += hue < 0
+    np.divide(least, np.maximum(total, 1), out=saturation)
+    saturation *= -3
+    saturation += 1
+    np.multiply(total, np.float32(1 / 765), out=intensity)
+    return np.moveaxis(out, 0, -1)
 
 
 def plane(colors: Array) -> Array:

@@ -148,15 +148,17 @@ def turn(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> Turned:
     return Turned(_turned_outline(shape, torso, head, tilt), *_turned_surface(shape, torso, head, tilt))
 
 
-def with_girth(shape: ShapeModel, girth: float) -> ShapeModel:
-    """The model with a torso that is wider and deeper by this factor."""
+def with_girth(shape: ShapeModel, girth: float | Array) -> ShapeModel:
+    """The model with a torso that is wider and deeper by this factor; by (P,) factors, one for each body."""
     o, s = shape.outline, shape.surface
-    girths = np.where(o.head, 1.0, girth)
-    across = np.where(s.head, 1.0, girth)[:, None] * [1.0, 1.0, 0.0] + [0.0, 0.0, 1.0]
+    factor = np.asarray(girth)[..., None]
+    sections = np.where(o.head, 1.0, factor)
+    across = np.where(s.head, 1.0, factor)
+    scale = np.stack([across, across, np.ones_like(across)], axis=-1)
     return replace(
         shape,
-        outline=replace(o, width=o.width * girths, depth=o.depth * girths),
-        surface=replace(s, position=s.position * np.where(s.head[:, None], 1.0, across)),
+        outline=replace(o, width=o.width * sections, depth=o.depth * sections),
+        surface=replace(s, position=s.position * scale),
     )
 
 
@@ -165,17 +167,22 @@ def _turned_outline(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -
     sine, cosine = _per_feature(o.head, torso, head)
     forward, up = _tilted(shape.neck, o.head, o.forward, o.up, tilt)
     reach = np.sqrt((_single(o.width) * cosine) ** 2 + (_single(o.depth) * sine) ** 2)
-    return np.stack([forward * sine + _single(o.side) * reach, up, forward * cosine], axis=-1)
+    return _points(forward * sine + _single(o.side) * reach, up, forward * cosine)
 
 
 def _turned_surface(shape: ShapeModel, torso: Array, head: Array, tilt: Array) -> tuple[Array, Array]:
     s = shape.surface
     sine, cosine = _per_feature(s.head, torso, head)
-    forward, up = _tilted(shape.neck, s.head, s.position[:, 0], s.position[:, 2], tilt)
-    left = _single(s.position[:, 1])
-    place = np.stack([forward * sine + left * cosine, up, forward * cosine - left * sine], axis=-1)
+    forward, up = _tilted(shape.neck, s.head, s.position[..., 0], s.position[..., 2], tilt)
+    left = _single(s.position[..., 1])
+    place = _points(forward * sine + left * cosine, up, forward * cosine - left * sine)
     facing = _single(s.outward[:, 0]) * cosine - _single(s.outward[:, 1]) * sine
     return place, np.maximum(facing, np.float32(0))
+
+
+def _points(right: Array, up: Array, toward: Array) -> Array:
+    """Coordinates (P, features) as points (P, features, 3), each coordinate by itself in memory."""
+    return np.moveaxis(np.stack([right, up, toward]), 0, -1)
 
 
 def _single(values: Array) -> Array:
@@ -186,7 +193,7 @@ def _per_feature(is_head: Array, torso: Array, head: Array) -> tuple[Array, Arra
     """Sine and cosine of the heading of each feature's part: (P, features) each."""
     angle = _single(np.stack([torso, head], axis=1))
     part = is_head.astype(np.intp)
-    return np.sin(angle)[:, part], np.cos(angle)[:, part]
+    return np.sin(angle).take(part, axis=1), np.cos(angle).take(part, axis=1)
 
 
 def _tilted(neck: float, is_head: Array, forward: Array, up: Array, tilt: Array) -> tuple[Array, Array]:

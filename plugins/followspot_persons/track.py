@@ -74,14 +74,14 @@ def followed(
     track: Track,
     seconds: float,
     fitness: Fitness,
-    bodies: tuple[ShapeModel, ...],
+    bodies: ShapeModel,
     search: Search,
     rng: np.random.Generator,
 ) -> Track:
     """The track after one more picture.
 
     seconds: since the last one; fitness: of anybody in this picture, its shape and habits are made the
-    person's; bodies: the shape model with each of `GIRTHS`.
+    person's; bodies: of :func:`girths_of`.
     """
     eye = fitness.picture.camera.center
     own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
