@@ -114,6 +114,25 @@ class Add(Stage):
         return Tick(number.value + p.term, load)
 
 
+class Hold(Stage):
+    """Keeps its first number until the file of another branch has so many lines: as slow as can be."""
+
+    class Params(StageParams):
+        path: str = Field("ticks.csv", description="the file, in the output folder")
+        lines: int = Field(100, ge=0, description="lines to wait for", unit="1")
+
+    params: Params
+    holding = True
+
+    def process(self, number: Tick) -> Tick:
+        deadline = time.monotonic() + 30.0
+        while self.holding and time.monotonic() < deadline:
+            path = self.context.out / self.params.path
+            self.holding = not path.exists() or len(path.read_text().splitlines()) < self.params.lines
+            time.sleep(0.002)
+        return number
+
+
 class Odd(Stage):
     """Says nothing about even numbers."""
 

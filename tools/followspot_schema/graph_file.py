@@ -120,6 +120,10 @@ def _feed() -> Schema:
                 "description": "longest queue",
             },
             "codec": {"enum": ["raw", "lossless", "jpeg"], "description": "of pictures between hosts"},
+            "policy": {
+                "enum": ["block", "drop_oldest", "latest"],
+                "description": "when the queue is full, in live runs: the sender waits, or the oldest goes",
+            },
         },
         ["from"],
     )

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge
+from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
 from followspot.runtime.worker import Worker
+from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.keys import port_key
 from followspot.transport.ring_reader import RingReader
@@ -51,7 +52,7 @@ class EdgeLinks:
         hosts = {worker.name: worker.host for worker in plan.workers}
         self._host = {stage.name: hosts[stage.worker] for stage in plan.stages}
         self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
-        self._ring_writers: dict[int, tuple[RingWriter, int]] = {}
+        self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
@@ -64,10 +65,10 @@ class EdgeLinks:
         assert self.session is not None
         reader = ZenohReader(
             self.session,
-            self._key(planned),
+            self._key(edge),
             str(edge),
             kind,
-            _depth([planned]),
+            self._depth([planned]),
             codec=planned.codec,
             incarnation=self.incarnation,
         )
@@ -75,10 +76,14 @@ class EdgeLinks:
         return reader
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """The writing end of all edges of one output port that have the same kind and codec."""
+        """The writing end of all edges of one output port that have the same kind, codec and policy."""
         planned = [self.plan.edges[edge] for edge in edges]
+        drops = planned[0].drops and self.plan.live
         if kind == "ring":
-            ring = RingWriter([self.sending[edge] for edge in edges], _depth(planned))
+            ring: RingWriter | DroppingWriter = RingWriter(
+                [self.sending[edge] for edge in edges], self._depth(planned)
+            )
+            ring = DroppingWriter(ring, planned[0].depth) if drops else ring
             self._ring_writers.update({edge: (ring, index) for index, edge in enumerate(edges)})
             return ring
         from followspot.transport.zenoh_edge import ZenohWriter
@@ -87,14 +92,14 @@ class EdgeLinks:
         names = [str(edge) for edge in edges]
         writer = ZenohWriter(
             self.session,
-            self._key(planned[0]),
+            self._key(edges[0]),
             names,
-            _depth(planned),
+            self._depth(planned),
             codec=planned[0].codec,
             incarnation=self.incarnation,
         )
         self._zenoh_ends.append((planned[0].name, writer))
-        return writer
+        return DroppingWriter(writer, planned[0].depth) if drops else writer
 
     def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
         """The worker at the other end of a ring edge was started again; `sock` leads to it."""
@@ -132,8 +137,15 @@ class EdgeLinks:
             self.session.close()  # type: ignore[no-untyped-call]
             self.session = None
 
-    def _key(self, edge: PlannedEdge) -> str:
-        return port_key(self.run, self._host[edge.from_stage], edge.from_stage, edge.from_port)
+    def _depth(self, edges: Sequence[PlannedEdge]) -> int:
+        """Messages on their way to the slowest reader."""
+        return AHEAD if edges[0].drops and self.plan.live else max(edge.room for edge in edges)
+
+    def _key(self, edge: int) -> str:
+        """Of the port; an edge that drops has a key of its own, for its messages are not those of others."""
+        planned = self.plan.edges[edge]
+        port = port_key(self.run, self._host[planned.from_stage], planned.from_stage, planned.from_port)
+        return f"{port}/{planned.policy}/{edge}" if planned.drops else port
 
 
 def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
@@ -153,7 +165,3 @@ def ring_edges(plan: Plan) -> list[int]:
 def socket_pair() -> tuple[socket.socket, socket.socket]:
     """Sending and receiving end of one ring edge. It has no name, so nothing is left behind by a kill."""
     return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-
-
-def _depth(edges: Sequence[PlannedEdge]) -> int:
-    return max(max(edge.depth, edge.delay + 2) for edge in edges)

@@ -143,7 +143,7 @@ def edge_counts(
     counted = []
     for number, edge in enumerate(plan.edges):
         deaths = sum(restarts.get(worker, 0) for worker in {home[edge.from_stage], home[edge.to_stage]})
-        most = deaths * (max(edge.depth, edge.delay + 2) + 1)
+        most = deaths * (edge.room + 1)
         counted.append((edge, ledger.count(number).with_lost(most)))
     return tuple(counted)
 

@@ -93,6 +93,7 @@ def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
         delay=wire.feed.delay,
         depth=wire.feed.depth,
         codec=wire.feed.codec if kind == "zenoh" else "raw",
+        policy=wire.feed.policy,
     )
 
 

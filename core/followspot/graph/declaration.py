@@ -10,13 +10,14 @@ from typing import cast
 from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.form import Form, is_name, kind_of
-from followspot.graph.plan import EdgeCodec, ErrorPolicy, PlannedEdge, PlannedStage
+from followspot.graph.plan import EdgeCodec, EdgePolicy, ErrorPolicy, PlannedEdge, PlannedStage
 from followspot.graph.selector import Selector, read_selector
 
 ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
 """Keys of a stage; parameters stand below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
+_EDGE_POLICIES = ("block", "drop_oldest", "latest")
 _MAX_DELAY = 1000
 _MAX_DEPTH = 10_000
 _FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
@@ -31,6 +32,7 @@ class Feed:
     delay: int
     depth: int
     codec: EdgeCodec
+    policy: EdgePolicy
     place: Place
 
 
@@ -93,13 +95,15 @@ def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
 
 def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
+    policy = PlannedEdge.policy
     origin: Node | None = node
     if isinstance(node.value, Mapping):
-        form = Form(node, "an input", ("from", "delay", "depth", "codec"), mistakes)
+        form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy"), mistakes)
         origin = form.get("from", required=True)
         delay = form.whole("delay", least=0, most=_MAX_DELAY) or 0
-        depth = form.whole("depth", least=1, most=_MAX_DEPTH) or depth
         codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
+        policy = _policy(form, delay, mistakes)
+        depth = form.whole("depth", least=1, most=_MAX_DEPTH) or (1 if policy == "latest" else depth)
     if origin is None:
         return None
     named = _FEED.fullmatch(origin.value) if isinstance(origin.value, str) else None
@@ -107,4 +111,14 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, codec, origin.place)
+    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place)
+
+
+def _policy(form: Form, delay: int, mistakes: list[Mistake]) -> EdgePolicy:
+    """What a full edge does; what drops can promise no message of a certain time, so it has no delay."""
+    policy = cast(EdgePolicy, form.text("policy", choices=_EDGE_POLICIES) or PlannedEdge.policy)
+    if delay and policy != "block":
+        text = f"an edge with a delay waits for exactly its message and cannot be {policy}"
+        mistakes.append(Mistake(form.entries["policy"].place, text, "remove the policy or the delay"))
+        return "block"
+    return policy

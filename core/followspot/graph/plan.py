@@ -11,6 +11,9 @@ from followspot.room import Room
 EdgeKind = Literal["reference", "ring", "zenoh"]
 EdgeCodec = Literal["raw", "lossless", "jpeg"]
 ErrorPolicy = Literal["fail", "skip", "restart"]
+EdgePolicy = Literal["block", "drop_oldest", "latest"]
+AHEAD = 2
+"""Messages on their way to the reader of an edge that drops; the others wait where they can be dropped."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class PlannedEdge:
     """Most messages in flight."""
     codec: EdgeCodec = "raw"
     """How arrays travel on an edge over Zenoh."""
+    policy: EdgePolicy = "block"
+    """What happens where the edge is full, in live runs: the sender waits, or the oldest message goes."""
 
     @property
     def name(self) -> str:
@@ -57,8 +62,20 @@ class PlannedEdge:
 
     @property
     def way(self) -> str:
-        """Shown to users: the kind, and the codec where it is not raw."""
-        return self.kind if self.codec == "raw" else f"{self.kind} {self.codec}"
+        """Shown to users: the kind, the codec where it is not raw, and the policy where it drops."""
+        carried = self.kind if self.codec == "raw" else f"{self.kind} {self.codec}"
+        dropping = {"block": "", "latest": ", latest", "drop_oldest": f", drop_oldest {self.depth}"}
+        return carried + dropping[self.policy]
+
+    @property
+    def drops(self) -> bool:
+        """Whether a slow reader loses messages in a live run, so that it never holds up the sender."""
+        return self.policy != "block"
+
+    @property
+    def room(self) -> int:
+        """Most messages under way or waiting: feedback needs those of its delay, and one more."""
+        return self.depth + AHEAD if self.drops else max(self.depth, self.delay + 2)
 
 
 @dataclass(frozen=True)
@@ -83,3 +100,8 @@ class Plan:
     """Absolute paths of one-file plugins."""
     notes: tuple[str, ...] = field(default=())
     """What differs from what was asked, for example an edge kind that could not be forced."""
+
+    @property
+    def live(self) -> bool:
+        """Whether any source delivers in its own time; else nothing is dropped."""
+        return any(stage.live for stage in self.stages)

@@ -21,6 +21,8 @@ def text(plan: Plan) -> str:
         rows = [(box.group, box.uses, " ".join(box.cameras)) for box in boxes]
         lines += ["", _title(worker), *_aligned(rows)]
     lines += ["", "edges", *_aligned(_edge_rows(found.lines))]
+    if not plan.live and any(edge.drops for edge in plan.edges):
+        lines.append("note: no source is live, so nothing is dropped: every edge blocks")
     return "\n".join([*lines, *(f"note: {note}" for note in plan.notes)])
 
 

@@ -117,6 +117,8 @@ class Cell:
         if self.done:
             self._discard_rest()
             return None
+        for inlet in self.join.dropping:
+            inlet.shed()
         overdue = self.deadline is not None and self._overdue(self.deadline)
         fire_at = self.join.ready(overdue=overdue)
         if fire_at is None:

@@ -41,6 +41,8 @@ class Join:
         self.members = tuple(inlet for port in ports for inlet in port.members)
         self.held = tuple(port.held for port in ports if port.held is not None)
         self.required = tuple(inlet for port in ports if not port.joined for inlet in port.members)
+        self.dropping = tuple(inlet for inlet in self.members if inlet.keep is not None)
+        """Members that keep only their newest messages."""
         self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
         """The single member of the commonest stage, which fires for each message as it is."""
         self.window = window

@@ -29,6 +29,7 @@ class Inlet:
         "bound",
         "depth",
         "invalid_reason",
+        "keep",
         "name",
         "queue",
         "reader",
@@ -40,11 +41,18 @@ class Inlet:
         "words",
     )
 
-    def __init__(self, name: str, words: memoryview, row: int, *, depth: int, slack: int) -> None:
+    def __init__(
+        self, name: str, words: memoryview, row: int, *, depth: int, slack: int, keep: int | None = None
+    ) -> None:
+        """depth: messages with which it is full for its writer.
+
+        keep: messages beyond which the oldest is dropped, None where none is.
+        """
         self.name = name
         self.words = words
         self.row = row
         self.depth = depth
+        self.keep = keep
         self.slack = slack
         self.queue: deque[Message] = deque()
         self.bound = -END
@@ -113,6 +121,12 @@ class Inlet:
         """Remove the oldest message and count it as dropped, late or unmatched."""
         self.words[self.row + column] += 1
         self._pop()
+
+    def shed(self) -> None:
+        """Drop the oldest messages of an edge that keeps only so many."""
+        assert self.keep is not None
+        while len(self.queue) > self.keep:
+            self.discard(DROPPED)
 
     def discard_until(self, time: int, column: int) -> None:
         """Discard every message captured at or before `time`, ns."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.ledger import INVALID, SENT, SHED
+from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Settled
 
@@ -50,6 +52,9 @@ class Outlet:
 
     def attach(self, writer: PortWriter, rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; rows: of its readers, in its order."""
+        if isinstance(writer, DroppingWriter):
+            writer.dropped = partial(self._count, rows, SHED)
+            writer.refused = partial(self._refused_later, rows)
         self.writers.append(writer)
         self.rows.append(rows)
         self.forget_lost()
@@ -139,6 +144,11 @@ class Outlet:
         self._count(self._all_rows(), INVALID)
         self.refused(reason)
         self.settle(header.time + 1)
+
+    def _refused_later(self, rows: list[int], reason: str) -> None:
+        """A message that had to wait turned out to be too large to travel."""
+        self._count(rows, INVALID)
+        self.refused(reason)
 
     def _count(self, rows: list[int], column: int, count: int = 1) -> None:
         for row in rows:

@@ -28,6 +28,9 @@ from followspot.stage import Context, Stage
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
 
+_ENDLESS = 1 << 30
+"""Depth of an edge that is never full, for it drops."""
+
 
 class Links(Protocol):
     """Makes the ends of edges that are not plain references; edges are named by their number in the plan."""
@@ -73,7 +76,7 @@ class Wiring:
         self.stages = {stage.name: stage for stage in plan.stages}
         self.classes: dict[str, type[Stage]] = {s.name: load_stage(s.uses) for s in plan.stages}
         self.ports: dict[str, Ports] = {name: ports(cls) for name, cls in self.classes.items()}
-        self.live = any(stage.live for stage in plan.stages)
+        self.live = plan.live
         self.into: dict[str, list[int]] = defaultdict(list)
         self.out_of: dict[str, list[int]] = defaultdict(list)
         for number, edge in enumerate(plan.edges):
@@ -168,14 +171,15 @@ class _Builder:
                 inlet.reopened = partial(worker.mark, ranks[edge.from_stage])
         for cell in self.cells:
             for held in cell.join.held:
-                held.inlet.wake = partial(worker.mark_waiting, cell)
+                wake = partial(worker.mark_waiting, cell)
+                held.inlet.wake = wake if held.inlet.keep is None else partial(_shed, held.inlet, wake)
         return worker
 
     def _inlet(self, number: int) -> Inlet:
         edge = self.plan.edges[number]
-        depth = max(edge.depth, edge.delay + 2)
         slack = self.wiring.slack[edge.from_stage]
-        inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack)
+        depth, keep = (_ENDLESS, edge.depth) if edge.drops and self.plan.live else (edge.room, None)
+        inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack, keep=keep)
         if edge.kind != "reference":
             inlet.reader = self.links.reader(number, self.wiring.message_type(edge))
             if self.options.rejoin:
@@ -249,8 +253,15 @@ class _Builder:
         return InputPort(port.name, joined=port.kind == "joined", members=members)
 
     def _way(self, number: int) -> str:
-        """What edges must have in common to share a writer."""
-        return self.plan.edges[number].way
+        """What edges must have in common to share a writer; one that drops has its own."""
+        edge = self.plan.edges[number]
+        return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way
+
+
+def _shed(inlet: Inlet, wake: Callable[[], None]) -> None:
+    """What comes to an input that is only sampled takes the place of what is too old."""
+    inlet.shed()
+    wake()
 
 
 def _loan(outlets: Sequence[Outlet], shape: tuple[int, ...], dtype: str) -> Array:

@@ -117,6 +117,9 @@ EXPANSION = [
     Broken("graph", "{blobs: detect}", "{blobs: ¦[]}", 'input "blobs" is fed by nothing', "name a stage"),
     Broken("graph", "delay: 1", "delay: ¦-1", "delay cannot be -1", "from 0 to 1000"),
     Broken("graph", "delay: 1", "delay: 1, depth: ¦0", "depth cannot be 0", "from 1 to 10000"),
+    Broken("graph", "delay: 1", "policy: ¦newest", 'policy cannot be "newest"', "block, drop_oldest, latest"),
+    Broken("graph", "delay: 1", "policy: ¦drop_oldst", "policy cannot be", 'did you mean "drop_oldest"?'),
+    Broken("graph", "delay: 1", "delay: 1, policy: ¦latest", "cannot be latest", "the policy or the delay"),
     Broken("graph", "delay: 1", "delay: 1, ¦dept: 4", 'an input has no key "dept"', '"depth"'),
     Broken(
         "graph",

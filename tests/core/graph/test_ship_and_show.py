@@ -63,6 +63,21 @@ def test_text_names_every_worker_stage_and_kind(plan: Plan) -> None:
     assert "  track.forecast  -> detect.forecast  zenoh, delay 1 (main to left)" in lines
 
 
+def test_an_edge_that_drops_is_shown_with_its_policy_and_blocks_in_a_replay(tmp_path: Path) -> None:
+    graph = write(tmp_path)
+    text = graph.read_text().replace(
+        "{blobs: detect}", "{blobs: {from: detect, policy: drop_oldest, depth: 5}}"
+    )
+    graph.write_text(text.replace("{tracks: track}", "{tracks: {from: track, policy: latest}}"))
+    plan = compile_graph(graph, plugin_files=[TOY])
+    lines = show.text(plan).splitlines()
+    assert "  detect.out      -> pair.blobs       reference, drop_oldest 5 × 2" in lines
+    assert "  track.tracks    -> save.tracks      reference, latest" in lines
+    assert "note: no source is live, so nothing is dropped: every edge blocks" in lines
+    assert plan_from_data(plan_to_data(plan)).edges == plan.edges
+    assert [edge.depth for edge in plan.edges if edge.drops] == [5, 5, 1]
+
+
 def test_mermaid_holds_every_box_once_and_dots_what_is_delayed(plan: Plan) -> None:
     lines = show.mermaid(plan).splitlines()
     assert lines[0] == "flowchart LR"

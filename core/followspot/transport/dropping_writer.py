@@ -1,0 +1,142 @@
+"""The writing end of an edge that drops: its reader may be as slow as it likes, and gets the newest."""
+
+from __future__ import annotations
+
+import socket
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Protocol, runtime_checkable
+
+from followspot.messages import Array, InvalidMessage, Message
+from followspot.transport.edge import PortWriter
+from followspot.transport.token import Settled
+
+_PLENTY = 1 << 30
+
+
+@runtime_checkable
+class Replaceable(Protocol):
+    """A writer whose readers can be replaced."""
+
+    def replace(self, index: int, sock: socket.socket) -> None:
+        """See `RingWriter.replace`."""
+
+
+class DroppingWriter:
+    """`PortWriter` of one reader that always takes a message.
+
+    What the reader gives no credit for waits here, as many messages as the edge is deep; of more, the oldest
+    is dropped. Settled times keep their place between the messages.
+    """
+
+    def __init__(self, inner: PortWriter, depth: int) -> None:
+        """inner: has one reader and the credit for what is on its way to it; depth: messages that wait."""
+        self.inner = inner
+        self.depth = depth
+        self.dropped: Callable[[], None] = _nobody_counts
+        """Called for each message that is dropped."""
+        self.refused: Callable[[str], None] = _nobody_listens
+        """Called with the reason for each message that cannot travel."""
+        self._waiting: deque[Message | Settled] = deque()
+        self._messages = 0
+        """Of those that wait."""
+
+    @property
+    def lost(self) -> frozenset[int]:
+        """As the inner writer knows it."""
+        return self.inner.lost
+
+    def matched(self) -> bool:
+        """As the inner writer knows it."""
+        return self.inner.matched()
+
+    def credit(self) -> int:
+        """There is always room."""
+        return _PLENTY
+
+    def send(self, token: Message | Settled) -> None:
+        """Send the token, or let it wait and drop the oldest message."""
+        if isinstance(token, Settled):
+            if self._waiting and isinstance(self._waiting[-1], Settled):
+                self._waiting.pop()
+        elif self.inner.lost:
+            return
+        else:
+            if self._messages == self.depth:
+                self._drop_oldest()
+            self._messages += 1
+        self._waiting.append(token)
+        self._pass_on()
+
+    def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
+        """None: whether a message will be sent is not known when it is made."""
+        return None
+
+    def flush(self) -> bool:
+        """Send what waits. True when nothing does."""
+        self._pass_on()
+        return self.inner.flush() and not self._waiting
+
+    def filenos(self) -> list[int]:
+        """Those of the inner writer."""
+        return self.inner.filenos()
+
+    def want_credit(self) -> None:
+        """Ask the reader for a wake-up."""
+        self.inner.want_credit()
+
+    def drain(self) -> None:
+        """Swallow wake-ups and send what waited; nobody will want it where the reader died."""
+        self.inner.drain()
+        self._pass_on()
+
+    def close(self) -> None:
+        """Close the inner writer."""
+        self.inner.close()
+
+    def replace(self, index: int, sock: socket.socket) -> None:
+        """Serve another reader in the place of the one that is gone."""
+        assert isinstance(self.inner, Replaceable)
+        self.inner.replace(index, sock)
+
+    def _pass_on(self) -> None:
+        """Send what the reader has credit for; ask to be woken where something must wait."""
+        if self.inner.lost:
+            while self._messages:
+                self._drop_oldest()
+        while self._waiting:
+            token = self._waiting[0]
+            if isinstance(token, Message):
+                if self.inner.credit() <= 0 and not self._credit_now():
+                    return
+                self._messages -= 1
+            self._waiting.popleft()
+            try:
+                self.inner.send(token)
+            except InvalidMessage as error:
+                self.refused(str(error))
+
+    def _credit_now(self) -> bool:
+        """Ask for a wake-up; whether there was credit meanwhile."""
+        self.inner.want_credit()
+        return self.inner.credit() > 0
+
+    def _drop_oldest(self) -> None:
+        """Remove the oldest message; the settled times before and after it become one."""
+        for index, token in enumerate(self._waiting):
+            if isinstance(token, Message):
+                del self._waiting[index]
+                after = self._waiting[index] if index < len(self._waiting) else None
+                if index and isinstance(after, Settled):
+                    del self._waiting[index - 1]
+                self._messages -= 1
+                self.dropped()
+                return
+
+
+def _nobody_counts() -> None:
+    """Outside a run there is no ledger."""
+
+
+def _nobody_listens(_: str) -> None:
+    """Outside a run there is nobody to tell."""

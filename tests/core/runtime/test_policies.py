@@ -1,0 +1,67 @@
+"""Edges that drop, within one worker: what they keep, what they count, and that replays lose nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from followspot.deploy.local import LocalRun
+from followspot.deploy.report import RunReport
+from followspot.graph.compile import compile_graph
+from followspot.messages import Header, Message, stamped
+from followspot.runtime.firing import InputPort, Join
+from followspot.runtime.inlet import Inlet
+from followspot.runtime.ledger import Ledger
+from followspot.runtime.wiring import RunOptions
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+
+
+class Note(Message):
+    value: int
+
+
+def note(time: int) -> Note:
+    return stamped(Note(time), Header("a", time, time))
+
+
+def execute(folder: Path, source: str, edges: str) -> tuple[RunReport, list[int]]:
+    """A run in this process with an edge that drops; its report and the numbers that were written."""
+    path = folder / "graph.yaml"
+    path.write_text(
+        f"graph: g\nstages:\n  a: {source}\n"
+        "  b: {uses: ticks.add, in: {number: {from: a, policy: latest}}}\n"
+        "  save: {uses: ticks.write, in: {number: {from: b, policy: drop_oldest, depth: 3}}}\n"
+    )
+    plan = compile_graph(path, plugin_files=[TICKS], edges=edges)  # type: ignore[arg-type]
+    report = LocalRun(plan, RunOptions(folder)).execute()
+    return report, [int(line.split(",")[2]) for line in (folder / "ticks.csv").read_text().splitlines()]
+
+
+@pytest.mark.parametrize("edges", ["reference", "ring"])
+def test_a_replay_loses_nothing_whatever_the_policy(tmp_path: Path, edges: str) -> None:
+    report, values = execute(tmp_path, "{uses: ticks.count, with: {count: 40, size: 5000}}", edges)
+    assert report.ok
+    assert values == list(range(1, 41))
+
+
+@pytest.mark.parametrize("edges", ["reference", "ring"])
+def test_a_live_run_ends_with_every_message_accounted_for(tmp_path: Path, edges: str) -> None:
+    report, values = execute(tmp_path, "{uses: ticks.live, with: {count: 40, period: 0}}", edges)
+    assert report.ok
+    assert values == sorted(set(values))
+    assert values[-1] == 40, "the newest is never the one that is dropped"
+    assert all(count.sent == count.delivered + count.dropped for _, count in report.edges)
+
+
+def test_an_input_keeps_its_newest_messages_and_counts_the_others_as_dropped() -> None:
+    ledger = Ledger(1)
+    inlet = Inlet("edge", ledger.words, ledger.row(0), depth=100, slack=0, keep=2)
+    join = Join([InputPort("in", joined=False, members=(inlet,))], window=0, slack=0)
+    for time in range(10):
+        inlet.put(note(time))
+    assert join.dropping == (inlet,)
+    inlet.shed()
+    assert [message.header.time for message in inlet.queue] == [8, 9]
+    assert ledger.count(0).dropped == 8

@@ -1,0 +1,38 @@
+"""What a slow reader costs in a live run: its own messages, by the policy of its edge, and nobody else's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from running import balanced, run, write_graph
+
+SLOW = """
+camera: {{uses: ticks.live, with: {{count: 400, period: 0.0005}}}}
+fast:   {{uses: ticks.write, in: {{number: camera}}}}
+slow:   {{uses: ticks.hold, in: {{number: {feed}}}, with: {{lines: 150}}}}
+late:   {{uses: ticks.write, in: {{number: slow}}, with: {{path: late.csv}}}}
+"""
+APART = """
+placement: apart
+workers:
+  slow: {stages: [slow, late]}
+"""
+
+
+@pytest.mark.parametrize(("policy", "edges"), [("latest", "ring"), ("drop_oldest, depth: 6", "zenoh")])
+def test_a_slow_reader_never_holds_up_the_fast_branch(tmp_path: Path, policy: str, edges: str) -> None:
+    graph = write_graph(tmp_path, SLOW.format(feed=f"{{from: camera, policy: {policy}}}"))
+    (tmp_path / "apart.yaml").write_text(APART)
+    finished = run(graph, "--placement", str(tmp_path / "apart.yaml"), "--edges", edges)
+    assert finished.code == 0, finished.errors
+    assert balanced(finished.summary)
+    fast, slow = finished.values("ticks.csv"), finished.values("late.csv")
+    assert len(fast) >= 150, "it would have been held up"
+    first, *after = slow
+    waited = [value for value in after if value < fast[140]]
+    assert len(waited) <= 2, f"too old after the number that was held: {waited} of {slow[:12]}"
+    counts = finished.edge("camera.", "slow.")
+    assert counts["dropped"] >= 100
+    assert counts["delivered"] == len(slow)
+    assert first == fast[0]
