@@ -18,6 +18,8 @@ FAMILIAR = 0.5
 """Factor of the distance to a camera's person who was this one before."""
 PLACE_GAIN, VELOCITY_GAIN = 0.7, 0.3
 """Share of the difference to the forecast that place and velocity take over at a picture."""
+PERIOD = 1 / 60
+"""Least time between two places that tell a velocity, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +76,10 @@ class Fusion(Stage):
         self.time = -1
 
     def process(self, poses: Joined[Poses]) -> Poses:
+        if not poses:
+            return Poses.empty()
         now = max(p.header.time for p in poses)
-        seconds = (now - self.time) * NANOSECOND if self.time >= 0 else 0.0
+        seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
         seen = sightings_of(poses, self.room.cameras, self.params.direction, self.params.distance)
         groups, free = self.assigned(seen, seconds)
@@ -133,7 +137,7 @@ class Fusion(Stage):
         pose, sigma = blended(seen, rows, person.pose)
         difference = pose[:2] - forecast[:2]
         pose[:2] = forecast[:2] + PLACE_GAIN * difference
-        velocity = person.velocity + VELOCITY_GAIN * difference / max(seconds, 1e-3)
+        velocity = person.velocity + VELOCITY_GAIN * difference / max(seconds, PERIOD)
         members = person.members | {seen.names[i]: int(seen.person[i]) for i in rows}
         confidence = float(seen.confidence[rows].max())
         return Fused(person.number, pose, sigma, velocity, confidence, now, person.hits + 1, members)

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ from followspot.testing.trial import Trial, noise, outputs, reason
 
 GROWTH = 8 << 20
 """Bytes that a stage may grow by while it handles the second half of many messages."""
+CACHED = 64
+"""Objects that numpy and Python keep for reuse meanwhile; how many differs from machine to machine."""
 PATIENCE = 60.0
 """Seconds for a fresh process to import a stage."""
 
@@ -108,7 +111,7 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
     except Exception:
         return  # others say so
     objects, size = (after - before for before, after in zip(*sizes, strict=True))
-    if objects > half // 2:
+    if objects > CACHED + half // 2:
         yield f"it keeps {objects / half:.1f} objects a message"
     if size > GROWTH:
         yield f"it grows by {size / half:.0f} bytes a message"
@@ -126,18 +129,22 @@ def starts_in_a_fresh_process(trial: Trial) -> Iterator[str]:
     file = sys.modules[stage.__module__].__file__
     if stage.__module__ == "__main__" or "<locals>" in stage.__qualname__ or file is None:
         return  # is_found_by_its_name says so
-    code = f"import importlib; importlib.import_module({stage.__module__!r}).{stage.__qualname__}"
-    places = ":".join(path for path in sys.path if path)
+    if error := _import_error(stage.__module__):
+        yield f"a fresh process cannot import it: {error}"
+
+
+@cache
+def _import_error(module: str) -> str:
+    """The last line that a fresh process says when it cannot import a module; empty where it can."""
     done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={"PYTHONPATH": places, "PATH": "/usr/bin:/bin"},
+        [sys.executable, "-c", f"import importlib; importlib.import_module({module!r})"],
+        env={"PYTHONPATH": ":".join(path for path in sys.path if path), "PATH": "/usr/bin:/bin"},
         capture_output=True,
         text=True,
         check=False,
         timeout=PATIENCE,
     )
-    if done.returncode != 0:
-        yield f"a fresh process cannot import it: {(done.stderr.strip().splitlines() or ['?'])[-1]}"
+    return "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["?"])[-1]
 
 
 def _closed(trial: Trial, *, setup: bool, times: int) -> Iterator[str]:
