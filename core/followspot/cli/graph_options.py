@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
+from followspot.plugins.hooks import load_plan_options
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
-    """GRAPH, --room, --placement, --set, --plugin, --edges, --seed."""
+    """GRAPH, --room, --placement, --set, --plugin, --edges, --seed, and the plan options of packages."""
     parser.add_argument("graph", metavar="GRAPH", help="graph file, for example graphs/glowballs.yaml")
     parser.add_argument("--room", metavar="FILE", help="room file instead of the graph's own")
     parser.add_argument(
@@ -29,6 +30,8 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         help="force the kind of every edge (default auto: call, ring or Zenoh as near as it can be)",
     )
     add_change_options(parser)
+    for options in load_plan_options():
+        options.configure(parser)
 
 
 def add_change_options(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +59,7 @@ def plan_of(args: argparse.Namespace) -> Plan:
     """Load, expand, check and plan what the options say. Raises InputError with every mistake."""
     from followspot.graph.compile import compile_graph
 
-    return compile_graph(
+    plan = compile_graph(
         args.graph,
         room=args.room,
         placement=args.placement,
@@ -65,6 +68,9 @@ def plan_of(args: argparse.Namespace) -> Plan:
         edges=args.edges,
         seed=args.seed,
     )
+    for options in load_plan_options():
+        plan = options.change(plan, args)
+    return plan
 
 
 def frame_count(text: str) -> int:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
 from followspot.graph.check import check
 from followspot.graph.expand import expand
-from followspot.graph.load import load
+from followspot.graph.load import Loaded, load
 from followspot.graph.placement import place
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import use_plugin_files
@@ -24,17 +24,19 @@ def compile_graph(
     plugin_files: Sequence[str | Path] = (),
     edges: EdgeChoice = "auto",
     seed: int | None = None,
+    change: Callable[[Loaded], Loaded] | None = None,
 ) -> Plan:
     """The plan of a graph file. Raises InputError with every mistake.
 
     room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
-    overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers.
+    overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers;
+    change: what is to become of the declared stages before they are looked up.
     """
     mistakes: list[Mistake] = []
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     _use(files, mistakes)
     loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
-    expanded = expand(loaded, mistakes)
+    expanded = expand(loaded if change is None else change(loaded), mistakes)
     checked = check(expanded, mistakes)
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:

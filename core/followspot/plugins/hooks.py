@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import Any
 
 import pluggy
 
@@ -43,12 +44,28 @@ class Command:
         return f"{self.parent} {self.name}" if self.parent else self.name
 
 
+@dataclass(frozen=True)
+class PlanOptions:
+    """Options of every command that plans a graph, and what they make of the plan.
+
+    configure: adds the options; change: the plan (`followspot.graph.plan.Plan`) as the options ask for it,
+    the same one where they ask for nothing; raises InputError.
+    """
+
+    configure: Callable[[argparse.ArgumentParser], None]
+    change: Callable[[Any, argparse.Namespace], Any]
+
+
 class Hooks:
     """What a package can add to followspot."""
 
     @hookspec
     def followspot_commands(self) -> Sequence[Command]:  # type: ignore[empty-body]
         """Commands to add to the command line."""
+
+    @hookspec
+    def followspot_plan_options(self) -> Sequence[PlanOptions]:  # type: ignore[empty-body]
+        """Options to add to run, check and graph, which change the plan."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +84,16 @@ class LoadedHooks:
 
     modules: tuple[HookModule, ...]
     commands: tuple[Command, ...]
+    plan_options: tuple[PlanOptions, ...]
+
+
+@dataclass(frozen=True)
+class _Offer:
+    """What one module offers; problem: why it offers less than it means to."""
+
+    problem: str = ""
+    commands: list[Command] = field(default_factory=list)
+    plan_options: list[PlanOptions] = field(default_factory=list)
 
 
 @cache
@@ -74,10 +101,13 @@ def load_hooks() -> LoadedHooks:
     """Load every hook module on its own: one that is broken is named and left out, the others serve."""
     modules: list[HookModule] = []
     commands: list[Command] = []
+    plan_options: list[PlanOptions] = []
     taken = dict.fromkeys(RESERVED, "followspot")
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        problem, offered = _load(entry)
-        for command in offered:
+        offer = _load(entry)
+        problem = offer.problem
+        plan_options += offer.plan_options
+        for command in offer.commands:
             other = taken.get(command.title) or taken.get(command.parent or "")
             if other:
                 problem = f'command "{command.title}" is already offered by {other}'
@@ -86,7 +116,7 @@ def load_hooks() -> LoadedHooks:
                 commands.append(command)
         distribution = entry.dist.name if entry.dist is not None else "?"
         modules.append(HookModule(entry.name, entry.value, distribution, problem))
-    return LoadedHooks(tuple(modules), tuple(commands))
+    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options))
 
 
 def load_commands() -> Sequence[Command]:
@@ -94,8 +124,13 @@ def load_commands() -> Sequence[Command]:
     return load_hooks().commands
 
 
-def _load(entry: EntryPoint) -> tuple[str, list[Command]]:
-    """Import, register and ask one module; what went wrong, and its commands."""
+def load_plan_options() -> Sequence[PlanOptions]:
+    """The plan options of all hook modules that are well."""
+    return load_hooks().plan_options
+
+
+def _load(entry: EntryPoint) -> _Offer:
+    """Import, register and ask one module."""
     manager = pluggy.PluginManager(PROJECT)
     manager.add_hookspecs(Hooks)
     try:
@@ -103,12 +138,15 @@ def _load(entry: EntryPoint) -> tuple[str, list[Command]]:
         manager.register(module, name=entry.name)
         manager.check_pending()
         problem = _silent(module)
-        offered = [command for commands in manager.hook.followspot_commands() for command in commands]
+        commands = [command for offered in manager.hook.followspot_commands() for command in offered]
+        options = [option for offered in manager.hook.followspot_plan_options() for option in offered]
     except (Exception, SystemExit) as error:
-        return " ".join(f"{type(error).__name__}: {error}".split()), []
-    if not all(isinstance(command, Command) for command in offered):
-        return "followspot_commands returns something that is no Command", []
-    return problem, offered
+        return _Offer(" ".join(f"{type(error).__name__}: {error}".split()))
+    if not all(isinstance(command, Command) for command in commands):
+        return _Offer("followspot_commands returns something that is no Command")
+    if not all(isinstance(option, PlanOptions) for option in options):
+        return _Offer("followspot_plan_options returns something that is no PlanOptions")
+    return _Offer(problem, commands, options)
 
 
 def _silent(module: object) -> str:
@@ -121,4 +159,5 @@ def _silent(module: object) -> str:
     for name, marked in functions.items():
         if not marked:
             return f"{name} is not marked with @hookimpl"
-    return "" if functions else "the module implements no hook; known: followspot_commands"
+    known = ", ".join(name for name in vars(Hooks) if name.startswith(f"{PROJECT}_"))
+    return "" if functions else f"the module implements no hook; known: {known}"

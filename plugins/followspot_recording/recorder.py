@@ -1,0 +1,141 @@
+"""One MCAP file that all recording sinks of a worker write together."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from mcap.writer import CompressionType, Writer
+
+from followspot.errors import FollowspotError
+
+Compression = Literal["lz4", "zstd", "none"]
+PROFILE = "followspot"
+_MAX_COUNT = 200
+"""Most messages of a chunk: the index of a chunk is kept until it is written."""
+
+
+@dataclass(frozen=True)
+class Chunking:
+    """How a file is cut into chunks; what a kill loses is the last one.
+
+    size: B before compression; seconds: longest time that messages wait for their chunk to be full.
+    """
+
+    size: int
+    seconds: float
+    compression: Compression
+
+
+@dataclass(frozen=True)
+class Schema:
+    """What the messages of a channel are, as MCAP tells it."""
+
+    name: str
+    encoding: str
+    text: str
+
+
+class Recorder:
+    """An open file. It holds at most one chunk and one message in memory."""
+
+    def __init__(self, path: Path, chunking: Chunking) -> None:
+        """Create the file; an older one is never replaced. Raises FollowspotError."""
+        self.path = path
+        self.users = 0
+        self._chunking = chunking
+        self._channels: dict[str, int] = {}
+        self._schemas: dict[str, int] = {}
+        self._count = self._pending = 0
+        self._flushed = time.monotonic()
+        self._broken = False
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("xb")
+        except OSError as error:
+            raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
+        kind = CompressionType[chunking.compression.upper()]
+        self._writer: Any = Writer(self._file, chunk_size=1 << 40, compression=kind)  # cut here, not there
+        self._writer.start(profile=PROFILE, library="followspot")
+
+    def describe(self, metadata: Mapping[str, str], attachments: Mapping[str, str]) -> None:
+        """Embed what the recording is of: facts, and files by name."""
+        self._writer.add_metadata("followspot", dict(metadata))
+        for name, text in attachments.items():
+            kind = "application/json" if name.endswith(".json") else "application/yaml"
+            self._writer.add_attachment(0, 0, name, kind, text.encode())
+
+    def add(self, topic: str, encoding: str, schema: Schema, time_ns: int, seq: int, data: bytes) -> None:
+        """Append a message. Raises FollowspotError where the disk does not take it.
+
+        time_ns: capture time; MCAP counts from 0, so what lies before stands at 0.
+        """
+        now = time.monotonic()
+        overdue = now - self._flushed >= self._chunking.seconds
+        try:
+            full = self._count == _MAX_COUNT or self._pending + len(data) > self._chunking.size
+            if self._count and (full or overdue):
+                self._writer.flush()
+                self._count, self._pending, self._flushed = 0, 0, now
+            channel = self._channels.get(topic) or self._register(topic, encoding, schema)
+            stamp = max(0, time_ns)
+            self._writer.add_message(channel, stamp, data, stamp, seq & 0xFFFFFFFF)
+        except OSError as error:
+            self._broken = True
+            remedy = "free space on the disk or record fewer ports"
+            raise FollowspotError(f"{self.path} is cut short: {error.strerror}\n    {remedy}") from None
+        self._count += 1
+        self._pending += len(data)
+
+    def close(self) -> None:
+        """Write the last chunk and the index. Raises FollowspotError."""
+        try:
+            if not self._broken:
+                self._writer.finish()
+            self._file.close()
+        except OSError as error:
+            raise FollowspotError(f"{self.path} is cut short: {error.strerror}") from None
+
+    def _register(self, topic: str, encoding: str, schema: Schema) -> int:
+        if schema.name not in self._schemas:
+            number = self._writer.register_schema(schema.name, schema.encoding, schema.text.encode())
+            self._schemas[schema.name] = number
+        channel: int = self._writer.register_channel(topic, encoding, self._schemas[schema.name])
+        self._channels[topic] = channel
+        return channel
+
+
+_open: dict[Path, Recorder] = {}
+"""The files that sinks of this process have open."""
+
+
+def join(path: Path, chunking: Chunking) -> Recorder:
+    """The recorder of this file, shared by all that joined and did not leave yet. Raises FollowspotError.
+
+    Where the file exists already, the recording goes to a new one beside it, named with a number.
+    """
+    recorder = _open.get(path)
+    if recorder is None:
+        recorder = _open[path] = Recorder(_free(path), chunking)
+    recorder.users += 1
+    return recorder
+
+
+def leave(path: Path, recorder: Recorder) -> None:
+    """The last one closes the file. Raises FollowspotError."""
+    recorder.users -= 1
+    if recorder.users == 0:
+        _open.pop(path, None)
+        recorder.close()
+
+
+def _free(path: Path) -> Path:
+    """The path, or the first numbered one that is not taken: after a restart nothing recorded is lost."""
+    free, number = path, 1
+    while free.exists():
+        number += 1
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free

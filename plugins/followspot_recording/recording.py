@@ -1,0 +1,166 @@
+"""A recording to read: its ports, what it is of, and the messages of each port in order."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from mcap import records
+from mcap.opcode import Opcode
+
+from followspot.errors import FollowspotError
+from followspot_recording.contents import read_contents
+from followspot_recording.records import (
+    Channel,
+    Chunk,
+    ChunkSpan,
+    Damaged,
+    Recorded,
+    parse,
+    read_attachment,
+    read_chunk,
+    read_span,
+)
+from followspot_recording.topics import ENCODING, port_of
+
+CACHED = 64 << 20
+"""Bytes of chunks that are kept for the other ports of a process, which read the same ones."""
+_Key = tuple[str, int, int]
+
+
+class Recording:
+    """An open MCAP file. `problem` says why and where it ends early; empty where it is whole."""
+
+    def __init__(self, path: str | Path) -> None:
+        """Open the file and find what it holds. Raises FollowspotError."""
+        self.path = Path(path)
+        try:
+            self._file = self.path.open("rb")
+        except OSError as error:
+            raise FollowspotError(f"{path} cannot be read: {error.strerror}") from None
+        try:
+            self._contents = read_contents(self._file, str(path))
+        except FollowspotError:
+            self._file.close()
+            raise
+        self._key = str(self.path.absolute()), self.path.stat().st_mtime_ns
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    @property
+    def problem(self) -> str:
+        """Why it is not whole, as far as is known by now."""
+        return f"{self.path}: {self._contents.problem}" if self._contents.problem else ""
+
+    @cached_property
+    def ports(self) -> Mapping[str, Channel]:
+        """The exactly recorded ports, STAGE.PORT, in the order in which they first spoke."""
+        return {
+            port: channel
+            for channel in sorted(self._contents.channels.values(), key=lambda channel: channel.number)
+            if channel.encoding == ENCODING and (port := port_of(channel.topic)) is not None
+        }
+
+    @property
+    def begin(self) -> int:
+        """Earliest capture time, ns; 0 where there is none."""
+        return min((chunk.begin for chunk in self._contents.chunks), default=0)
+
+    @property
+    def end(self) -> int:
+        """Latest capture time, ns; 0 where there is none."""
+        return max((chunk.end for chunk in self._contents.chunks), default=0)
+
+    @cached_property
+    def metadata(self) -> Mapping[str, str]:
+        """What is said of the run. Raises Damaged."""
+        span = self._contents.metadata.get("followspot")
+        if span is None:
+            return {}
+        found: records.Metadata = parse(records.Metadata, read_span(self._file, span, Opcode.METADATA))
+        return found.metadata
+
+    @property
+    def attachments(self) -> tuple[str, ...]:
+        """Names of the embedded files."""
+        return tuple(self._contents.attachments)
+
+    def attachment(self, name: str) -> bytes:
+        """An embedded file. Raises FollowspotError where there is none, or it is damaged."""
+        span = self._contents.attachments.get(name)
+        if span is None:
+            raise FollowspotError(f"{self.path} holds no {name}: it was not made by followspot run --record")
+        try:
+            return read_attachment(self._file, span)
+        except Damaged as error:
+            raise FollowspotError(f"{self.path}: {name} is damaged: {error}") from None
+
+    def messages(self, port: str, start: int = 0, stop: int | None = None) -> Iterator[Recorded]:
+        """The messages of a port from `start` up to and with `stop`, ns, in order.
+
+        They end where the file is damaged; `problem` says so then.
+        """
+        channel = self.ports.get(port)
+        if channel is None:
+            return
+        for span in self._contents.chunks:
+            outside = span.end < start or (stop is not None and span.begin > stop)
+            if outside or channel.number not in span.channels:
+                continue
+            chunk = self._chunk(span)
+            if chunk is None:
+                return
+            for message in chunk.messages.get(channel.number, ()):
+                if message.time >= start and (stop is None or message.time <= stop):
+                    yield message
+
+    def examine(self) -> None:
+        """Read all chunks, so that `problem` says for certain whether the file is whole."""
+        all(self._chunk(span) is not None for span in self._contents.chunks)
+
+    def _chunk(self, span: ChunkSpan) -> Chunk | None:
+        """The chunk, None where it or one before it is damaged."""
+        damage = _damaged.get(self._key)
+        if damage is None or span.offset < damage[0]:
+            try:
+                return _cached((*self._key, span.offset), self, span)
+            except Damaged as error:
+                damage = _damaged[self._key] = span.offset, str(error)
+        size = self.path.stat().st_size
+        self._contents.problem = f"{damage[1]} at byte {damage[0]} of {size}; read up to there"
+        return None
+
+    def read(self, span: ChunkSpan) -> Chunk:
+        """The chunk from the file. Raises Damaged."""
+        return read_chunk(self._file, span)
+
+
+_chunks: OrderedDict[_Key, Chunk] = OrderedDict()
+"""The chunks that were read last, for all recordings of this process."""
+_damaged: dict[tuple[str, int], tuple[int, str]] = {}
+"""Where a file turned out to be damaged, and how: all its ports end there."""
+
+
+def _cached(key: _Key, recording: Recording, span: ChunkSpan) -> Chunk:
+    chunk = _chunks.get(key)
+    if chunk is None:
+        chunk = _chunks[key] = recording.read(span)
+        while len(_chunks) > 1 and sum(kept.size for kept in _chunks.values()) > CACHED:
+            _chunks.popitem(last=False)
+    else:
+        _chunks.move_to_end(key)
+    return chunk

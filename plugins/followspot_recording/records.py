@@ -1,0 +1,190 @@
+"""The records of an MCAP file, read with suspicion: whatever does not fit is `Damaged`, never a crash."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from io import BytesIO
+from typing import IO, Any, NamedTuple
+
+import lz4.frame
+import zstandard
+from mcap import records
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+
+from followspot.errors import FollowspotError
+from followspot.wire import MAX_PACKED
+
+MAGIC = b"\x89MCAP0\r\n"
+HEAD = struct.Struct("<BQ")
+"""Of every record: what it is, and how many bytes follow."""
+MAX_CHUNK = MAX_PACKED + (64 << 20)
+"""Largest chunk, bytes, before and after compression: the largest message and what stood before it."""
+MAX_RECORD = 64 << 20
+"""Largest other record, bytes."""
+_MESSAGE = struct.Struct("<HIQQ")
+
+
+class Damaged(FollowspotError):
+    """Bytes that are no record of an MCAP file; the text says what is wrong with them."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What is known of one topic. schema: its name; contract: its text."""
+
+    number: int
+    topic: str
+    encoding: str
+    schema: str
+    contract: str
+
+
+@dataclass(frozen=True)
+class Span:
+    """Where a record lies, in bytes."""
+
+    offset: int
+    length: int
+
+
+@dataclass(frozen=True)
+class ChunkSpan(Span):
+    """Where a chunk lies; begin, end: capture times in it, ns; channels: those that have messages in it."""
+
+    begin: int
+    end: int
+    channels: frozenset[int]
+
+
+@dataclass
+class Contents:
+    """What a file holds. problem: why it is not whole, and where it ends; empty where it is."""
+
+    channels: dict[int, Channel] = field(default_factory=dict)
+    chunks: list[ChunkSpan] = field(default_factory=list)
+    attachments: dict[str, Span] = field(default_factory=dict)
+    metadata: dict[str, Span] = field(default_factory=dict)
+    problem: str = ""
+
+
+class Recorded(NamedTuple):
+    """One message as it stands in the file; time: ns."""
+
+    time: int
+    seq: int
+    data: memoryview
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """A chunk that was decompressed and is whole."""
+
+    size: int
+    messages: Mapping[int, list[Recorded]]
+    channels: Mapping[int, Channel]
+
+
+def parse(kind: Any, data: bytes | memoryview) -> Any:
+    """A record of `mcap.records` from its bytes. Raises Damaged."""
+    try:
+        return kind.read(ReadDataStream(BytesIO(data)))
+    except (McapError, struct.error, ValueError, MemoryError, OverflowError) as error:
+        raise Damaged(f"no {kind.__name__}: {type(error).__name__}") from None
+
+
+def read_span(file: IO[bytes], span: Span, opcode: Opcode, most: int = MAX_RECORD) -> bytes:
+    """The bytes of the record that lies there, without its head. Raises Damaged."""
+    if not HEAD.size <= span.length <= most:
+        raise Damaged(f"a record of {span.length} bytes, at most {most} allowed")
+    file.seek(span.offset)
+    data = file.read(span.length)
+    if len(data) != span.length or HEAD.unpack_from(data) != (opcode, span.length - HEAD.size):
+        raise Damaged(f"no {opcode.name.lower()} at byte {span.offset}")
+    return data[HEAD.size :]
+
+
+def read_attachment(file: IO[bytes], span: Span) -> bytes:
+    """The data of an attachment. Raises Damaged."""
+    data = read_span(file, span, Opcode.ATTACHMENT)
+    if zlib.crc32(data[:-4]) != int.from_bytes(data[-4:], "little"):
+        raise Damaged("the checksum of an attachment is wrong")
+    attachment: records.Attachment = parse(records.Attachment, data)
+    return attachment.data
+
+
+def read_chunk(file: IO[bytes], span: Span) -> Chunk:
+    """The chunk that lies there. Raises Damaged."""
+    data = read_span(file, span, Opcode.CHUNK, MAX_CHUNK)
+    chunk: records.Chunk = parse(records.Chunk, data)
+    if chunk.uncompressed_size > MAX_CHUNK:
+        raise Damaged(f"a chunk of {chunk.uncompressed_size} bytes, at most {MAX_CHUNK} allowed")
+    plain = _decompressed(chunk)
+    if len(plain) != chunk.uncompressed_size or (
+        chunk.uncompressed_crc and zlib.crc32(plain) != chunk.uncompressed_crc
+    ):
+        raise Damaged("the checksum of a chunk is wrong")
+    messages: dict[int, list[Recorded]] = {}
+    definitions = Definitions()
+    for opcode, body in _walk(memoryview(plain)):
+        if opcode == Opcode.MESSAGE and len(body) >= _MESSAGE.size:
+            number, seq, time, _ = _MESSAGE.unpack_from(body)
+            messages.setdefault(number, []).append(Recorded(time, seq, body[_MESSAGE.size :]))
+        else:
+            definitions.take(opcode, body)
+    return Chunk(len(plain), messages, definitions.channels)
+
+
+class Definitions:
+    """Gathers channels, whose schemas stand before them."""
+
+    def __init__(self) -> None:
+        self.channels: dict[int, Channel] = {}
+        self._schemas: dict[int, records.Schema] = {}
+
+    def take(self, opcode: int, body: bytes | memoryview) -> bool:
+        """Whether it was a schema or a channel. Raises Damaged."""
+        if opcode == Opcode.SCHEMA:
+            schema: records.Schema = parse(records.Schema, body)
+            self._schemas[schema.id] = schema
+        elif opcode == Opcode.CHANNEL:
+            found: records.Channel = parse(records.Channel, body)
+            known = self._schemas.get(found.schema_id)
+            name, text = (known.name, known.data.decode(errors="replace")) if known else ("", "")
+            self.channels[found.id] = Channel(found.id, found.topic, found.message_encoding, name, text)
+        return opcode in (Opcode.SCHEMA, Opcode.CHANNEL)
+
+
+def _walk(data: memoryview) -> Iterator[tuple[int, memoryview]]:
+    """The records that lie one after the other in these bytes. Raises Damaged."""
+    start = 0
+    while start < len(data):
+        if start + HEAD.size > len(data):
+            raise Damaged("a chunk ends within a record")
+        opcode, length = HEAD.unpack_from(data, start)
+        start += HEAD.size
+        if start + length > len(data):
+            raise Damaged("a chunk ends within a record")
+        yield opcode, data[start : start + length]
+        start += length
+
+
+def _decompressed(chunk: records.Chunk) -> bytes:
+    """The bytes of a chunk; never more than it says, whatever they expand to. Raises Damaged."""
+    size = chunk.uncompressed_size
+    try:
+        if chunk.compression == "lz4":
+            plain: bytes = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size + 1)
+            return plain
+        if chunk.compression == "zstd":
+            with zstandard.ZstdDecompressor().stream_reader(chunk.data) as reader:
+                return reader.read(size + 1)
+    except (RuntimeError, zstandard.ZstdError, ValueError, MemoryError, EOFError) as error:
+        raise Damaged(f"a chunk cannot be decompressed: {error}") from None
+    if chunk.compression:
+        raise Damaged(f"a chunk is compressed with {chunk.compression[:20]!r}; known: lz4, zstd")
+    return chunk.data

@@ -1,0 +1,108 @@
+"""A recorded port as a source; `followspot_recording.replays` has one for each message type."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from typing import Any, ClassVar, TypeVar
+
+from followspot import Field, InputPath, Message, Stage, StageParams, at
+from followspot.errors import FollowspotError
+from followspot.messages import InvalidMessage
+from followspot.wire import unpack
+from followspot_recording.contract import contract_of, type_name
+from followspot_recording.recording import Recording
+
+M = TypeVar("M", bound=Message)
+
+
+class ReplayParams(StageParams):
+    """Parameters of every replay."""
+
+    path: InputPath = Field(description="the recording, an MCAP file")
+    port: str = Field("", description="the recorded port, STAGE.PORT; `out` of this stage's name unless told")
+    start: float = Field(
+        0.0, ge=0, description="where to begin, after the beginning of the recording", unit="s"
+    )
+    stop: float | None = Field(
+        None, gt=0, description="where to end, after its beginning; none: at its end", unit="s"
+    )
+    speed: float = Field(
+        0.0, ge=0, le=1000, description="times as fast as recorded; 0 as fast as it can", unit="1"
+    )
+    loop: bool = Field(False, description="begin again at the end, with capture times that go on")
+
+
+class Replay(Stage):
+    """Base of the replays. Messages keep their capture times and numbers, bit for bit."""
+
+    Params: ClassVar[Any] = ReplayParams
+    params: ReplayParams
+    recording: Recording | None = None
+
+    def setup(self) -> None:
+        """Open the recording. Raises FollowspotError where it has no such port."""
+        self.recording = Recording(self.params.path)
+        self.port = self.params.port or f"{self.context.name}.out"
+        if self.port not in self.recording.ports:
+            have = ", ".join(self.recording.ports) or "none"
+            raise FollowspotError(f"{self.params.path} has no port {self.port}; recorded: {have}")
+
+    def length(self) -> int | None:
+        """Not known before all is read."""
+        return None
+
+    def close(self) -> None:
+        """Close the file."""
+        if self.recording is not None:
+            self.recording.close()
+
+    def messages(self, kind: type[M]) -> Iterator[M]:
+        """The messages of the port, paced and looped as the parameters say. Raises FollowspotError."""
+        recording, given = self.recording, self.params
+        assert recording is not None
+        self._check(recording, kind)
+        start = recording.begin + round(given.start * 1e9)
+        stop = recording.end if given.stop is None else recording.begin + round(given.stop * 1e9)
+        began = time.monotonic()
+        later, round_seqs = 0, 0
+        while True:
+            last = None
+            for message in self._decoded(recording, kind, start, stop):
+                header = message.header
+                moment, number = header.time + later, header.seq + round_seqs
+                if given.speed:
+                    time.sleep(max(0.0, began + (moment - start) / 1e9 / given.speed - time.monotonic()))
+                last = number
+                yield at(moment, message, seq=number)
+            if not given.loop or last is None:
+                break
+            later += _round(start, min(stop, recording.end))
+            round_seqs = last + 1
+        if recording.problem:
+            self.context.warn(recording.problem)
+
+    def _decoded(self, recording: Recording, kind: type[M], start: int, stop: int) -> Iterator[M]:
+        for recorded in recording.messages(self.port, start, stop):
+            try:
+                message = unpack(bytes(recorded.data), kind)
+            except InvalidMessage as error:
+                raise FollowspotError(
+                    f"{recording.path}: message {recorded.seq} of {self.port} is none: {error}"
+                ) from None
+            assert isinstance(message, kind)
+            yield message
+
+    def _check(self, recording: Recording, kind: type[Message]) -> None:
+        """Whether the port holds messages of this type. Raises FollowspotError."""
+        channel = recording.ports[self.port]
+        if channel.contract != contract_of(kind):
+            raise FollowspotError(
+                f"{recording.path}: {self.port} holds {channel.schema}, and {self.context.name} replays"
+                f" {type_name(kind)} of this version; replay it with the followspot that recorded it"
+            )
+
+
+def _round(start: int, stop: int) -> int:
+    """What capture times advance by with each round, ns: the whole part and a frame's time at 100 Hz."""
+    return max(0, stop - start) + 10_000_000

@@ -1,0 +1,80 @@
+"""Any port into a recording: the exact messages, and beside them what viewers know."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from followspot import Field, Message, OutputPath, Stage, StageParams
+from followspot.errors import FollowspotError
+from followspot.messages import stamped
+from followspot.wire import pack
+from followspot_recording.contract import contract_of, type_name
+from followspot_recording.foxglove import LOG, Pictures, log_line, view_of
+from followspot_recording.recorder import Chunking, Compression, Recorder, Schema, join, leave
+from followspot_recording.topics import ENCODING, exact_topic, view_topic
+
+MIB = 1 << 20
+
+
+class RecordingSink(Stage):
+    """Write every message into an MCAP file that it shares with the other recording sinks of its worker.
+
+    Each message is kept exactly, and pictures, tracks and poses a second time as viewers know them.
+    `followspot run --record FILE` adds one for each port.
+    """
+
+    class Params(StageParams):
+        path: OutputPath = Field("recording.mcap", description="the file; where it exists, one beside it")
+        port: str = Field("", description="port that is recorded, STAGE.PORT; this stage's name unless told")
+        pictures: Literal["jpeg", "png", "raw", "none"] = Field(
+            "jpeg", description="how frames are kept for viewers, beside the exact ones"
+        )
+        compression: Compression = Field("lz4", description="lz4 is fast, zstd is small")
+        chunk: float = Field(4.0, gt=0, le=64, description="size of a chunk before compression", unit="MiB")
+        seconds: float = Field(1.0, gt=0, le=60, description="longest wait for a chunk to be full", unit="s")
+        metadata: dict[str, str] = Field({}, description="facts to embed")
+        attachments: dict[str, str] = Field({}, description="texts to embed, by file name")
+
+    params: Params
+    recorder: Recorder | None = None
+
+    def setup(self) -> None:
+        """Open the file or join those that have it open. Raises FollowspotError."""
+        given = self.params
+        self.path = self.context.out / given.path
+        chunking = Chunking(int(given.chunk * MIB), given.seconds, given.compression)
+        self.recorder = join(self.path, chunking)
+        if self.recorder.path != self.path:
+            self.context.warn(f"{self.path} exists; recording to {self.recorder.path.name} beside it")
+        port = given.port or self.context.name
+        self.topic, self.view = exact_topic(port), view_topic(port)
+        self.pictures: Pictures = given.pictures
+        self.schema: Schema | None = None
+        self.described = not (given.metadata or given.attachments)
+        if not self.described:
+            self.recorder.describe(given.metadata, given.attachments)
+
+    def process(self, message: Message) -> None:
+        """Write one message. Raises FollowspotError where the disk does not take it."""
+        recorder = self.recorder
+        if recorder is None:
+            raise FollowspotError(f"{self.context.name} has no file: it was not set up")
+        kind = type(message)
+        if self.schema is None:
+            self.schema = Schema(type_name(kind), ENCODING, contract_of(kind))
+        header = message.header
+        if not self.described:
+            self.described = True
+            line = log_line(header.time, f"recording of {self.params.metadata.get('graph', 'a graph')}")
+            recorder.add("/log", "json", LOG, header.time, 0, line)
+        exact = pack(stamped(message, header._replace(entered=0)))  # when it was computed is no part of it
+        recorder.add(self.topic, ENCODING, self.schema, header.time, header.seq, exact)
+        view = view_of(message, self.room, self.pictures)
+        if view is not None:
+            recorder.add(self.view, "json", view[0], header.time, header.seq, view[1])
+
+    def close(self) -> None:
+        """Leave the file; the last one completes it. Raises FollowspotError."""
+        if self.recorder is not None:
+            recorder, self.recorder = self.recorder, None
+            leave(self.path, recorder)

@@ -1,0 +1,109 @@
+"""A damaged recording is read as far as it is good, and says where that is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from followspot import Context
+from followspot.errors import FollowspotError
+from followspot.messages import Header, seal, stamped
+from followspot.tracking import Positions
+from followspot_recording.recording import Recording
+from followspot_recording.records import MAGIC
+from followspot_recording.sink import RecordingSink
+
+COUNT = 60
+PORT = "fuse.out"
+
+
+def record(path: Path) -> Path:
+    sink = RecordingSink(Context("a"), path=path, port=PORT, chunk=0.001, metadata={"graph": "toy"})
+    sink.setup()
+    for number in range(COUNT):
+        sink.process(stamped(seal(Positions.empty()), Header("camera", number, number * 1000)))
+    sink.close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    return record(tmp_path_factory.mktemp("whole") / "a.mcap").read_bytes()
+
+
+def read(path: Path, data: bytes) -> tuple[list[int], str]:
+    """Numbers of the messages that are read, and what is said of the rest."""
+    path.write_bytes(data)
+    with Recording(path) as recording:
+        return [message.seq for message in recording.messages(PORT)], recording.problem
+
+
+def test_a_whole_recording_has_no_problem(whole: bytes, tmp_path: Path) -> None:
+    assert read(tmp_path / "a.mcap", whole) == (list(range(COUNT)), "")
+
+
+@settings(max_examples=60, deadline=None)
+@given(share=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_recording_that_was_cut_off_is_read_to_its_last_chunk(
+    whole: bytes, tmp_path_factory: pytest.TempPathFactory, share: float
+) -> None:
+    path = tmp_path_factory.mktemp("cut") / "a.mcap"
+    size = int(share * len(whole))
+    if size < 8:
+        with pytest.raises(FollowspotError, match="does not begin like an MCAP file"):
+            read(path, whole[:size])
+        return
+    found, problem = read(path, whole[:size])
+    assert found == list(range(len(found)))
+    assert "read up to there" in problem or "its index is damaged" in problem
+
+
+@settings(max_examples=120, deadline=None)
+@given(share=st.floats(0.0, 1.0, exclude_max=True), bit=st.integers(0, 7))
+def test_a_flipped_bit_never_makes_a_wrong_message(
+    whole: bytes, tmp_path_factory: pytest.TempPathFactory, share: float, bit: int
+) -> None:
+    data = bytearray(whole)
+    data[int(share * len(data))] ^= 1 << bit
+    path = tmp_path_factory.mktemp("flip") / "a.mcap"
+    if not data.startswith(MAGIC):
+        with pytest.raises(FollowspotError, match="does not begin like an MCAP file"):
+            read(path, bytes(data))
+        return
+    found, problem = read(path, bytes(data))
+    assert found == list(range(len(found)))
+    assert len(found) == COUNT or problem
+
+
+def test_a_flipped_bit_in_a_chunk_ends_the_recording_there(whole: bytes, tmp_path: Path) -> None:
+    data = bytearray(whole)
+    data[len(data) // 2] ^= 1
+    found, problem = read(tmp_path / "a.mcap", bytes(data))
+    assert 0 < len(found) < COUNT
+    assert "at byte" in problem
+    assert f"of {len(data)}; read up to there" in problem
+
+
+@pytest.mark.parametrize("data", [b"", b"hello, world"])
+def test_another_file_is_refused(tmp_path: Path, data: bytes) -> None:
+    with pytest.raises(FollowspotError, match="no recording"):
+        read(tmp_path / "a.mcap", data)
+
+
+@pytest.mark.parametrize("data", [MAGIC, MAGIC + b"\xff" * 200, MAGIC * 30])
+def test_a_file_without_a_good_record_has_no_messages(tmp_path: Path, data: bytes) -> None:
+    found, problem = read(tmp_path / "a.mcap", data)
+    assert found == []
+    assert "at byte 8 of" in problem
+
+
+def test_a_chunk_that_claims_to_be_huge_is_refused(whole: bytes, tmp_path: Path) -> None:
+    data = bytearray(whole)
+    at = data.index(b"lz4") - 4 - 4 - 8  # before the compression's name: its length, the checksum, the size
+    data[at : at + 8] = (1 << 60).to_bytes(8, "little")
+    found, problem = read(tmp_path / "a.mcap", bytes(data))
+    assert found == []
+    assert "allowed" in problem

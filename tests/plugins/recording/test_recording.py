@@ -1,0 +1,192 @@
+"""What goes into a recording comes out again, bit for bit, and other programs can read it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from mcap.reader import make_reader
+
+from followspot import Context
+from followspot.errors import FollowspotError
+from followspot.messages import Header, Message, identical, seal, stamped
+from followspot.people import Poses, PoseTruth
+from followspot.plugins.registry import load_stage
+from followspot.testing import tiny_room
+from followspot.tracking import Blobs, Frame, Tracks, Truth
+from followspot.wire import unpack
+from followspot_recording.contract import ContractError, contract_of, message_type
+from followspot_recording.recording import Recording
+from followspot_recording.replays import REPLAYS
+from followspot_recording.sink import RecordingSink
+
+ROOM = tiny_room()
+SPACING = 16_666_667
+
+
+def frame(number: int) -> Frame:
+    pixels = np.random.default_rng(number).integers(0, 256, (12, 16, 3), "u1")
+    return stamped(seal(Frame("cam0", pixels)), Header("camera/cam0", number, number * SPACING, 99))
+
+
+def tracks(number: int) -> Tracks:
+    xyz = np.array([[0.1 * number, 0.0, 1.0], [np.nan, 0.0, 0.0]])
+    told = Tracks(np.array([0, 1], "i4"), np.array([1, 2], "u1"), xyz, xyz, np.full((2, 3), 0.01))
+    return stamped(seal(told), Header("camera/cam0", number, number * SPACING, 7))
+
+
+def record(path: Path, count: int = 40, **params: object) -> Path:
+    """Two ports, `count` messages each, through the sinks."""
+    about = {"metadata": {"graph": "toy"}, "attachments": {"graph/toy.yaml": "graph: toy\n"}}
+    first = RecordingSink(Context("a", ROOM), path=path, port="camera/cam0.out", **about, **params)
+    second = RecordingSink(Context("b", ROOM), path=path, port="track.tracks", **params)
+    for sink in (first, second):
+        sink.setup()
+    for number in range(count):
+        first.process(frame(number))
+        second.process(tracks(number))
+    first.close()
+    second.close()
+    return path
+
+
+def decoded(recording: Recording, port: str, kind: type[Message], **part: int) -> list[Message]:
+    found = [unpack(bytes(message.data), kind) for message in recording.messages(port, **part)]
+    return [message for message in found if isinstance(message, Message)]
+
+
+@pytest.mark.parametrize("compression", ["lz4", "zstd", "none"])
+def test_messages_come_out_bit_for_bit(tmp_path: Path, compression: str) -> None:
+    with Recording(record(tmp_path / "a.mcap", compression=compression, chunk=0.01)) as recording:
+        assert recording.problem == ""
+        assert set(recording.ports) == {"camera/cam0.out", "track.tracks"}
+        frames = decoded(recording, "camera/cam0.out", Frame)
+        found = decoded(recording, "track.tracks", Tracks)
+    assert len(frames) == len(found) == 40
+    assert all(identical(frame(n), message) for n, message in enumerate(frames))
+    assert all(identical(tracks(n), message) for n, message in enumerate(found))
+
+
+def test_a_part_of_a_recording_is_found_by_capture_time(tmp_path: Path) -> None:
+    with Recording(record(tmp_path / "a.mcap", chunk=0.001)) as recording:
+        part = decoded(recording, "track.tracks", Tracks, start=10 * SPACING, stop=12 * SPACING)
+        assert (recording.begin, recording.end) == (0, 39 * SPACING)
+    assert [message.header.seq for message in part] == [10, 11, 12]
+
+
+def test_the_reader_of_the_mcap_package_opens_it(tmp_path: Path) -> None:
+    with record(tmp_path / "a.mcap", chunk=0.01).open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        messages = list(reader.iter_messages())
+        attachments = {a.name: a.data for a in reader.iter_attachments()}
+        metadata = {m.name: m.metadata for m in reader.iter_metadata()}
+    assert summary is not None
+    assert summary.statistics is not None
+    assert len(summary.chunk_indexes) > 1
+    assert summary.statistics.message_count == len(messages) == 161  # twice two ports, and one line of log
+    topics = {channel.topic for channel in summary.channels.values()}
+    exact = {"/followspot/camera/cam0/out", "/followspot/track/tracks"}
+    assert topics == exact | {"/camera/cam0", "/track/tracks", "/log"}
+    assert attachments == {"graph/toy.yaml": b"graph: toy\n"}
+    assert metadata["followspot"] == {"graph": "toy"}
+
+
+@pytest.mark.parametrize("pictures", ["jpeg", "png", "raw"])
+def test_what_viewers_are_shown_fits_its_foxglove_schema(tmp_path: Path, pictures: str) -> None:
+    with record(tmp_path / "a.mcap", 3, pictures=pictures).open("rb") as file:
+        views = [m for m in make_reader(file).iter_messages() if m[1].message_encoding == "json"]
+    names = set()
+    for schema, _, message in views:
+        assert schema is not None
+        names.add(schema.name)
+        told = json.loads(schema.data)
+        jsonschema.Draft202012Validator.check_schema(told)
+        jsonschema.validate(json.loads(message.data), told)
+    image = "foxglove.RawImage" if pictures == "raw" else "foxglove.CompressedImage"
+    assert names == {image, "foxglove.SceneUpdate", "foxglove.Log"}
+
+
+@pytest.mark.parametrize("kind", [Truth, Poses, PoseTruth, Blobs])
+def test_an_empty_message_is_recorded_too(tmp_path: Path, kind: type[Message]) -> None:
+    path = tmp_path / "a.mcap"
+    sink = RecordingSink(Context("a", ROOM), path=path, port="x.out")
+    sink.setup()
+    sink.process(stamped(seal(kind.empty()), Header("x", 0, 5)))
+    sink.close()
+    with Recording(path) as recording:
+        assert len(decoded(recording, "x.out", kind)) == 1
+
+
+def test_an_older_recording_is_never_replaced(tmp_path: Path) -> None:
+    record(tmp_path / "a.mcap", 1)
+    before = (tmp_path / "a.mcap").read_bytes()
+    record(tmp_path / "a.mcap", 2)
+    assert (tmp_path / "a.mcap").read_bytes() == before
+    with Recording(tmp_path / "a-2.mcap") as recording:
+        assert len(list(recording.messages("track.tracks"))) == 2
+
+
+def test_every_replay_has_its_stage() -> None:
+    for name, kind in REPLAYS.items():
+        stage = load_stage(f"recording.{name}")
+        assert stage.process.__annotations__["return"] == f"Source[{kind.__name__}]"
+
+
+def replayed(path: Path, **params: object) -> list[Message]:
+    stage = load_stage("recording.tracks")(Context("track", ROOM), path=path, port="track.tracks", **params)
+    stage.setup()
+    try:
+        return [message for message, _ in zip(stage.process(), range(100), strict=False)]
+    finally:
+        stage.close()
+
+
+def test_a_replay_keeps_times_and_numbers(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mcap")
+    found = replayed(path, start=0.06, stop=0.09)
+    assert [m.header.seq for m in found] == [4, 5]
+    assert [m.header.time for m in found] == [4 * SPACING, 5 * SPACING]
+    assert found[0].xyz.tobytes() == tracks(4).xyz.tobytes()
+
+
+def test_a_replay_in_a_loop_goes_on_in_time(tmp_path: Path) -> None:
+    found = replayed(record(tmp_path / "a.mcap", 3), loop=True)
+    times = [m.header.time for m in found]
+    assert len(found) == 100
+    assert times == sorted(set(times))
+    assert [m.header.seq for m in found[:7]] == [0, 1, 2, 3, 4, 5, 6]
+
+
+def test_a_replay_of_another_type_says_what_is_there(tmp_path: Path) -> None:
+    path = record(tmp_path / "a.mcap", 1)
+    stage = load_stage("recording.blobs")(Context("color", ROOM), path=path, port="track.tracks")
+    stage.setup()
+    with pytest.raises(FollowspotError, match=r"holds followspot\.tracking\.Tracks"):
+        next(stage.process())
+    stage.close()
+
+
+@pytest.mark.parametrize("kind", REPLAYS.values())
+def test_a_contract_describes_its_type(kind: type[Message]) -> None:
+    made = message_type(contract_of(kind))
+    assert (made.columns, made.scalars) == (kind.columns, kind.scalars)
+
+
+@given(st.text() | st.binary().map(str) | st.from_regex(r'\{"type": .*\}'))
+def test_a_contract_that_is_none_is_refused(text: str) -> None:
+    with pytest.raises(ContractError):
+        message_type(text)
+
+
+@pytest.mark.parametrize("name", ["__init__", "header", "class", "a b", "where"])
+def test_a_contract_cannot_name_what_a_message_has(name: str) -> None:
+    contract = json.loads(contract_of(Tracks))
+    contract["scalars"] = {name: "str"}
+    with pytest.raises(ContractError, match="impossible names"):
+        message_type(json.dumps(contract))

@@ -1,0 +1,209 @@
+"""`run --record`, `replay`, `verify` and `export` as a user types them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from mcap.reader import make_reader
+from mcap.writer import Writer
+
+from followspot.cli.main import main
+from followspot_record.embedded import recorded_plan
+from followspot_record.ports import chosen
+from followspot_recording.recording import Recording
+
+GRAPHS = Path(__file__).parents[2] / "graphs"
+GLOWBALLS = str(GRAPHS / "glowballs.yaml")
+FRAMES = 6
+
+
+@pytest.fixture(scope="module")
+def show(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of all ports of the ready graph; its outputs beside it."""
+    folder = tmp_path_factory.mktemp("show")
+    run = ["run", GLOWBALLS, "--frames", str(FRAMES), "--out", str(folder / "out"), "--quiet", "--json"]
+    assert main([*run, "--record", str(folder / "show.mcap")]) == 0
+    return folder / "show.mcap"
+
+
+def replay(show: Path, out: Path, *options: str) -> int:
+    return main(["replay", str(show), "--out", str(out), "--quiet", "--json", *options])
+
+
+def altered(show: Path, path: Path, **changes: object) -> Path:
+    """The recording with another embedded plan, made by the writer of the mcap package."""
+    with show.open("rb") as old, path.open("wb") as new:
+        reader = make_reader(old)
+        writer = Writer(new)
+        writer.start()
+        for attachment in reader.iter_attachments():
+            data = json.loads(attachment.data) if attachment.name == "plan.json" else {}
+            if data:
+                writer.add_attachment(0, 0, "plan.json", "", json.dumps(data | changes).encode())
+        schemas: dict[int, int] = {}
+        channels: dict[int, int] = {}
+        for schema, channel, message in reader.iter_messages(log_time_order=False):
+            assert schema is not None
+            if schema.id not in schemas:
+                schemas[schema.id] = writer.register_schema(schema.name, schema.encoding, schema.data)
+            if channel.id not in channels:
+                topic = channel.topic, channel.message_encoding
+                channels[channel.id] = writer.register_channel(*topic, schemas[schema.id])
+            data_of = message.data
+            writer.add_message(channels[channel.id], message.log_time, data_of, 0, message.sequence)
+        writer.finish()
+    return path
+
+
+def test_every_port_is_recorded_and_nothing_is_lost(show: Path) -> None:
+    with Recording(show) as recording:
+        assert recording.problem == ""
+        assert len(recording.ports) == 18
+        assert {len(list(recording.messages(port))) for port in recording.ports} == {FRAMES}
+
+
+def test_the_graph_the_room_and_the_versions_are_embedded(show: Path) -> None:
+    with Recording(show) as recording:
+        assert recording.attachment("graph/glowballs.yaml") == Path(GLOWBALLS).read_bytes()
+        assert recording.attachment("room/simulated.yaml") == (GRAPHS / "rooms/simulated.yaml").read_bytes()
+        assert recording.metadata["graph"] == "glowballs"
+        assert recording.metadata["followspot"]
+        assert {stage.name for stage in recorded_plan(recording, ()).stages} >= {
+            "camera/cam0",
+            "track",
+            "save",
+        }
+
+
+def test_a_replay_has_the_same_outputs_byte_for_byte(show: Path, tmp_path: Path) -> None:
+    assert replay(show, tmp_path) == 0
+    assert (tmp_path / "tracks.csv").read_bytes() == (show.parent / "out/tracks.csv").read_bytes()
+
+
+@pytest.mark.parametrize("ports", ["color,infrared", "fuse", "track.forecast", "bridge,track.forecast"])
+def test_a_replay_from_the_middle_has_the_same_outputs(show: Path, tmp_path: Path, ports: str) -> None:
+    assert replay(show, tmp_path, "--ports", ports) == 0
+    assert len((tmp_path / "tracks.csv").read_text().splitlines()) > FRAMES
+    ours, theirs = (tmp_path / "tracks.csv"), show.parent / "out/tracks.csv"
+    assert ours.read_bytes() == theirs.read_bytes()
+
+
+def test_another_graph_is_replayed_on_the_recorded_cameras(show: Path, tmp_path: Path) -> None:
+    """Its room names videos that are not there, and nobody needs them."""
+    room = (GRAPHS / "rooms/simulated.yaml").read_text()
+    gone = room.replace("source: *sim", "source: {uses: cameras.video, with: {path: gone.mkv}}")
+    assert gone.count("gone.mkv") == 5
+    (tmp_path / "room.yaml").write_text(gone)
+    other = ["--graph", GLOWBALLS, "--room", str(tmp_path / "room.yaml"), "--set", "fuse.uses=balls.mean"]
+    assert replay(show, tmp_path, *other) == 0
+    assert (tmp_path / "tracks.csv").read_bytes() != (show.parent / "out/tracks.csv").read_bytes()
+
+
+def test_a_part_is_replayed(show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert replay(show, tmp_path, "--from", "0.02", "--to", "0.06") == 0
+    assert json.loads(capsys.readouterr().out)["frames"] == 2
+
+
+def test_verify_finds_everything_the_same(show: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["verify", str(show), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["same"]
+    assert {row["messages"] for row in found["ports"]} == {FRAMES}
+    assert len(found["ports"]) == 12
+
+
+def test_verify_names_the_first_difference(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Recording(show) as recording:
+        plan = json.loads(recording.attachment("plan.json"))
+    track = next(stage for stage in plan["stages"] if stage["name"] == "track")
+    track["params"]["acceleration"] *= 2
+    changed = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
+    assert main(["verify", str(changed), "--json"]) == 1
+    rows = {row["port"]: row["difference"] for row in json.loads(capsys.readouterr().out)["ports"]}
+    assert rows["track.tracks"].startswith("message ")
+    assert "column " in rows["track.tracks"]
+
+
+def test_verify_says_up_to_where_a_damaged_recording_is_good(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(show.read_bytes()[:-100_000])
+    assert main(["verify", str(cut)]) == 0
+    told = capsys.readouterr().out
+    assert "read up to there" in told
+    assert "the same, byte for byte" in told
+
+
+def test_a_recording_from_elsewhere_writes_nothing_outside_and_loads_no_file(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Recording(show) as recording:
+        plan = json.loads(recording.attachment("plan.json"))
+    (tmp_path / "evil.py").write_text("raise SystemExit('loaded')")
+    strange = altered(show, tmp_path / "a.mcap", plugin_files=[str(tmp_path / "evil.py")])
+    assert replay(strange, tmp_path / "out") == 0
+    save = next(stage for stage in plan["stages"] if stage["name"] == "save")
+    save["params"]["path"] = str(tmp_path / "outside.csv")
+    strange = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
+    assert replay(strange, tmp_path / "out2") == 2
+    assert 'the recorded stage "save" would write' in capsys.readouterr().err
+    assert not (tmp_path / "outside.csv").exists()
+
+
+def test_ports_become_tables_and_lines(
+    show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(show), str(tmp_path), "--to", "csv", "--ports", "track.tracks,color"]) == 0
+    with (tmp_path / "track.tracks.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["seq"] for row in rows} == set(map(str, range(FRAMES)))
+    assert all(abs(float(row["xyz_2"])) < 5 for row in rows)
+    assert (tmp_path / "color.cam0.out.csv").exists()
+    assert main(["export", str(show), str(tmp_path), "--to", "jsonl", "--json"]) == 0
+    lines = (tmp_path / "track.forecast.jsonl").read_text().splitlines()
+    assert len(lines) == FRAMES
+    assert len(json.loads(lines[0])["xyz"]) == 3
+    assert not list(tmp_path.glob("camera*"))
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["run", GLOWBALLS, "--record", "SHOW"], "exists already"),
+        (["run", GLOWBALLS, "--record", "a.txt"], "is no .mcap"),
+        (["run", GLOWBALLS, "--record", "no/such/a.mcap"], "is in no folder"),
+        (["check", GLOWBALLS, "--record", "a.mcap", "--record-ports", "tracks"], 'no port "tracks"'),
+        (["record", GLOWBALLS], "needs a file"),
+        (["replay", "SHOW", "--ports", "fusee"], 'did you mean "fuse"?'),
+        (["replay", "SHOW", "--set", "fuse.uses=balls.mean"], "add --graph GRAPH"),
+        (["replay", "SHOW", "--from", "2", "--to", "1"], "0 <= from < to"),
+        (["replay", "SHOW", "--speed", "nan"], "--speed cannot be nan"),
+        (["export", "SHOW", "out", "--to", "csv", "--ports", "nothing"], 'no port "nothing"'),
+    ],
+)
+def test_a_mistake_is_named_with_its_remedy(
+    show: Path, capsys: pytest.CaptureFixture[str], command: list[str], said: str
+) -> None:
+    assert main([str(show) if word == "SHOW" else word for word in command]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_what_is_no_recording_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "a.mcap").write_text("hello")
+    assert main(["verify", str(tmp_path / "a.mcap")]) == 1
+    assert "a.mcap is no recording" in capsys.readouterr().err
+    assert main(["replay", str(tmp_path / "none.mcap")]) == 1
+    assert "No such file" in capsys.readouterr().err
+
+
+def test_words_choose_ports() -> None:
+    ports = ("camera/cam0.out", "camera/cam1.out", "track.tracks", "track.forecast")
+    assert chosen("camera", ports, "--ports") == ports[:2]
+    assert chosen("track.tracks, camera/cam1", ports, "--ports") == ports[1:3]
+    assert chosen(None, ports, "--ports") == ports

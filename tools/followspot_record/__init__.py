@@ -1,0 +1,1 @@
+"""Commands around recordings: record, replay, verify, export."""

@@ -1,0 +1,56 @@
+"""The plan that a recording embeds; a file from elsewhere is read with suspicion."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path, PurePath
+
+import pydantic
+
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.parameters import output_paths
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.ship import plan_from_data
+from followspot.plugins.registry import load_stage, use_plugin_files
+from followspot_record.played import here
+from followspot_record.record import PLAN
+from followspot_recording.recording import Recording
+
+
+def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
+    """What was run when it was recorded, for this host. Raises FollowspotError.
+
+    plugin_files: Python files that the user names; those that the recording names are never loaded.
+    """
+    try:
+        data = json.loads(recording.attachment(PLAN))
+    except (ValueError, RecursionError) as error:
+        raise FollowspotError(f"{recording.path}: {PLAN} is damaged: {error}") from None
+    files = tuple(str(Path(file).absolute()) for file in plugin_files)
+    use_plugin_files(files)
+    plan = replace(plan_from_data(data), plugin_files=files)
+    mistakes = [mistake for stage in plan.stages for mistake in _mistakes(stage)]
+    if mistakes:
+        raise InputError(mistakes)
+    return here(plan)
+
+
+def _mistakes(stage: PlannedStage) -> list[Mistake]:
+    """What is wrong with a stage's parameters: an unknown one, or an output outside the output folder."""
+    try:
+        kind = load_stage(stage.uses)
+        params = kind.Params(**stage.params)
+    except FollowspotError as error:
+        remedy = "install the plugin that offers it, or name its file with --plugin"
+        return [Mistake(None, f'the recorded stage "{stage.name}": {error}', remedy)]
+    except pydantic.ValidationError as error:
+        first = error.errors()[0]
+        text = f'the recorded stage "{stage.name}" ({stage.uses}): {first["loc"]}: {first["msg"]}'
+        return [Mistake(None, text, "replay it with the version that recorded it, or name a --graph")]
+    return [
+        Mistake(None, f'the recorded stage "{stage.name}" would write {path}', "name another --graph")
+        for path in map(PurePath, output_paths(kind.Params, params.model_dump(mode="json")))
+        if path.is_absolute() or ".." in path.parts
+    ]

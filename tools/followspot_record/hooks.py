@@ -1,0 +1,161 @@
+"""Joins recordings to the command line: run --record, and the commands record, replay, verify, export."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from followspot.cli.graph_options import add_change_options, add_graph_options
+from followspot.cli.run import add_run_options
+from followspot.plugins.hooks import Command, PlanOptions, hookimpl
+
+if TYPE_CHECKING:
+    from followspot.graph.plan import Plan
+
+RECORD = """run a graph and record its ports into one file; the same as run --record
+
+  followspot record graphs/glowballs.yaml --record show.mcap
+  followspot record graphs/glowballs.yaml --record show.mcap --record-ports camera,track
+"""
+REPLAY = """run a recorded graph, or another one, on the ports of a recording
+
+The recorded sources (the cameras) are played, and the ports that --ports names; every other stage that is
+still needed is computed anew. The summary and the outputs are those of a run.
+
+  followspot replay show.mcap
+  followspot replay show.mcap --graph graphs/glowballs.yaml --set fuse.uses=balls.mean
+  followspot replay show.mcap --ports color,infrared --speed 1 --from 10 --to 20 --loop
+"""
+VERIFY = """run a recorded graph again on its recorded sources and compare every recorded port, byte for byte
+
+Exit code 0 where all are the same, 1 where not; then the first difference is named.
+
+  followspot verify show.mcap
+"""
+EXPORT = """write the ports of a recording as tables or lines of JSON, a file for each
+
+  followspot export show.mcap --to csv tables
+  followspot export show.mcap --to jsonl lines --ports track.tracks
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The commands record, replay, verify, export."""
+    return [
+        Command("record", RECORD, configure_record, record),
+        Command("replay", REPLAY, configure_replay, replay),
+        Command("verify", VERIFY, configure_verify, verify),
+        Command("export", EXPORT, configure_export, export),
+    ]
+
+
+@hookimpl
+def followspot_plan_options() -> Sequence[PlanOptions]:
+    """--record and what belongs to it."""
+    return [PlanOptions(configure_recording, recorded)]
+
+
+def configure_recording(parser: argparse.ArgumentParser) -> None:
+    """Options of run, record, check and graph."""
+    group = parser.add_argument_group("recording")
+    group.add_argument("--record", metavar="FILE.mcap", help="record ports into this file; it must be new")
+    group.add_argument(
+        "--record-ports", metavar="STAGE[.PORT],...", help="which ports (default: all that are not sinks')"
+    )
+    group.add_argument(
+        "--record-pictures",
+        choices=("jpeg", "png", "raw", "none"),
+        default="jpeg",
+        help="how frames are kept for viewers, beside the exact ones (default jpeg)",
+    )
+    group.add_argument(
+        "--record-compression", choices=("lz4", "zstd", "none"), default="lz4", help="lz4 is fast, zstd small"
+    )
+
+
+def configure_record(parser: argparse.ArgumentParser) -> None:
+    """Those of run."""
+    add_graph_options(parser)
+    add_run_options(parser)
+
+
+def configure_replay(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
+    parser.add_argument("--graph", metavar="GRAPH", help="another graph file instead of the recorded graph")
+    parser.add_argument("--room", metavar="FILE", help="room file for --graph")
+    parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="what is played besides the sources")
+    parser.add_argument(
+        "--speed", type=float, default=0.0, metavar="X", help="times as fast as recorded; 0 as fast as it can"
+    )
+    parser.add_argument(
+        "--from", dest="start", type=float, default=0.0, metavar="S", help="begin S seconds after its start"
+    )
+    parser.add_argument("--to", dest="stop", type=float, metavar="S", help="end S seconds after its start")
+    parser.add_argument("--loop", action="store_true", help="begin again at the end, until Ctrl-C")
+    add_change_options(parser)
+    configure_recording(parser)
+    add_run_options(parser)
+
+
+def configure_verify(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
+    parser.add_argument(
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="load the stages of a Python file, as when it was recorded; repeatable",
+    )
+    parser.add_argument("--json", action="store_true", help="end with one JSON object")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+
+
+def configure_export(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
+    parser.add_argument("folder", metavar="DIR", help="where the files go; made where it is missing")
+    parser.add_argument("--to", choices=("csv", "jsonl"), required=True, help="format")
+    parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="which ports (default: all but pictures)")
+    parser.add_argument("--json", action="store_true", help="end with one JSON object")
+
+
+def recorded(plan: Plan, args: argparse.Namespace) -> Plan:
+    """The plan with recording sinks where --record is given. Raises InputError."""
+    if args.record is None:
+        return plan
+    from followspot_record.record import recorded_as_asked
+
+    return recorded_as_asked(plan, args)
+
+
+def record(args: argparse.Namespace) -> int:
+    """Run, record, print the summary."""
+    from followspot_record.record import record_command
+
+    return record_command(args)
+
+
+def replay(args: argparse.Namespace) -> int:
+    """Run on recorded ports, print the summary."""
+    from followspot_record.replay import replay_command
+
+    return replay_command(args)
+
+
+def verify(args: argparse.Namespace) -> int:
+    """Run again, compare, tell."""
+    from followspot_record.verify import verify_command
+
+    return verify_command(args)
+
+
+def export(args: argparse.Namespace) -> int:
+    """Write files."""
+    from followspot_record.export import export_command
+
+    return export_command(args)

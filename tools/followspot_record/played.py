@@ -1,0 +1,111 @@
+"""A plan in which recorded ports take the place of the stages that made them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot_recording.contract import type_name
+from followspot_recording.recording import Recording
+from followspot_recording.replays import REPLAYS
+
+_PREFIX = "recording."
+NAMES = {type_name(kind): _PREFIX + name for name, kind in REPLAYS.items()}
+"""The stage that replays a message type, by the type's full name."""
+
+
+@dataclass(frozen=True)
+class Clip:
+    """What of a recording is played. start, stop: s after its beginning; speed: 0 as fast as it can."""
+
+    path: Path
+    start: float = 0.0
+    stop: float | None = None
+    speed: float = 0.0
+    loop: bool = False
+
+
+def replay_of(recording: Recording, port: str) -> str:
+    """Name of the stage that replays a recorded port. Raises FollowspotError where there is none."""
+    kind = recording.ports[port].schema
+    if kind not in NAMES:
+        raise FollowspotError(f"{port} holds {kind}, which no stage replays; play what comes before it")
+    return NAMES[kind]
+
+
+def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
+    """The plan with these ports played, and without what is not needed then.
+
+    chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError where nothing is left to do.
+    """
+    sources: list[PlannedStage] = []
+    name_of: dict[str, str] = {}
+    for stage in plan.stages:
+        outputs = [port.name for port in ports(load_stage(stage.uses)).outputs]
+        for port in outputs:
+            whole = f"{stage.name}.{port}"
+            if whole in chosen:
+                name_of[whole] = stage.name if len(outputs) == 1 else whole
+                sources.append(_source(stage, name_of[whole], chosen[whole], whole, clip))
+    edges = [_redirected(edge, name_of) for edge in plan.edges]
+    needed = _needed(plan, set(name_of.values()), edges)
+    stages = [stage for stage in sources if stage.name in needed]
+    stages += [s for s in plan.stages if s.name in needed and s.name not in name_of.values()]
+    if len(stages) == len([s for s in sources if s.name in needed]):
+        raise FollowspotError("nothing is left to compute: every stage that has readers is played")
+    workers = {stage.worker for stage in stages}
+    return replace(
+        plan,
+        stages=tuple(stages),
+        edges=tuple(e for e in edges if e.to_stage in needed and e.to_stage not in name_of.values()),
+        workers=tuple(worker for worker in plan.workers if worker.name in workers),
+    )
+
+
+def here(plan: Plan) -> Plan:
+    """The plan on this host alone: what ran on others runs in the same workers here."""
+    home = {stage.name: stage.worker for stage in plan.stages}
+    edges = []
+    for edge in plan.edges:
+        inside = home[edge.from_stage] == home[edge.to_stage]
+        edges.append(replace(edge, kind="reference" if inside else "ring", codec="raw"))
+    workers = tuple(replace(worker, host="") for worker in plan.workers)
+    return replace(plan, workers=workers, edges=tuple(edges))
+
+
+def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) -> PlannedStage:
+    given: dict[str, Any] = {
+        "path": str(clip.path.absolute()),
+        "port": port,
+        "start": clip.start,
+        "stop": clip.stop,
+        "speed": clip.speed,
+        "loop": clip.loop,
+    }
+    params = load_stage(uses).Params(**given).model_dump(mode="json")
+    return PlannedStage(name, stage.group, uses, params, stage.camera, stage.worker, live=False)
+
+
+def _redirected(edge: PlannedEdge, name_of: Mapping[str, str]) -> PlannedEdge:
+    name = name_of.get(f"{edge.from_stage}.{edge.from_port}")
+    return edge if name is None else replace(edge, from_stage=name, from_port="out")
+
+
+def _needed(plan: Plan, sources: set[str], edges: list[PlannedEdge]) -> set[str]:
+    """Stages that end the graph and are computed, and what leads to them; sources: names of the played."""
+    rank = {stage.name: number for number, stage in enumerate(plan.stages)}
+    feeding = {e.from_stage for e in plan.edges if rank[e.from_stage] < rank[e.to_stage]}
+    waiting = [s.name for s in plan.stages if s.name not in feeding and s.name not in sources]
+    needed = set(waiting)
+    while waiting:
+        name = waiting.pop()
+        before = {e.from_stage for e in edges if e.to_stage == name and name not in sources} - needed
+        needed |= before
+        waiting += before
+    return needed

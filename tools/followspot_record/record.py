@@ -1,0 +1,159 @@
+"""`--record`: a plan with one recording sink for each chosen port, all in one worker."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from followspot.cli.graph_options import plan_of
+from followspot.cli.run import execute
+from followspot.document import Node, child, read
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.ship import plan_to_data
+from followspot.plugins.registry import catalogue, load_stage
+from followspot_record.ports import chosen, output_ports
+
+SINK = "recording.sink"
+PLAN = "plan.json"
+"""Name of the attachment that says what was run: stages with their parameters, edges, room, seed."""
+WORKER = "record"
+_MAX_FILE = 4 << 20
+"""Largest graph or room file that is embedded, bytes."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What is written where. params: of the recording sinks; metadata, attachments: what the file embeds."""
+
+    path: Path
+    params: Mapping[str, Any]
+    metadata: Mapping[str, str]
+    attachments: Mapping[str, str]
+
+
+def record_command(args: argparse.Namespace) -> int:
+    """Run and record. Returns the exit code."""
+    if args.record is None:
+        raise InputError([Mistake(None, "followspot record needs a file", "--record FILE.mcap")])
+    return execute(plan_of(args), args)
+
+
+def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
+    """The plan that records as the options say. Raises InputError."""
+    path = Path(args.record).absolute()
+    if importlib.util.find_spec("mcap") is None:
+        raise InputError([Mistake(None, "recording needs mcap", 'pip install "followspot[recording]"')])
+    if problem := _unsuitable(path):
+        raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
+    names = chosen(args.record_ports, output_ports(plan), "--record-ports")
+    params = {"pictures": args.record_pictures, "compression": args.record_compression}
+    attachments = {PLAN: json.dumps(plan_to_data(plan))} | _files(args)
+    return with_recording(plan, names, Target(path, params, _metadata(plan, names), attachments))
+
+
+def _unsuitable(path: Path) -> str:
+    """Why a recording cannot become this file; empty where it can."""
+    if path.suffix != ".mcap":
+        return "is no .mcap"
+    return "exists already" if path.exists() else "" if path.parent.is_dir() else "is in no folder"
+
+
+def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
+    """The plan with a recording sink for each of these ports, in a worker of its own."""
+    worker = _free(WORKER, {worker.name for worker in plan.workers})
+    taken = {stage.name for stage in plan.stages}
+    hosts = {w.name: w.host for w in plan.workers}
+    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
+    stages: list[PlannedStage] = []
+    edges: list[PlannedEdge] = []
+    for name in names:
+        stage, _, port = name.rpartition(".")
+        sink = _free(f"{WORKER}-{name.replace('/', '-').replace('.', '-')}", taken)
+        taken.add(sink)
+        params = _sink_params(target, name, first=not stages)
+        stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
+        edges.append(PlannedEdge(stage, port, sink, "message", "zenoh" if home[stage] else "ring"))
+    return replace(
+        plan,
+        stages=(*plan.stages, *stages),
+        edges=(*plan.edges, *edges),
+        workers=(*plan.workers, PlannedWorker(worker)),
+    )
+
+
+def _sink_params(target: Target, port: str, *, first: bool) -> dict[str, Any]:
+    """Validated, in JSON types; the first sink brings what the file embeds."""
+    embedded = {"metadata": dict(target.metadata), "attachments": dict(target.attachments)} if first else {}
+    given = {**target.params, "path": str(target.path), "port": port, **embedded}
+    return load_stage(SINK).Params(**given).model_dump(mode="json")
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "-"
+    return name
+
+
+def _metadata(plan: Plan, names: Sequence[str]) -> dict[str, str]:
+    """What the recording is of, in words."""
+    used = {stage.uses for stage in plan.stages}
+    entries = [entry for name, entry in catalogue().items() if name in used]
+    plugins = dict.fromkeys(f"{entry.distribution} {entry.version}" for entry in entries)
+    return {
+        "graph": plan.graph,
+        "room": plan.room.name,
+        "seed": str(plan.seed),
+        "followspot": version("followspot"),
+        "plugins": ", ".join(plugins),
+        "plugin_files": ", ".join(Path(file).name for file in plan.plugin_files),
+        "ports": ",".join(names),
+        "live": str(any(stage.live for stage in plan.stages)).lower(),
+    }
+
+
+def _files(args: argparse.Namespace) -> dict[str, str]:
+    """The graph file, what it includes, and the room file, by name; what cannot be read is left out."""
+    graph = getattr(args, "graph", None)
+    if graph is None:
+        return {}
+    found: dict[str, str] = {}
+    room: Path | None = None
+    waiting = [Path(graph)]
+    while waiting:
+        path = waiting.pop(0)
+        text = _text(path)
+        if text is None or f"graph/{path.name}" in found:
+            continue
+        found[f"graph/{path.name}"] = text
+        root = read(path)
+        included = child(root, "include")
+        waiting += [path.parent / name for name in _names(included)]
+        room = room or next((path.parent / name for name in _names(child(root, "room"))), None)
+    room = Path(args.room) if args.room else room
+    if room is not None and (text := _text(room)) is not None:
+        found[f"room/{room.name}"] = text
+    return found
+
+
+def _names(node: Node | None) -> list[str]:
+    """The texts of a node that is a text or a list of them."""
+    if node is None:
+        return []
+    items = node.value if isinstance(node.value, tuple) else (node,)
+    return [item.value for item in items if isinstance(item.value, str)]
+
+
+def _text(path: Path) -> str | None:
+    try:
+        if path.stat().st_size > _MAX_FILE:
+            raise FollowspotError(f"{path} is too large to be embedded; at most {_MAX_FILE} bytes")
+        return path.read_text(encoding="utf-8")
+    except (OSError, UnicodeError):
+        return None

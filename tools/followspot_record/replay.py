@@ -1,0 +1,112 @@
+"""`followspot replay`: the recorded graph, or another one, on the ports of a recording."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+from followspot.cli.run import execute
+from followspot.document import Node
+from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.graph.compile import compile_graph
+from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.load import Loaded
+from followspot.graph.plan import Plan
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot_record.embedded import recorded_plan
+from followspot_record.hooks import recorded
+from followspot_record.played import Clip, played, replay_of
+from followspot_record.ports import chosen, output_ports
+from followspot_recording.recording import Recording
+
+
+def replay_command(args: argparse.Namespace) -> int:
+    """Run on recorded ports. Returns the exit code."""
+    mistakes = list(_mistakes(args))
+    if mistakes:
+        raise InputError(mistakes)
+    with Recording(args.recording) as recording:
+        if recording.problem:
+            print(f"followspot: {recording.problem}", file=sys.stderr)
+        more = chosen(args.ports, recording.ports, "--ports") if args.ports else ()
+        plan = _other_graph(args, recording) if args.graph else recorded_plan(recording, args.plugin_files)
+        if args.seed is not None:
+            plan = replace(plan, seed=args.seed)
+        clip = Clip(recording.path, args.start, args.stop, args.speed, args.loop)
+        plan = played(
+            plan, {port: replay_of(recording, port) for port in _ports(plan, recording, more)}, clip
+        )
+    _check_live(plan)
+    return execute(recorded(plan, args), args)
+
+
+def source_ports(plan: Plan) -> tuple[str, ...]:
+    """The ports of the plan's sources, STAGE.PORT."""
+    sources = {stage.name for stage in plan.stages if ports(load_stage(stage.uses)).source}
+    return tuple(port for port in output_ports(plan) if port.rpartition(".")[0] in sources)
+
+
+def _ports(plan: Plan, recording: Recording, more: Sequence[str]) -> Iterator[str]:
+    """What is played: the recorded sources, and more where it is asked for. Raises InputError."""
+    known = output_ports(plan)
+    mistakes = [
+        Mistake(
+            None, f'--ports: graph "{plan.graph}" has no port "{port}"', did_you_mean(port, known, "ports")
+        )
+        for port in more
+        if port not in known
+    ]
+    asked = {*more, *(port for port in source_ports(plan) if port in recording.ports)}
+    if not asked:
+        remedy = f"name some with --ports; recorded: {', '.join(recording.ports) or 'none'}"
+        mistakes.append(Mistake(None, f'no source of graph "{plan.graph}" was recorded', remedy))
+    if mistakes:
+        raise InputError(mistakes)
+    return (port for port in known if port in asked)
+
+
+def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
+    """What the options say and cannot mean."""
+    if args.overrides and not args.graph:
+        yield Mistake(None, "--set changes a graph file, and none is named", "add --graph GRAPH")
+    if args.room and not args.graph:
+        yield Mistake(None, "--room serves another graph, and none is named", "add --graph GRAPH")
+    if not 0.0 <= args.speed <= 1000.0:
+        yield Mistake(None, f"--speed cannot be {args.speed:g}", "0 to 1000; 0 is as fast as it can")
+    if not (0.0 <= args.start < math.inf and (args.stop is None or args.start < args.stop < math.inf)):
+        yield Mistake(None, "--from and --to name no part of the recording", "seconds, 0 <= from < to")
+
+
+def _other_graph(args: argparse.Namespace, recording: Recording) -> Plan:
+    """The plan of another graph file, whose cameras' own sources need not be there. Raises InputError."""
+    return compile_graph(
+        args.graph,
+        room=args.room,
+        overrides=args.overrides,
+        plugin_files=args.plugin_files,
+        change=partial(_without_room_sources, recording=recording),
+    )
+
+
+def _without_room_sources(loaded: Loaded, recording: Recording) -> Loaded:
+    """The declared stages, with a replay for each that stands for the sources of recorded cameras."""
+    stages = dict(loaded.stages)
+    for name, stage in loaded.stages.items():
+        camera = next((port for port in recording.ports if port.startswith(f"{name}/")), None)
+        if stage.uses == ROOM_SOURCE and camera is not None:
+            path = Node(str(recording.path.absolute()), stage.place, stage.place)
+            stages[name] = replace(stage, uses=replay_of(recording, camera), params={"path": path})
+    return replace(loaded, stages=stages)
+
+
+def _check_live(plan: Plan) -> None:
+    """Raises InputError where a device would have to be opened."""
+    live = [stage.name for stage in plan.stages if stage.live]
+    if live:
+        remedy = "name with --ports what is played instead of what follows it"
+        raise InputError([Mistake(None, f"{', '.join(live)} is live and was not recorded", remedy)])
