@@ -38,12 +38,16 @@ class Weights:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """One picture of a camera, flat: magnitude and orientation (H W,) u1, colours (H W, 3) u1 BGR."""
+    """One picture of a camera, flat: magnitude and orientation (H W,) u1, colours (H W, 3) u1 BGR.
+
+    hidden: (H W,) u1, 1 where somebody nearer covers the person who is sought; None where nobody does.
+    """
 
     camera: Camera
     magnitude: Array
     orientation: Array
     colors: Array
+    hidden: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +71,8 @@ class Habits:
     concentration: float = 0.0
 
 
+UNSEEN_EDGE, UNSEEN_COLOR = 0.35, 0.45
+"""Responses of features that somebody nearer hides: worse than a person's, better than the background's."""
 PAN_SIGMA, TILT_SIGMA = 0.6, 0.2
 """Of relaxed heads, rad."""
 SIDEWAYS = 0.05
@@ -116,21 +122,39 @@ class Fitness:
     def edge(self, seen: BodyView) -> Array:
         """F^E of bodies in view, (P,)."""
         index, inside = pixel_index(self.picture.camera, seen.edge)
-        magnitude = self.picture.magnitude.take(index) * inside
+        hidden = self.hidden(index, inside)
+        magnitude = self.picture.magnitude.take(index) * (inside & ~hidden)
         orientation = self.picture.orientation.take(index)
-        return edge_likelihood(magnitude, orientation, seen.normal, self.weights.orientation_sigma)
+        likelihood = edge_likelihood(magnitude, orientation, seen.normal, self.weights.orientation_sigma)
+        return np.asarray(likelihood + UNSEEN_EDGE * hidden.mean(axis=1))
 
     def color(self, seen: BodyView) -> Array:
         """F^C of bodies in view, (P,)."""
         assert self.colors is not None
-        colors, inside = sampled(self.picture, seen)
-        responses = feature_responses(colors, *self.colors)
+        index, inside = pixel_index(self.picture.camera, seen.surface)
+        responses = feature_responses(hsi(self.picture.colors.take(index, axis=0)), *self.colors)
+        responses[self.hidden(index, inside)] = UNSEEN_COLOR
         return color_likelihood(responses * inside, seen.visibility)
+
+    def hidden(self, index: Array, inside: Array) -> Array:
+        """Which features, at these pixels, somebody nearer hides."""
+        if self.picture.hidden is None:
+            return np.zeros(index.shape, bool)
+        return np.asarray(self.picture.hidden.take(index) & inside, bool)
+
+    def shown(self, pose: Array) -> float:
+        """Share of the outline of one pose (6,) that nobody nearer hides."""
+        if self.picture.hidden is None:
+            return 1.0
+        seen = view(self.picture.camera, self.shape, pose[None])
+        return float(1 - self.hidden(*pixel_index(self.picture.camera, seen.edge)).mean())
 
 
 def sampled(picture: Picture, seen: BodyView) -> tuple[Array, Array]:
-    """HSI of the surface features (P, F, 3), and which of them lie in the picture (P, F)."""
+    """HSI of the surface features (P, F, 3), and which of them the picture shows (P, F)."""
     index, inside = pixel_index(picture.camera, seen.surface)
+    if picture.hidden is not None:
+        inside &= picture.hidden.take(index) == 0
     return hsi(picture.colors.take(index, axis=0)), inside
 
 

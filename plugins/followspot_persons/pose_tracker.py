@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,24 +16,32 @@ from followspot_persons.body_view import HEADING, view
 from followspot_persons.condensation import Search, scattered
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.girth import girths_of
+from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
-from followspot_persons.shape import read_shape
-from followspot_persons.track import Track, coasted, followed
+from followspot_persons.shape import read_shape, with_girth
+from followspot_persons.track import HIDDEN, Track, coasted, followed
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Of particles about a pose that the slow instance told: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
+LATELY = 0.4
+"""Time without a box in the detector's messages after which a person is doubted, s."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A person who is followed. good: ns, time of the last picture that agreed; state: as in `Poses`."""
+    """A person who is followed.
+
+    good, boxed: ns, time of the last picture that agreed, and of the last one in which the detector saw the
+    person; state: as in `Poses`.
+    """
 
     number: int
     track: Track
     good: int
+    boxed: int
     state: int = TRACKED
 
 
@@ -66,6 +75,14 @@ class PoseTracker(Stage):
             unit="1",
             description="share of a person's usual likelihood below which a picture does not show the person",
         )
+        doubt: float = Field(
+            0.75,
+            gt=0,
+            lt=1,
+            unit="1",
+            description="the same where the detector has not seen the person lately; raising it ends "
+            "mistakes sooner, and loses people whom the detector does not find",
+        )
         gone: float = Field(
             0.6, gt=0, unit="s", description="time without such a picture after which a person is gone"
         )
@@ -85,6 +102,7 @@ class PoseTracker(Stage):
         self.weights = Weights()
         self.search = Search(self.params.particles, self.params.random, self.params.climbing)
         self.people: dict[int, Followed] = {}
+        self.known: dict[int, Track] = {}
         self.heard: dict[int, int] = {}
         self.boxed = -1
         self.time = -1
@@ -100,12 +118,19 @@ class PoseTracker(Stage):
         self.listen(people, now)
         picture = pictured(self.camera, frame, gradients)
         told = self.headings(boxes, seconds)
-        for row, number in enumerate(people.person.tolist()):
-            if number in self.people:
-                colors = (people.mean[row].astype(np.float32), people.variance[row].astype(np.float32))
-                self.follow(number, picture, colors, told.get(number), seconds, now)
+        row = {number: i for i, number in enumerate(people.person.tolist())}
+        for number in self.nearest_first(row):
+            i = row[number]
+            colors = (people.mean[i].astype(np.float32), people.variance[i].astype(np.float32))
+            picture = self.follow(number, picture, colors, told.get(number), seconds, now)
         self.forget(people, now)
         return self.poses(frame.camera)
+
+    def nearest_first(self, known: Collection[int]) -> list[int]:
+        """Who is followed and known, those first who can hide others."""
+        eye = self.camera.center[:2]
+        away = {n: float(np.hypot(*(p.track.pose[:2] - eye))) for n, p in self.people.items() if n in known}
+        return sorted(away, key=lambda n: away[n])
 
     def listen(self, people: Appearances, now: int) -> None:
         """Begin to follow whom the slow instance has seen, and let its poses take part."""
@@ -115,8 +140,10 @@ class PoseTracker(Stage):
             self.heard[number] = seen
             known = self.people.get(number)
             if known is None:
+                places = self.strewn(pose, self.params.particles)
+                past = self.known.get(number)
                 self.people[number] = Followed(
-                    number, Track.begun(self.strewn(pose, self.params.particles)), now
+                    number, past.resumed(places) if past else Track.begun(places), now, seen
                 )
                 continue
             track = known.track
@@ -135,16 +162,20 @@ class PoseTracker(Stage):
 
     def headings(self, boxes: Boxes | None, seconds: float) -> dict[int, Detection]:
         """What a detector said of the headings of each person, once for each of its messages."""
-        if boxes is None or boxes.header.time <= self.boxed or not len(boxes.box) or not self.people:
+        if boxes is None or boxes.header.time <= self.boxed:
             return {}
         self.boxed = boxes.header.time
+        if not len(boxes.box) or not self.people:
+            return {}
         numbers = list(self.people)
         pose = np.array([coasted(self.people[n].track, seconds).pose for n in numbers])
         distance = box_distance(view(self.camera, self.shape, pose).box, boxes.box, self.around)
-        return {
-            numbers[person]: Detection(boxes.box[box], boxes.torso[box], boxes.head[box])
-            for person, box in matched(distance, 0.6)
-        }
+        told = {}
+        for person, box in matched(distance, 0.6):
+            number = numbers[person]
+            self.people[number] = replace(self.people[number], boxed=self.boxed)
+            told[number] = Detection(boxes.box[box], boxes.torso[box], boxes.head[box])
+        return told
 
     def follow(
         self,
@@ -154,16 +185,21 @@ class PoseTracker(Stage):
         detection: Detection | None,
         seconds: float,
         now: int,
-    ) -> None:
-        """One person in one picture."""
+    ) -> Picture:
+        """One person in one picture; returns the picture with what this person hides of others."""
         known = self.people[number]
         known_colors = colors if self.params.color else None
         fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
-        agrees = track.likelihood >= self.params.fade * track.typical
-        self.people[number] = Followed(
-            number, track, now if agrees else known.good, TRACKED if agrees else PREDICTED
+        doubted = (self.boxed - known.boxed) * NANOSECOND > LATELY
+        enough = (self.params.doubt if doubted else self.params.fade) * track.typical
+        agrees = track.shown >= HIDDEN and track.likelihood >= enough
+        self.people[number] = replace(
+            known, track=track, good=now if agrees else known.good, state=TRACKED if agrees else PREDICTED
         )
+        if not agrees or len(self.people) == 1:
+            return picture
+        return covered(picture, with_girth(self.shape, track.girth.mean), track.pose)
 
     def forget(self, people: Appearances, now: int) -> None:
         """Stop following who does not appear any more."""
@@ -171,7 +207,8 @@ class PoseTracker(Stage):
         for number, person in list(self.people.items()):
             silent = (now - self.heard.get(number, now)) * NANOSECOND > self.params.unseen
             if silent or number not in known or (now - person.good) * NANOSECOND > self.params.gone:
-                del self.people[number]
+                self.known[number] = self.people.pop(number).track
+        self.known = {number: track for number, track in self.known.items() if number in known}
 
     def poses(self, camera: str) -> Poses:
         """Everybody who is followed."""

@@ -18,8 +18,11 @@ PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 """Share of the difference to the forecast that place and velocity take over at 15 pictures a second."""
 HEADING_GAIN, HEAD_GAIN = 0.6, 0.5
 """The same of the heading, and of pan and tilt."""
-TYPICAL_GAIN = 0.05
-"""Share of a new likelihood in the typical one."""
+RISE, FALL = 0.05, 0.01
+"""Share of a new likelihood in the typical one, where it is higher and where it is lower: what is not the
+person must not become typical before it is noticed."""
+HIDDEN = 0.4
+"""Share of the outline that has to show for a picture to say where a person is."""
 FASTEST = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15
@@ -41,7 +44,8 @@ CONCENTRATION = 8.0
 @dataclass(frozen=True, eq=False)
 class Track:
     """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: m, a mean of `weight`
-    pictures; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean.
+    pictures; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean; shown: share of the
+    outline that nobody nearer hides.
     """
 
     particles: Array
@@ -53,12 +57,23 @@ class Track:
     weight: float = 0.0
     likelihood: float = 0.0
     typical: float = 0.0
+    shown: float = 1.0
 
     @classmethod
     def begun(cls, particles: Array) -> Track:
         """A person of whom only these places are known."""
         pose = particles.mean(axis=0)
         return cls(particles, pose, particles.std(axis=0), np.zeros(2), float(pose[HEIGHT]))
+
+    def resumed(self, particles: Array) -> Track:
+        """The same person after an absence, at one of these places: the body is still known."""
+        return replace(
+            Track.begun(particles),
+            stature=self.stature,
+            girth=self.girth,
+            weight=self.weight,
+            typical=self.typical,
+        )
 
     @property
     def habits(self) -> Habits:
@@ -86,16 +101,20 @@ def followed(
     eye = fitness.picture.camera.center
     own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
     particles, estimate = condense(track.particles, track.velocity, seconds, own, eye, search, rng)
+    value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
+    shown = own.shown(estimate.pose)
+    if shown < HIDDEN:
+        return replace(coasted(track, seconds), particles=particles, likelihood=value, shown=shown)
     girth = observed(track.girth, own, bodies, estimate.pose)
     weight = min(track.weight + 1, STATURE_MEMORY)
     stature = track.stature + (float(estimate.pose[HEIGHT]) - track.stature) / weight
     measured = _with_stature(estimate.pose, stature, eye)
     forecast = track.pose.copy()
     forecast[[X, Y]] += track.velocity * seconds
-    pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=track.weight == 0)
-    value = float(replace(own, detection=None).likelihood(estimate.pose[None])[0])
-    typical = value if track.weight == 0 else track.typical + TYPICAL_GAIN * (value - track.typical)
-    return Track(particles, pose, estimate.sigma, velocity, stature, girth, weight, value, typical)
+    pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=not track.likelihood)
+    gain = RISE if value > track.typical else FALL
+    typical = track.typical + gain * (value - track.typical) if track.typical else value
+    return Track(particles, pose, estimate.sigma, velocity, stature, girth, weight, value, typical, shown)
 
 
 def _with_stature(pose: Array, stature: float, eye: Array) -> Array:
