@@ -14,7 +14,7 @@ from followspot.errors import FollowspotError
 
 Compression = Literal["lz4", "zstd", "none"]
 PROFILE = "followspot"
-_MAX_COUNT = 200
+_MAX_COUNT = 100
 """Most messages of a chunk: the index of a chunk is kept until it is written."""
 
 

@@ -15,7 +15,12 @@ from followspot.tracking import Blobs, Frame, ImageTracks
 
 SLOW = {"persons.pose_tracker": {"particles": 20}, "persons.appearance": {"particles": 20}}
 """Parameters that make short work of stages which take tens of milliseconds a message."""
-MESSAGES = {"persons.pose_tracker": 200, "persons.appearance": 200, "balls.throws": 2000}
+MESSAGES = {
+    "persons.pose_tracker": 200,
+    "persons.appearance": 200,
+    "balls.throws": 2000,
+    "recording.sink": 3000,
+}
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""
 
 
