@@ -23,7 +23,8 @@ MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
 @dataclass(frozen=True, eq=False)
 class Sightings:
     """Rows of all cameras' poses. camera: (K,) number in the room; names: theirs, one a row; person: (K,)
-    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; confidence: (K,).
+    number there; pose, sigma: (K, 6); information: (K, 2, 2) 1/m^2 of the place; confidence: (K,); eye:
+    (K, 3) m, of the camera.
     """
 
     camera: Array
@@ -33,6 +34,7 @@ class Sightings:
     sigma: Array
     information: Array
     confidence: Array
+    eye: Array
 
 
 def sightings_of(
@@ -44,15 +46,16 @@ def sightings_of(
     """
     order = list(cameras)
     pose = np.concatenate([_states(p) for p in poses])
-    eyes = np.concatenate([np.tile(cameras[p.camera].center[:2], (len(p.person), 1)) for p in poses])
+    eye = np.concatenate([np.tile(cameras[p.camera].center, (len(p.person), 1)) for p in poses])
     return Sightings(
         camera=np.concatenate([np.full(len(p.person), order.index(p.camera)) for p in poses]),
         names=tuple(p.camera for p in poses for _ in p.person),
         person=np.concatenate([p.person for p in poses]),
         pose=pose,
         sigma=np.concatenate([p.sigma for p in poses]),
-        information=information(pose[:, :2] - eyes, direction, distance),
+        information=information(pose[:, :2] - eye[:, :2], direction, distance),
         confidence=np.concatenate([p.confidence for p in poses]),
+        eye=eye,
     )
 
 
@@ -75,7 +78,8 @@ def information(offset: Array, direction: float, distance: float) -> Array:
 def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array]:
     """Pose and sigma, (6,) each, of one person from these rows; before: the last pose (6,), if there is one.
 
-    Places by their information, heights, pans and tilts by their variances, headings by a vote.
+    Places by their information, heights where the lines of sight to the head's top pass that place, pans and
+    tilts by their variances, headings by a vote.
     """
     trust = seen.confidence[rows] + 1e-3
     weight = trust[:, None] / np.maximum(seen.sigma[rows], MIN_SIGMA) ** 2
@@ -88,10 +92,22 @@ def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Arr
     pose[[X, Y]] = np.linalg.solve(precision, moment)
     sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
     pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
-    for column in (PAN, TILT, HEIGHT):
+    for column in (PAN, TILT):
         own = weight[:, column] * (agreeing if column == PAN else 1.0)
         pose[column] = own @ seen.pose[rows, column] / own.sum()
+    pose[HEIGHT] = trust @ _sighted_height(seen.eye[rows], seen.pose[rows], pose[:2]) / trust.sum()
     return pose, sigma
+
+
+def _sighted_height(eye: Array, pose: Array, place: Array) -> Array:
+    """Heights at a place (2,) m of the lines of sight to the tops of heads, (K,) m.
+
+    eye: (K, 3) m; pose: (K, 6). One camera tells how high a head appears, hardly how far it is; together
+    they know the place, and with it the height.
+    """
+    told = np.maximum(np.hypot(*(pose[:, :2] - eye[:, :2]).T), 0.1)
+    true = np.hypot(*(place - eye[:, :2]).T)
+    return np.asarray(eye[:, 2] + (pose[:, HEIGHT] - eye[:, 2]) * true / told)
 
 
 def _heading(heading: Array, weight: Array, before: Array | None) -> tuple[float, Array]:
