@@ -113,12 +113,10 @@ class Hosts:
         self.processes.append(process)
         return process
 
-    def agent(self, name: str, *options: str | Path) -> Agent:
-        """An agent that is ready."""
-        process = self.start(
-            name, "agent", "--name", name, "--listen", self.endpoint(name), "--insecure", *options
-        )
-        return Agent(process, self.folder)
+    def agent(self, name: str, *options: str | Path, router: str = "") -> Agent:
+        """An agent that is ready; router: through which it is reached."""
+        listen = ("--router", router) if router else ("--listen", self.endpoint(name))
+        return Agent(self.start(name, "agent", "--name", name, *listen, "--insecure", *options), self.folder)
 
 
 class Agent:

@@ -15,7 +15,13 @@ ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
 RECORDING = DATA / "dev3"
-FRAMES = "40"
+FRAMES = "30"
+PLACEMENT = """
+placement: hosts
+workers:
+  left:  {host: pc-left, cameras: [cam0, cam1]}
+  right: {host: pc-right, cameras: [cam2, cam3]}
+"""
 HOST_OF = {"cam0": "pc-left", "cam1": "pc-left", "cam2": "pc-right", "cam3": "pc-right"}
 """The other two cameras are on the operator's own host."""
 
@@ -51,10 +57,12 @@ def tracks_in_one_process(room: Path, out: Path) -> bytes:
     return (out / "tracks.csv").read_bytes()
 
 
-def tracks_on_three_hosts(hosts: Hosts, room: Path, out: Path, *options: str | Path) -> bytes:
+def tracks_on_three_hosts(
+    hosts: Hosts, room: Path, out: Path, placement: str | Path, *options: str | Path
+) -> bytes:
     words = ["run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--json", "--quiet"]
     there = [word for name in ("pc-left", "pc-right") for word in ("--connect", hosts.endpoint(name))]
-    process = hosts.start("desk", *words, "--placement", "camera", "--insecure", *there, *options)
+    process = hosts.start("desk", *words, "--placement", placement, "--insecure", *there, *options)
     stdout, stderr = process.communicate(timeout=90)
     assert process.returncode == 0, stderr + stdout
     summary = json.loads(stdout)
@@ -71,7 +79,7 @@ def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
     hosts.agent("pc-right")
     alone = tracks_in_one_process(room, tmp_path / "alone")
     assert len(alone.splitlines()) > 60
-    assert tracks_on_three_hosts(hosts, room, tmp_path / "three") == alone
+    assert tracks_on_three_hosts(hosts, room, tmp_path / "three", "camera") == alone
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
@@ -79,9 +87,10 @@ def test_a_recording_on_three_hosts_gives_the_tracks_of_one_process(hosts: Hosts
     room = tmp_path / "imported.yaml"
     command("room", "import", DATA / "calibration.json", "--videos", RECORDING, "-o", room)
     command("calibrate", "targets", "--room", room, "--clips", DATA / "templates")
-    room = spread(room, tmp_path / "room.yaml")
+    placement = tmp_path / "placement.yaml"
+    placement.write_text(PLACEMENT)
     for name in ("pc-left", "pc-right"):
         hosts.agent(name, "--media", RECORDING)
     alone = tracks_in_one_process(room, tmp_path / "alone")
     assert len(alone.splitlines()) > 60
-    assert tracks_on_three_hosts(hosts, room, tmp_path / "three", "--media", RECORDING) == alone
+    assert tracks_on_three_hosts(hosts, room, tmp_path / "three", placement, "--media", RECORDING) == alone

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ import zenoh
 
 from followspot.deploy.requests import Answers, Asker
 from followspot.deploy.security.admission import seal
-from followspot.deploy.security.authority import create_authority
+from followspot.deploy.security.authority import Authority, create_authority
 from followspot.errors import FollowspotError
 from followspot.transport.keys import agent_key, port_key, request_key
 from followspot.transport.zenoh_network import Network, Own
@@ -35,6 +36,8 @@ def certs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     lost = (folder / "gone").rename(folder.parent / "gone")
     authority.remove("gone")
     assert lost.exists()
+    yesterday = datetime.now(UTC) - timedelta(days=2)
+    Authority(folder, yesterday).add("late", "operator", days=1)
     foreign = create_authority(folder.parent / "foreign")
     for name, role in HOSTS.items():
         foreign.add(name, role)  # type: ignore[arg-type]
@@ -49,10 +52,10 @@ def free_port() -> int:
 
 @contextmanager
 def session(
-    folder: Path, *, listen: str = "", connect: str = "", mode: str = "peer"
+    folder: Path, *, listen: str = "", connect: str = "", router: str = "", routes: bool = False
 ) -> Iterator[zenoh.Session]:
-    network = Network((listen,) if listen else (), (connect,) if connect else (), str(folder))
-    opened = connected(network, mode)  # type: ignore[arg-type]
+    network = Network((listen,) if listen else (), (connect,) if connect else (), str(folder), router=router)
+    opened = connected(network, routes=routes)
     try:
         yield opened
     finally:
@@ -240,9 +243,9 @@ def test_a_router_passes_on_what_it_has_checked(certs: Path) -> None:
     own, foreign = port_key("run", "pc-left", "a", "out"), port_key("run", "pc-right", "a", "out")
     heard: list[str] = []
     with (
-        session(certs / "hub", listen=endpoint, mode="router"),
-        session(certs / "desk", connect=endpoint, mode="client") as desk,
-        session(certs / "pc-left", connect=endpoint, mode="client") as camera,
+        session(certs / "hub", listen=endpoint, routes=True),
+        session(certs / "desk", router=endpoint) as desk,
+        session(certs / "pc-left", router=endpoint) as camera,
     ):
         subscriber = desk.declare_subscriber(
             "followspot/**", lambda sample: heard.append(str(sample.key_expr))
@@ -306,6 +309,7 @@ def knocked(certs: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
     [
         ("without a certificate", "peer sent no certificates"),
         ("of a foreign authority", "invalid peer certificate"),
+        ("with an expired certificate", "certificate expired"),
         ("without TLS", "InvalidContentType"),
     ],
 )
@@ -313,13 +317,16 @@ def test_a_stranger_does_not_get_in_and_the_attempt_is_logged(
     certs: Path, knocked: tuple[str, subprocess.Popen[str]], stranger: str, said: str
 ) -> None:
     endpoint, process = knocked
-    foreign = certs.parent / "foreign" / "desk"
+    shown = {
+        "of a foreign authority": certs.parent / "foreign" / "desk",
+        "with an expired certificate": certs / "late",
+    }
     tls: dict[str, object] = {"root_ca_certificate": str(certs / "desk" / "ca.pem")}
-    if stranger == "of a foreign authority":
+    if stranger in shown:
         tls |= {
             "enable_mtls": True,
-            "connect_certificate": str(foreign / "cert.pem"),
-            "connect_private_key": str(foreign / "key.pem"),
+            "connect_certificate": str(shown[stranger] / "cert.pem"),
+            "connect_private_key": str(shown[stranger] / "key.pem"),
         }
     settings = {
         "mode": "client",

@@ -40,7 +40,7 @@ def _run(args: argparse.Namespace) -> int:
     agent = Agent(options, _tell)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: agent.stop())
-    _tell(f"agent {args.name} listens on {', '.join(agent.locators)}")
+    _tell(f"agent {args.name} listens on {', '.join(agent.locators) or network.router}")
     agent.serve()
     return 0
 

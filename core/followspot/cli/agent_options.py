@@ -16,8 +16,10 @@ _INSECURE = (
 )
 
 
-def add_network_options(parser: argparse.ArgumentParser, *, listens: bool = False) -> None:
-    """--connect, --certificates, --insecure, and --listen where others connect to this command."""
+def add_network_options(
+    parser: argparse.ArgumentParser, *, listens: bool = False, routed: bool = True
+) -> None:
+    """--connect, --router, --certificates, --insecure, and --listen where others connect to this command."""
     group = parser.add_argument_group("other hosts")
     if listens:
         group.add_argument(
@@ -32,8 +34,15 @@ def add_network_options(parser: argparse.ArgumentParser, *, listens: bool = Fals
         action="append",
         default=[],
         metavar="ENDPOINT",
-        help="an agent or a router to connect to; those that it knows are found through it; repeatable",
+        help="an agent to connect to; those that it knows are found through it; repeatable",
     )
+    if routed:
+        group.add_argument(
+            "--router",
+            default="",
+            metavar="ENDPOINT",
+            help="a router through which everything goes, where hosts cannot reach each other",
+        )
     group.add_argument(
         "--certificates",
         default="",
@@ -51,9 +60,10 @@ def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequenc
 
     listen = tuple(getattr(args, "listen", None) or listen)
     connect = tuple(args.connect or connect)
+    router = getattr(args, "router", "")
     if args.certificates:  # what is open to this host alone is secured, too: certificates tell who is who
-        listen, connect = secured(listen), secured(connect)
-    network = Network(listen, connect, args.certificates, args.insecure)
+        listen, connect, (router,) = secured(listen), secured(connect), secured([router])
+    network = Network(listen, connect, args.certificates, args.insecure, router)
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
     return network

@@ -12,7 +12,7 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    add_network_options(parser, listens=True)
+    add_network_options(parser, listens=True, routed=False)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -23,9 +23,9 @@ def _run(args: argparse.Namespace) -> int:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
     log_refusals()
-    session = connected(network, "router")
+    session = connected(network, routes=True)
     try:
-        where = ", ".join(locators(session, "router"))
+        where = ", ".join(locators(session))
         print(f"router listens on {where}", file=sys.stderr, flush=True)
         over.wait()
     finally:
@@ -38,7 +38,7 @@ COMMAND = Command(
     """route between agents and operators that cannot reach each other; any zenohd serves as well
 
   followspot router --listen tls/0.0.0.0:7447 --certificates certs
-  followspot agent --name pc-left --connect tls/router.example:7447 --certificates certs
+  followspot agent --name pc-left --router tls/router.example:7447 --certificates certs
 """,
     _configure,
     _run,

@@ -146,8 +146,8 @@ class HostRun:
             restart=self.order.restart and not self._ending,
             states=self._states.get(name, {}),
         )
-        if not self.hub and uses_zenoh(self.plan, name):  # each connects to those before it
-            while not worker.locators and worker.busy:
+        if uses_zenoh(self.plan, name) and not (self.hub or self.network.router):
+            while not worker.locators and worker.busy:  # each connects to those before it
                 self._listen(worker)
 
     def _hand_over(self, ends: Iterable[RingEnd]) -> None:

@@ -51,7 +51,7 @@ def await_agents(session: zenoh.Session, names: Sequence[str], network: Network)
     deadline = time.monotonic() + _PATIENCE
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
-            where = ", ".join(network.connect)
+            where = network.router or ", ".join(network.connect)
             raise InputError([_missing(name, where) for name in missing])
         time.sleep(0.1)
 

@@ -35,23 +35,30 @@ class Network:
 
     listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
     certificates: folder as `followspot certs host` makes it, empty for none;
-    insecure: whether the user accepts plain endpoints that other hosts reach.
+    insecure: whether the user accepts plain endpoints that other hosts reach;
+    router: endpoint of a router through which all goes, in place of listening and connecting; "" for none.
     """
 
     listen: tuple[str, ...] = LOOPBACK
     connect: tuple[str, ...] = ()
     certificates: str = ""
     insecure: bool = False
+    router: str = ""
+
+    @property
+    def endpoints(self) -> tuple[str, ...]:
+        """All that this session opens."""
+        return (self.router,) if self.router else (*self.listen, *self.connect)
 
     @property
     def secured(self) -> tuple[str, ...]:
         """Endpoints that TLS protects."""
-        return tuple(e for e in (*self.listen, *self.connect) if e.startswith(_SECURE))
+        return tuple(e for e in self.endpoints if e.startswith(_SECURE))
 
     @property
     def exposed(self) -> tuple[str, ...]:
         """Endpoints beyond this host that nothing protects."""
-        return tuple(e for e in (*self.listen, *self.connect) if not e.startswith(_SECURE) and not _near(e))
+        return tuple(e for e in self.endpoints if not e.startswith(_SECURE) and not _near(e))
 
     @property
     def own(self) -> Own:
@@ -73,7 +80,7 @@ def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
 
 def network_from_data(data: Mapping[str, Any]) -> Network:
     """From JSON types, as `dataclasses.asdict` gave them."""
-    return Network(tuple(data["listen"]), tuple(data["connect"]), data["certificates"], data["insecure"])
+    return Network(**{**data, "listen": tuple(data["listen"]), "connect": tuple(data["connect"])})
 
 
 def _near(endpoint: str) -> bool:

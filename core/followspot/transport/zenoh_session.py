@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import zenoh
 
@@ -13,8 +13,6 @@ from followspot.errors import FollowspotError
 from followspot.transport.access import access_control
 from followspot.transport.roster import read_certificates
 from followspot.transport.zenoh_network import LOOPBACK, Network
-
-Mode = Literal["peer", "router"]
 
 _SETTINGS: dict[str, Any] = {
     "scouting/multicast/enabled": False,  # peers are named; those make the others known by gossip
@@ -27,7 +25,7 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
+def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
 
     Raises FollowspotError where an endpoint is open to other hosts without certificates or consent, or these
@@ -44,9 +42,9 @@ def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
             "(followspot certs makes them)"
         )
     settings = {
-        "mode": mode,
-        "listen/endpoints": list(network.listen),
-        "connect/endpoints": list(network.connect),
+        "mode": "router" if routes else "client" if network.router else "peer",
+        "listen/endpoints": [] if network.router else list(network.listen),
+        "connect/endpoints": [network.router] if network.router else list(network.connect),
         **_SETTINGS,
     }
     if network.certificates:
@@ -59,17 +57,17 @@ def config_of(network: Network, mode: Mode = "peer") -> zenoh.Config:
     return config
 
 
-def connected(network: Network, mode: Mode = "peer") -> zenoh.Session:
+def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
     """Open a session; close it in a `finally`, or the process never exits.
+
+    routes: whether it passes on what others send to each other.
 
     Raises FollowspotError where an endpoint cannot be used.
     """
     try:
-        return zenoh.open(config_of(network, mode))
+        return zenoh.open(config_of(network, routes=routes))
     except zenoh.ZError as error:
-        there = ", ".join(network.connect) or "nobody"
-        where = f"listen on {', '.join(network.listen)} or connect to {there}"
-        raise FollowspotError(f"Zenoh cannot {where}: {error}") from None
+        raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {error}") from None
 
 
 def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) -> zenoh.Session:
@@ -77,9 +75,9 @@ def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) 
     return connected(Network(tuple(listen), tuple(connect)))
 
 
-def locators(session: zenoh.Session, mode: Mode = "peer") -> list[str]:
+def locators(session: zenoh.Session) -> list[str]:
     """Where other sessions can reach this one, with the ports that were free. Raises FollowspotError."""
-    for reply in session.get(f"@/{session.zid()}/{mode}", timeout=5.0):
+    for reply in session.get(f"@/{session.zid()}/*", timeout=5.0):
         if reply.ok is not None:
             return [str(locator) for locator in json.loads(reply.ok.payload.to_bytes())["locators"]]
     raise FollowspotError("Zenoh does not say where it listens")
