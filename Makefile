@@ -19,8 +19,8 @@ $(VENV)/dev: $(VENV)/demo
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
 
-test: $(VENV)/dev  ## all tests, a file on each core
-	@$(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+test: $(VENV)/dev  ## all tests, a file on each core; threads of BLAS would only wait for each other
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
 
 lint: $(VENV)/dev  ## style, types, layers
 	@$(BIN)/ruff check .

