@@ -2,64 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from followspot.errors import InputError
 from followspot_new.package import new_plugin, new_stage
-
-
-def run(folder: Path, *words: str, path: Path) -> subprocess.CompletedProcess[str]:
-    environment = {**os.environ, "PYTHONPATH": str(path)}
-    return subprocess.run(
-        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
-    """The folder of a new plugin with a second stage, and where it was installed."""
-    folder = new_plugin("studio", tmp_path_factory.mktemp("work"))
-    new_stage("shout_loud", folder)
-    site = tmp_path_factory.mktemp("site")
-    done = run(
-        folder,
-        *("-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation", "--target", str(site), "."),
-        path=site,
-    )
-    if "Cannot import 'hatchling" in done.stderr or "No module named 'hatchling'" in done.stderr:
-        pytest.fail("hatchling is missing: pip install -e '.[dev]'")
-    assert done.returncode == 0, done.stderr
-    return folder, site
-
-
-def test_its_first_test_run_is_green(made: tuple[Path, Path]) -> None:
-    folder, site = made
-    done = run(folder, "-m", "pytest", "-q", path=site)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "4 passed" in done.stdout
-
-
-def test_its_stage_is_installed_and_its_graph_is_sound(made: tuple[Path, Path]) -> None:
-    folder, site = made
-    told = run(folder, "-m", "followspot.cli.main", "plugins", "studio.shout_loud", path=site)
-    assert "Keep the tracks below a height" in told.stdout
-    checked = run(folder, "-m", "followspot.cli.main", "check", "graph.yaml", path=site)
-    assert checked.returncode == 0, checked.stdout + checked.stderr
-
-
-def test_its_graph_runs(made: tuple[Path, Path]) -> None:
-    folder, site = made
-    words = ("-m", "followspot.cli.main", "run", "graph.yaml", "--frames", "60", "--out", "out")
-    done = run(folder, *words, path=site)
-    assert done.returncode == 0, done.stdout + done.stderr
-    rows = (folder / "out" / "low.csv").read_text().splitlines()
-    assert len(rows) > 60
-    assert all(float(row.split(",")[6]) < 1.2 for row in rows[1:])
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:

@@ -1,0 +1,82 @@
+"""Write docs/reference.md: every built-in stage with its ports and parameters, as it describes itself.
+
+python tools/reference.py            write it
+python tools/reference.py --check    fail where it is stale
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from followspot.plugins.description import describe
+from followspot.plugins.registry import catalogue, load_stage
+
+PAGE = Path(__file__).parent.parent / "docs" / "reference.md"
+HEAD = """# Stages
+
+Every stage that comes with followspot, as it describes itself: `followspot plugins NAME` prints the same.
+`Latest` inputs are sampled and never fire; `Joined` inputs take one message of each edge. This page is
+written by `python tools/reference.py`.
+"""
+KINDS = {"plain": "{}", "latest": "Latest[{}]", "joined": "Joined[{}]"}
+
+
+def reference() -> str:
+    """The whole page."""
+    names = sorted(name for name, stage in catalogue().items() if stage.distribution == "followspot")
+    sections = [HEAD]
+    for plugin, stages in groupby(names, key=lambda name: name.partition(".")[0]):
+        sections.append(f"## {plugin}\n")
+        sections += [_section(describe(name, load_stage(name))) for name in stages]
+    return "\n".join(sections)
+
+
+def _section(stage: Mapping[str, Any]) -> str:
+    inputs = [
+        f"`{p['name']}: {KINDS[p['kind']].format(p['type'])}`{'' if p['required'] else ' (optional)'}"
+        for p in stage["inputs"]
+    ]
+    outputs = [f"`{p['name']}: {p['type']}`" for p in stage["outputs"]]
+    lines = [f"### {stage['name']}", "", stage["description"], ""]
+    lines += [f"Takes {', '.join(inputs)}." if inputs else "A source.", ""]
+    lines += [f"Gives {', '.join(outputs)}." if outputs else "A sink.", ""]
+    lines += ["```yaml", stage["example"], "```", ""]
+    if stage["parameters"]:
+        lines += ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
+        lines += [_row(parameter) for parameter in stage["parameters"]]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _row(parameter: Mapping[str, Any]) -> str:
+    default = "required" if parameter["required"] else f"`{parameter['default']}`"
+    cells: Iterable[str] = (
+        f"`{parameter['name']}`",
+        default,
+        parameter["range"],
+        parameter["unit"],
+        parameter["description"],
+    )
+    return "| " + " | ".join(" ".join(cell.split()).replace("|", "\\|") for cell in cells) + " |"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--check", action="store_true", help="write nothing; exit 1 where the page is stale")
+    args = parser.parse_args(arguments)
+    page = reference()
+    if args.check:
+        return int(PAGE.read_text() != page)
+    PAGE.write_text(page)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
