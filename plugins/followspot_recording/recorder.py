@@ -6,11 +6,10 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
-
-from mcap.writer import CompressionType, Writer
+from typing import Literal
 
 from followspot.errors import FollowspotError
+from followspot_recording.writer import McapWriter
 
 Compression = Literal["lz4", "zstd", "none"]
 PROFILE = "followspot"
@@ -49,7 +48,6 @@ class Recorder:
         self._chunking = chunking
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
-        self._count = self._pending = 0
         self._flushed = time.monotonic()
         self._broken = False
         try:
@@ -57,16 +55,14 @@ class Recorder:
             self._file = path.open("xb")
         except OSError as error:
             raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
-        kind = CompressionType[chunking.compression.upper()]
-        self._writer: Any = Writer(self._file, chunk_size=1 << 40, compression=kind)  # cut here, not there
-        self._writer.start(profile=PROFILE, library="followspot")
+        self._writer = McapWriter(self._file, chunking.compression, profile=PROFILE)
 
     def describe(self, metadata: Mapping[str, str], attachments: Mapping[str, str]) -> None:
         """Embed what the recording is of: facts, and files by name."""
-        self._writer.add_metadata("followspot", dict(metadata))
+        self._writer.describe("followspot", dict(metadata))
         for name, text in attachments.items():
             kind = "application/json" if name.endswith(".json") else "application/yaml"
-            self._writer.add_attachment(0, 0, name, kind, text.encode())
+            self._writer.attach(name, kind, text.encode())
 
     def add(self, topic: str, encoding: str, schema: Schema, time_ns: int, seq: int, data: bytes) -> None:
         """Append a message. Raises FollowspotError where the disk does not take it.
@@ -76,19 +72,18 @@ class Recorder:
         now = time.monotonic()
         overdue = now - self._flushed >= self._chunking.seconds
         try:
-            full = self._count == _MAX_COUNT or self._pending + len(data) > self._chunking.size
-            if self._count and (full or overdue):
+            chunk = self._writer.chunk
+            full = chunk.count == _MAX_COUNT or chunk.size + len(data) > self._chunking.size
+            if full or overdue:
                 self._writer.flush()
-                self._count, self._pending, self._flushed = 0, 0, now
+                self._flushed = now
             channel = self._channels.get(topic) or self._register(topic, encoding, schema)
             stamp = max(0, time_ns)
-            self._writer.add_message(channel, stamp, data, stamp, seq & 0xFFFFFFFF)
+            self._writer.chunk.message(channel, seq & 0xFFFFFFFF, stamp, data)
         except OSError as error:
             self._broken = True
             remedy = "free space on the disk or record fewer ports"
             raise FollowspotError(f"{self.path} is cut short: {error.strerror}\n    {remedy}") from None
-        self._count += 1
-        self._pending += len(data)
 
     def close(self) -> None:
         """Write the last chunk and the index. Raises FollowspotError."""
@@ -101,9 +96,9 @@ class Recorder:
 
     def _register(self, topic: str, encoding: str, schema: Schema) -> int:
         if schema.name not in self._schemas:
-            number = self._writer.register_schema(schema.name, schema.encoding, schema.text.encode())
+            number = self._writer.schema(schema.name, schema.encoding, schema.text.encode())
             self._schemas[schema.name] = number
-        channel: int = self._writer.register_channel(topic, encoding, self._schemas[schema.name])
+        channel = self._writer.channel(topic, encoding, self._schemas[schema.name])
         self._channels[topic] = channel
         return channel
 

@@ -15,7 +15,7 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.document import Node, child, read
 from followspot.errors import FollowspotError, InputError, Mistake
-from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.graph.ship import plan_to_data
 from followspot.plugins.registry import catalogue, load_stage
 from followspot_record.ports import chosen, output_ports
@@ -24,6 +24,8 @@ SINK = "recording.sink"
 PLAN = "plan.json"
 """Name of the attachment that says what was run: stages with their parameters, edges, room, seed."""
 WORKER = "record"
+DEPTH = 32
+"""Messages of a port that may wait for the disk: half a second of a camera."""
 _MAX_FILE = 4 << 20
 """Largest graph or room file that is embedded, bytes."""
 
@@ -79,7 +81,8 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
         taken.add(sink)
         params = _sink_params(target, name, first=not stages)
         stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
-        edges.append(PlannedEdge(stage, port, sink, "message", "zenoh" if home[stage] else "ring"))
+        kind: EdgeKind = "zenoh" if home[stage] else "ring"
+        edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=DEPTH))
     return replace(
         plan,
         stages=(*plan.stages, *stages),
