@@ -21,13 +21,16 @@ from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
+from followspot_persons.trail import Trail, carried_detection, carried_pose
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Of particles about a pose that the slow instance told: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
-LATELY = 0.4
-"""Time without a box in the detector's messages after which a person is doubted, s."""
+STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
+"""What the sigma of an older pose grows by: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
+NEAR = 0.6
+"""Distance of a box that still shows the person, in heights of the box."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +46,7 @@ class Followed:
     good: int
     boxed: int
     state: int = TRACKED
+    trail: Trail = Trail()
 
 
 class PoseTracker(Stage):
@@ -76,15 +80,14 @@ class PoseTracker(Stage):
             description="share of a person's usual likelihood below which a picture does not show the person",
         )
         doubt: float = Field(
-            0.75,
+            0.6,
             gt=0,
-            lt=1,
-            unit="1",
-            description="the same where the detector has not seen the person lately; raising it ends "
-            "mistakes sooner, and loses people whom the detector does not find",
+            unit="s",
+            description="time without a box of the detector after which this share has grown to 1; raising "
+            "it keeps people whom the detector does not find, and mistakes",
         )
         gone: float = Field(
-            0.6, gt=0, unit="s", description="time without such a picture after which a person is gone"
+            0.5, gt=0, unit="s", description="time without such a picture after which a person is gone"
         )
         unseen: float = Field(
             2.0,
@@ -117,7 +120,7 @@ class PoseTracker(Stage):
             return self.poses(frame.camera)
         self.listen(people, now)
         picture = pictured(self.camera, frame, gradients)
-        told = self.headings(boxes, seconds)
+        told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
         for number in self.nearest_first(row):
             i = row[number]
@@ -140,28 +143,28 @@ class PoseTracker(Stage):
             self.heard[number] = seen
             known = self.people.get(number)
             if known is None:
-                places = self.strewn(pose, self.params.particles)
+                places = self.strewn(pose, self.params.particles, (now - seen) * NANOSECOND)
                 past = self.known.get(number)
-                self.people[number] = Followed(
-                    number, past.resumed(places) if past else Track.begun(places), now, seen
-                )
+                track = past.resumed(places) if past else Track.begun(places)
+                self.people[number] = Followed(number, track, now, seen)
                 continue
             track = known.track
+            then = known.trail.at(seen)
+            told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
-            moved = pose.copy()
-            moved[:2] += track.velocity * (now - seen) * NANOSECOND
-            particles = np.concatenate([track.particles[joining:], self.strewn(moved, joining)])
+            particles = np.concatenate([track.particles[joining:], self.strewn(told, joining)])
             self.people[number] = replace(known, track=replace(track, particles=particles))
 
-    def strewn(self, pose: Array, count: int) -> Array:
-        """Particles about a pose, (count, 6); some turned anyhow, for a heading is easily wrong."""
-        particles = pose + SPAWN_SIGMA * self.rng.standard_normal((count, 6))
+    def strewn(self, pose: Array, count: int, age: float = 0.0) -> Array:
+        """Particles about a pose `age` seconds old, (count, 6); some turned, for headings err easily."""
+        sigma = np.hypot(SPAWN_SIGMA, age * STRAYING)
+        particles = pose + sigma * self.rng.standard_normal((count, 6))
         turned = count // 5
         particles[:turned] = scattered(particles[:turned], self.rng)
         return np.asarray(particles)
 
-    def headings(self, boxes: Boxes | None, seconds: float) -> dict[int, Detection]:
-        """What a detector said of the headings of each person, once for each of its messages."""
+    def detections(self, boxes: Boxes | None, now: int, seconds: float) -> dict[int, Detection]:
+        """What a detector saw of each person, once for each of its messages, carried to this picture."""
         if boxes is None or boxes.header.time <= self.boxed:
             return {}
         self.boxed = boxes.header.time
@@ -169,12 +172,16 @@ class PoseTracker(Stage):
             return {}
         numbers = list(self.people)
         pose = np.array([coasted(self.people[n].track, seconds).pose for n in numbers])
-        distance = box_distance(view(self.camera, self.shape, pose).box, boxes.box, self.around)
+        then = pose.copy()
+        if self.boxed < now:
+            past = [self.people[n].trail.at(self.boxed) for n in numbers]
+            then = np.array([pose[i] if p is None else p for i, p in enumerate(past)])
+        distance = box_distance(view(self.camera, self.shape, then).box, boxes.box, self.around)
         told = {}
-        for person, box in matched(distance, 0.6):
-            number = numbers[person]
-            self.people[number] = replace(self.people[number], boxed=self.boxed)
-            told[number] = Detection(boxes.box[box], boxes.torso[box], boxes.head[box])
+        for i, box in matched(distance, NEAR):
+            self.people[numbers[i]] = replace(self.people[numbers[i]], boxed=self.boxed)
+            seen = Detection(boxes.box[box], boxes.torso[box], boxes.head[box])
+            told[numbers[i]] = carried_detection(seen, self.camera, self.shape, then[i], pose[i])
         return told
 
     def follow(
@@ -191,11 +198,15 @@ class PoseTracker(Stage):
         known_colors = colors if self.params.color else None
         fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
-        doubted = (self.boxed - known.boxed) * NANOSECOND > LATELY
-        enough = (self.params.doubt if doubted else self.params.fade) * track.typical
-        agrees = track.shown >= HIDDEN and track.likelihood >= enough
+        unboxed = (self.boxed - known.boxed) * NANOSECOND
+        enough = self.params.fade + (1 - self.params.fade) * min(1.0, unboxed / self.params.doubt)
+        agrees = track.shown >= HIDDEN and track.likelihood >= enough * track.typical
         self.people[number] = replace(
-            known, track=track, good=now if agrees else known.good, state=TRACKED if agrees else PREDICTED
+            known,
+            track=track,
+            good=now if agrees else known.good,
+            state=TRACKED if agrees else PREDICTED,
+            trail=known.trail.longer(now, track.pose),
         )
         if not agrees or len(self.people) == 1:
             return picture

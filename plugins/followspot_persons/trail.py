@@ -1,0 +1,61 @@
+"""What a slow instance says of an earlier picture, carried to the present by what the fast one saw since."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array, Camera
+from followspot.geometry import wrap
+from followspot_persons.body_view import HEADING, PAN, view
+from followspot_persons.fitness import Detection
+from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.shape import ShapeModel
+
+LENGTH = 64
+"""Pictures that are remembered."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """The poses of one person in the last pictures: (time in ns, (6,)), ascending."""
+
+    poses: tuple[tuple[int, Array], ...] = ()
+
+    def longer(self, time: int, pose: Array) -> Trail:
+        """With one more."""
+        return Trail((*self.poses[1 - LENGTH :], (time, pose)))
+
+    def at(self, time: int) -> Array | None:
+        """The pose in the last picture up to a time; None from before the trail began."""
+        return next((pose for then, pose in reversed(self.poses) if then <= time), None)
+
+
+def carried_pose(pose: Array, then: Array, now: Array) -> Array:
+    """A pose of an earlier picture, moved and turned as the person has since: all (6,)."""
+    out = pose.copy()
+    out[:2] += now[:2] - then[:2]
+    out[HEADING] += wrap(now[HEADING] - then[HEADING])
+    return out
+
+
+def carried_detection(
+    detection: Detection, camera: Camera, shape: ShapeModel, then: Array, now: Array
+) -> Detection:
+    """A detection in an earlier picture, its box moved and its headings turned as the person has since."""
+    seen = view(camera, shape, np.stack([then, now]))
+    turned = float(wrap(np.diff(seen.bearing.torso))[0])
+    nodded = turned + float(wrap(now[PAN] - then[PAN]))
+    return replace(
+        detection,
+        box=detection.box + np.nan_to_num(np.diff(seen.box, axis=0)[0]),
+        torso=_rotated(detection.torso, turned),
+        head=_rotated(detection.head, nodded),
+    )
+
+
+def _rotated(table: Array, angle: float) -> Array:
+    """Log-likelihoods of directions, turned by an angle, rad."""
+    directions = np.arange(len(table)) * (2 * np.pi / max(len(table), 1))
+    return heading_log_likelihood(table, directions - angle)
