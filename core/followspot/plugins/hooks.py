@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -44,16 +45,27 @@ class Command:
         return f"{self.parent} {self.name}" if self.parent else self.name
 
 
+Watcher = Callable[[Any], None]
+"""Gets a `followspot.deploy.status.RunStatus`, a few times a second, and returns at once."""
+
+
+def _nobody(_plan: Any, _args: argparse.Namespace) -> AbstractContextManager[Watcher | None]:
+    """Nobody looks on."""
+    return nullcontext()
+
+
 @dataclass(frozen=True)
 class PlanOptions:
-    """Options of every command that plans a graph, and what they make of the plan.
+    """Options of every command that plans a graph, what they make of the plan, and who looks on at its run.
 
     configure: adds the options; change: the plan (`followspot.graph.plan.Plan`) as the options ask for it,
-    the same one where they ask for nothing; raises InputError.
+    the same one where they ask for nothing; raises InputError; watch: of a plan that is about to be run: held
+    open while it runs, gives what is told the run's status a few times a second, None where nobody looks on.
     """
 
     configure: Callable[[argparse.ArgumentParser], None]
     change: Callable[[Any, argparse.Namespace], Any]
+    watch: Callable[[Any, argparse.Namespace], AbstractContextManager[Watcher | None]] = _nobody
 
 
 class Hooks:

@@ -1,0 +1,73 @@
+"""Which moments are previewed: the taps of all processes agree through three words of shared memory.
+
+Pictures, blobs and tracks of one moment belong together, so the taps do not each choose their own: the tap
+of a source that finds the period over names a capture time a few frames ahead, and every tap shows its first
+message from then on. The words live in a file of the page's folder, made by the page, which also says there
+whether anybody looks.
+"""
+
+from __future__ import annotations
+
+import mmap
+import os
+from pathlib import Path
+
+FILE = "gate"
+WATCHED, MOMENT, NEXT = range(3)
+"""Words: whether anybody looks; the capture time, ns, to show next; ns of the monotonic clock at which the
+next one may be named. They are hints: two taps that write at once cost a preview, nothing else."""
+SIZE = 24
+MAX_LEAD = 8
+"""Frames from naming a moment to it, at most: as many as may be under way between stages."""
+_BACKWARDS = 1_000_000_000
+"""Capture time that must have been jumped back, ns, for a moment to be given up: a recording began anew."""
+
+
+class Gate:
+    """The shared words. Raises OSError where the file is not there."""
+
+    def __init__(self, folder: Path) -> None:
+        fd = os.open(folder / FILE, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+        try:
+            self._memory = mmap.mmap(fd, SIZE)
+        finally:
+            os.close(fd)
+        self.words = memoryview(self._memory).cast("q")
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody looks. Stored by the page."""
+        return self.words[WATCHED] != 0
+
+    @watched.setter
+    def watched(self, somebody: bool) -> None:
+        self.words[WATCHED] = somebody
+
+    @property
+    def moment(self) -> int:
+        """Capture time, ns, from which the first message of each port is shown."""
+        return self.words[MOMENT]
+
+    def due(self, now: int, time: int) -> bool:
+        """Whether the next moment is to be named.
+
+        now: ns of the monotonic clock; time: capture time of a source's newest message, ns.
+        """
+        words = self.words
+        return now >= words[NEXT] and (time >= words[MOMENT] or time + _BACKWARDS < words[MOMENT])
+
+    def name(self, moment: int, next_at: int) -> None:
+        """Name a moment, ns of capture time; the next one is due at `next_at`, ns of the monotonic clock."""
+        self.words[NEXT] = next_at
+        self.words[MOMENT] = moment
+
+    def close(self) -> None:
+        """Let go of the memory."""
+        self.words.release()
+        self._memory.close()
+
+
+def make_gate(folder: Path) -> Gate:
+    """A new gate in a folder. Raises OSError."""
+    (folder / FILE).write_bytes(bytes(SIZE))
+    return Gate(folder)

@@ -1,0 +1,45 @@
+"""The way from taps to the page: datagrams in a private folder, dropped where the page does not take them."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+from followspot.messages import Message
+from followspot.wire import pack
+
+SOCKET = "previews"
+MAX_DATAGRAM = 190_000
+"""Largest preview, bytes; sockets take a little more."""
+_SEPARATOR = b"\0"
+
+
+class Line:
+    """The sending end. Raises OSError where the folder's path is too long for a socket."""
+
+    def __init__(self, folder: Path) -> None:
+        self._address = str(folder / SOCKET)
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._socket.setblocking(False)
+        self.dropped = 0
+
+    def send(self, port: str, message: Message) -> None:
+        """Send a message of a port, or drop it: nobody waits for a page."""
+        head = _SEPARATOR.join((port.encode(), type(message).__name__.encode(), b""))
+        data = head + pack(message)
+        try:
+            if len(data) > MAX_DATAGRAM:
+                raise OSError("too large")
+            self._socket.sendto(data, self._address)
+        except OSError:
+            self.dropped += 1
+
+    def close(self) -> None:
+        """Close the socket."""
+        self._socket.close()
+
+
+def read(data: bytes) -> tuple[str, str, bytes]:
+    """Port, name of the message type and packed message of a datagram. Raises ValueError."""
+    port, kind, packed = data.split(_SEPARATOR, 2)
+    return port.decode(), kind.decode("ascii"), packed

@@ -1,0 +1,153 @@
+"""Taps show what belongs together, and never wait."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from followspot.messages import Header, Message, stamped
+from followspot.stage import Context
+from followspot.tracking import Frame, Tracks
+from followspot.wire import unpack
+from followspot_dashboard.gate import Gate, make_gate
+from followspot_dashboard.line import SOCKET, read
+from followspot_dashboard.pace import Pace
+from followspot_dashboard.picture import Picture, picture_of
+from followspot_dashboard.tap import Tap
+
+MS = 1_000_000
+
+
+def at(time_ms: float, message: Message) -> Message:
+    return stamped(message, Header("camera/cam0", 0, int(time_ms * MS)))
+
+
+def frame(value: int = 0, size: tuple[int, int] = (48, 64), channels: int = 3) -> Frame:
+    return Frame("cam0", np.full((*size, channels), value, np.uint8))
+
+
+class Listener:
+    """The page's end of the line."""
+
+    def __init__(self, folder: Path) -> None:
+        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.socket.setblocking(False)
+        self.socket.bind(str(folder / SOCKET))
+
+    def heard(self) -> list[tuple[str, str, bytes]]:
+        found = []
+        while True:
+            try:
+                found.append(read(self.socket.recv(1 << 18)))
+            except BlockingIOError:
+                return found
+
+
+@pytest.fixture
+def listener(tmp_path: Path) -> Iterator[Listener]:
+    found = Listener(tmp_path)
+    yield found
+    found.socket.close()
+
+
+@pytest.fixture
+def gate(tmp_path: Path) -> Iterator[Gate]:
+    made = make_gate(tmp_path)
+    made.watched = True
+    yield made
+    made.close()
+
+
+def tap(folder: Path, port: str = "camera/cam0.out", *, leads: bool = False, smooth: float = 0.0) -> Tap:
+    made = Tap(Context(name="tap"), folder=str(folder), port=port, leads=leads, smooth=smooth)
+    made.setup()
+    return made
+
+
+def test_a_picture_arrives_small_and_with_its_moment(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    tap(tmp_path).process(at(5, frame(90, (480, 640))))
+    [(port, kind, packed)] = listener.heard()
+    picture = unpack(packed, Picture)
+    assert isinstance(picture, Picture)
+    assert (port, kind) == ("camera/cam0.out", "Picture")
+    assert (picture.camera, picture.width, picture.height) == ("cam0", 640, 480)
+    assert picture.header.time == 5 * MS
+    pixels = cv2.imdecode(picture.jpeg, cv2.IMREAD_UNCHANGED)
+    assert pixels is not None
+    assert pixels.shape == (240, 320, 3)
+
+
+def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    gate.watched = False
+    tap(tmp_path).process(at(5, frame()))
+    assert listener.heard() == []
+
+
+def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    source = tap(tmp_path, leads=True)
+    second = tap(tmp_path, "camera/cam1.out")
+    for number in range(200):
+        source.process(at(10 * number, frame()))
+        second.process(at(10 * number + 3, frame()))  # its shutter opens 3 ms later
+    shown: dict[str, list[int]] = {"camera/cam0.out": [], "camera/cam1.out": []}
+    for port, _, packed in listener.heard():
+        picture = unpack(packed, Picture)
+        assert isinstance(picture, Picture)
+        shown[port].append(picture.header.time // (10 * MS))
+    assert len(shown["camera/cam0.out"]) < 200
+    assert shown["camera/cam0.out"] == shown["camera/cam1.out"]
+
+
+def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    source = tap(tmp_path, leads=True)
+    gate.name(90_000 * MS, next_at=0)
+    source.process(at(10, frame()))
+    source.process(at(20, frame()))
+    assert len(listener.heard()) == 1
+
+
+def test_tracks_are_shown_between_pictures_too(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    tracks = tap(tmp_path, "track.tracks", smooth=60.0)
+    gate.name(10**15, next_at=2**62)  # no moment comes
+    tracks.process(at(1, Tracks.empty()))
+    tracks.process(at(2, Tracks.empty()))  # too soon after the first
+    assert [kind for _, kind, _ in listener.heard()] == ["Tracks"]
+
+
+def test_a_page_that_does_not_listen_costs_previews_and_nothing_else(tmp_path: Path, gate: Gate) -> None:
+    busy = Listener(tmp_path)  # never reads
+    watched = tap(tmp_path)
+    for number in range(2000):
+        gate.name(number * MS, next_at=0)
+        watched.process(at(number, frame()))
+    assert watched.line is not None
+    assert watched.line.dropped > 0
+    busy.socket.close()
+
+
+def test_without_a_page_a_tap_passes_everything_over(tmp_path: Path) -> None:
+    warnings: list[str] = []
+    lonely = Tap(Context(warn=warnings.append), folder=str(tmp_path / "gone"))
+    lonely.setup()
+    lonely.process(at(0, frame()))
+    lonely.close()
+    assert len(warnings) == 1
+
+
+@pytest.mark.parametrize(("size", "channels"), [((0, 10), 3), ((10, 10), 2), ((10, 0), 1)])
+def test_a_frame_that_is_no_picture_has_no_preview(size: tuple[int, int], channels: int) -> None:
+    assert picture_of(frame(0, size, channels), 320) is None
+
+
+def test_the_next_moment_is_as_far_ahead_as_the_graph_comes_until_it_is_due() -> None:
+    pace = Pace()
+    for number in range(1, 7):
+        pace.add(number * 10 * MS)
+    assert pace.ahead(now=100 * MS, period=50 * MS) == 25 * MS  # 6 frames in 100 ms: 3 in 50, less a half
+    pace.add(70 * MS)
+    assert pace.ahead(now=600 * MS, period=50 * MS) == 5 * MS  # slower than pictures are shown: each frame

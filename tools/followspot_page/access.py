@@ -1,0 +1,78 @@
+"""Who may look: browsers that were given this page's address, and nobody through another page."""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import Awaitable, Callable, MutableMapping
+from typing import Any
+from urllib.parse import urlsplit
+
+from starlette.responses import PlainTextResponse
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Any]]
+Send = Callable[[Any], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self'"
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-cache",
+}
+
+
+class Doorkeeper:
+    """Refuses requests that come by way of another site.
+
+    A name that somebody else's DNS points here is refused by its Host, a page of another site by its Origin.
+    port: of this page; names: host names besides addresses that the page may be called by.
+    """
+
+    def __init__(self, app: App, port: int, names: frozenset[str]) -> None:
+        self.app = app
+        self.port = port
+        self.names = names
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Let in or refuse; what is not HTTP or WebSocket passes."""
+        if scope["type"] in ("http", "websocket") and not self._welcome(scope):
+            if scope["type"] == "websocket":
+                await receive()
+                await send({"type": "websocket.close", "code": 1008})
+                return
+            await PlainTextResponse("This page is not meant for other sites.\n", 403)(scope, receive, send)
+            return
+        await self.app(scope, receive, send)
+
+    def _welcome(self, scope: Scope) -> bool:
+        headers = {name.lower(): value.decode("latin-1") for name, value in scope["headers"]}
+        host = headers.get(b"host", "")
+        origin = headers.get(b"origin")
+        return self._known(host) and (origin is None or origin == f"http://{host}")
+
+    def _known(self, host: str) -> bool:
+        """Whether a Host header names this page: an address, or one of its names; never a stranger's name."""
+        try:
+            parts = urlsplit(f"//{host}")
+            name, port = parts.hostname or "", parts.port or 80
+        except ValueError:
+            return False
+        return port == self.port and (name in self.names or is_address(name))
+
+
+def is_address(name: str) -> bool:
+    """Whether a name is an address."""
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this computer reaches a host."""
+    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)

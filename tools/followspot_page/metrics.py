@@ -1,0 +1,122 @@
+"""The run's figures in the text format of Prometheus (version 0.0.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from followspot.graph.plan import PlannedEdge
+from followspot.messages import Message
+from followspot.room import Room
+from followspot.tracking import STATES, Tracks
+from followspot_page.picture_of_run import RunPicture
+
+CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
+_OUTCOMES = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
+
+
+class Targets:
+    """Which targets are tracked, after the newest messages that tell."""
+
+    def __init__(self, room: Room) -> None:
+        self.names = tuple(room.targets)
+        self.state: dict[str, str] = {}
+
+    def take(self, message: Message) -> None:
+        """A message; those that tell nothing of targets are passed over."""
+        if not isinstance(message, Tracks):
+            return
+        known = [(int(t), STATES[s]) for t, s in zip(message.target, message.state, strict=True)]
+        found = {self.names[target]: state for target, state in known if target < len(self.names)}
+        self.state = dict.fromkeys(self.names, "lost") | found
+
+
+def text(run: RunPicture, targets: Targets, browsers: int) -> str:
+    """All figures. browsers: that look on."""
+    figures = [
+        Figure("page_browsers", "gauge", "Browsers that look on.", [({}, browsers)]),
+        Figure("target_state", "gauge", "1 for the state that a target is in.", _states(targets)),
+        *(figure for part in (_whole, _edges, _stages, _workers) for figure in part(run)),
+    ]
+    return "".join(figure.text() for figure in figures)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure with all its samples."""
+
+    name: str
+    kind: Literal["counter", "gauge"]
+    about: str
+    samples: Iterable[tuple[Mapping[str, str], float]]
+
+    def text(self) -> str:
+        """As Prometheus reads it."""
+        name = f"followspot_{self.name}"
+        lines = [f"# HELP {name} {self.about}", f"# TYPE {name} {self.kind}"]
+        lines += [f"{name}{_labels(labels)} {value:.10g}" for labels, value in self.samples]
+        return "\n".join(lines) + "\n"
+
+
+def _whole(run: RunPicture) -> Iterator[Figure]:
+    fired = run.status.fired if run.status else 0
+    yield Figure("frames_total", "counter", "Frames that came to the end of the graph.", [({}, fired)])
+
+
+def _edges(run: RunPicture) -> Iterator[Figure]:
+    edges = [(_ends(edge), count) for edge, count in run.edges()]
+    sent = [(ends, count.sent) for ends, count in edges]
+    became = [
+        ({**ends, "outcome": outcome}, getattr(count, outcome))
+        for ends, count in edges
+        for outcome in _OUTCOMES
+    ]
+    yield Figure("edge_sent_total", "counter", "Messages sent on an edge.", sent)
+    yield Figure("edge_messages", "gauge", "What became of them; the sum is what was sent.", became)
+
+
+def _stages(run: RunPicture) -> Iterator[Figure]:
+    stages = [({"stage": stage.stage}, stage) for _, stage in run.stages()]
+    fired = [(name, stage.fired) for name, stage in stages]
+    skipped = [(name, stage.skipped) for name, stage in stages]
+    busy = [(name, stage.busy_ms / 1000.0) for name, stage in stages]
+    yield Figure("stage_fired_total", "counter", "Firings of a stage.", fired)
+    yield Figure("stage_skipped_total", "counter", "Firings that raised and were skipped.", skipped)
+    yield Figure("stage_busy_seconds_total", "counter", "Time that a stage has worked.", busy)
+
+
+def _workers(run: RunPicture) -> Iterator[Figure]:
+    workers = [({"worker": worker.name}, worker) for worker in run.workers()]
+    restarts = [(name, worker.restarts) for name, worker in workers]
+    running = [(name, worker.phase == "running") for name, worker in workers]
+    latency = [
+        ({"from": path.origin, "to": path.sink, "quantile": quantile}, ms / 1000.0)
+        for path in run.paths()
+        for quantile, ms in (("0.5", path.p50_ms), ("0.95", path.p95_ms))
+    ]
+    yield Figure("worker_restarts_total", "counter", "How often a worker was started again.", restarts)
+    yield Figure("worker_running", "gauge", "1 where a worker runs.", running)
+    yield Figure("path_latency_seconds", "gauge", "From a source to a sink, since the start.", latency)
+
+
+def _states(targets: Targets) -> list[tuple[Mapping[str, str], float]]:
+    return [
+        ({"target": name, "state": state}, state == now)
+        for name, now in targets.state.items()
+        for state in STATES
+    ]
+
+
+def _ends(edge: PlannedEdge) -> Mapping[str, str]:
+    return {"from": f"{edge.from_stage}.{edge.from_port}", "to": f"{edge.to_stage}.{edge.to_port}"}
+
+
+def _labels(labels: Mapping[str, str]) -> str:
+    if not labels:
+        return ""
+    return "{" + ",".join(f'{name}="{_escaped(value)}"' for name, value in labels.items()) + "}"
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", r"\\").replace('"', r"\"").replace("\n", r"\n")

@@ -1,0 +1,73 @@
+// The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
+import { Legend } from "./legend.js";
+import { Pipeline } from "./pipeline.js";
+import { Room } from "./room.js";
+import { Tiles } from "./tiles.js";
+import { Views } from "./views.js";
+
+const RETRY_MS = 3000;
+const $ = (id) => document.getElementById(id);
+
+const views = new Views();
+const tiles = new Tiles($("tiles"), views);
+const pipeline = new Pipeline($("groups"), $("detail"));
+const legend = new Legend($("legend"));
+const room = Room.on($("view"));
+$("flat").hidden = room !== null;
+$("view").hidden = room === null;
+
+function setLife(life, text) {
+  $("life").dataset.life = life;
+  $("life").textContent = text;
+}
+
+const takers = {
+  scene(scene) {
+    document.title = `${scene.graph} · followspot`;
+    $("graph").textContent = scene.graph;
+    $("room").textContent = scene.room.name;
+    tiles.show(scene.room);
+    pipeline.show(scene.stages);
+    legend.show(scene.room.targets);
+    room?.show(scene.room);
+  },
+  run(run) {
+    const running = run.stages.some((stage) => stage.state !== "over");
+    setLife(running ? "running" : "waiting", running ? "running" : "starting");
+    const path = run.paths.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);
+    const lost = run.edges.reduce((sum, e) => sum + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
+    $("rate").textContent = run.rate.toFixed(run.rate < 10 ? 1 : 0);
+    $("fired").textContent = run.expected ? `${run.fired} / ${run.expected}` : run.fired;
+    $("latency").textContent = path ? `${path.p50_ms.toFixed(1)} / ${path.p95_ms.toFixed(1)} ms` : "–";
+    $("lost").textContent = lost;
+    $("lost").className = lost ? "lossy" : "";
+    pipeline.update(run);
+  },
+  view(view) {
+    views.take(view);
+    if (view.kind === "Tracks") {
+      legend.tracks(view);
+      room?.tracks(view);
+    } else if (view.kind === "Poses" && !view.camera) {
+      room?.poses(view);
+    }
+    tiles.changed(view);
+  },
+};
+
+function connect(again) {
+  const socket = new WebSocket(`ws://${location.host}/look`);
+  socket.binaryType = "arraybuffer";
+  socket.onopen = () => again && location.reload(); // it may be another run, of another room
+  socket.onmessage = ({ data }) => {
+    if (typeof data !== "string") return tiles.picture(data);
+    const thing = JSON.parse(data);
+    takers[thing.type]?.(thing);
+  };
+  socket.onclose = () => {
+    setLife("ended", "ended");
+    setTimeout(connect, RETRY_MS, true);
+  };
+}
+
+connect(false);

@@ -1,0 +1,142 @@
+// The running graph: one card for each stage of the graph file, its instances and edges on demand.
+const WORST = ["absent", "sending", "processing", "getting", "over"];
+const LOSSES = ["dropped", "late", "unmatched", "invalid", "lost"];
+
+const groupOf = (stage) => stage.split("/")[0];
+const number = (value) => (value >= 100 ? value.toFixed(0) : value.toFixed(1));
+const lossOf = (edge) => LOSSES.reduce((sum, name) => sum + edge[name], 0);
+
+function make(tag, text = "", attributes = {}) {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  return Object.assign(element, attributes);
+}
+
+export class Pipeline {
+  constructor(list, detail) {
+    this.list = list;
+    this.detail = detail;
+    this.cards = new Map();
+    this.open = null;
+    this.run = null;
+    addEventListener("keydown", ({ key }) => key === "Escape" && this.show_detail(null));
+  }
+
+  show(stages) {
+    this.about = new Map(stages.map((stage) => [stage.name, stage]));
+    this.cards = new Map();
+    for (const { name, group } of stages) {
+      const card = this.cards.get(group) ?? new Card(group, () => this.toggle(group));
+      card.members.push(name);
+      this.cards.set(group, card);
+    }
+    this.list.replaceChildren(...[...this.cards.values()].map((card) => card.item));
+  }
+
+  update(run) {
+    this.run = run;
+    for (const card of this.cards.values()) {
+      const stages = run.stages.filter(({ stage }) => groupOf(stage) === card.group);
+      const edges = run.edges.filter(({ to }) => groupOf(to.split(".")[0]) === card.group);
+      card.update(stages, edges);
+    }
+    if (this.open) this.tell();
+  }
+
+  toggle(group) {
+    this.show_detail(this.open === group ? null : group);
+  }
+
+  show_detail(group) {
+    this.open = group;
+    for (const card of this.cards.values()) card.button.setAttribute("aria-expanded", card.group === group);
+    this.detail.hidden = group === null;
+    if (group && this.run) this.tell();
+  }
+
+  tell() {
+    const stages = this.run.stages.filter(({ stage }) => groupOf(stage) === this.open);
+    const ends = (end) => groupOf(end.slice(0, end.lastIndexOf("."))) === this.open;
+    const edges = this.run.edges.filter(({ from, to }) => ends(from) || ends(to));
+    const about = this.about.get(stages[0]?.stage ?? this.cards.get(this.open).members[0]);
+    const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
+    const errors = stages.filter(({ error }) => error).map(({ stage, error }) => `${stage}: ${error}`);
+    const scrolled = this.detail.scrollTop;
+    this.detail.replaceChildren(
+      make("h2", `${this.open} · ${about.uses}`),
+      make("p", params.join("   ") || "no parameters"),
+      ...errors.slice(0, 3).map((text) => make("pre", text)),
+      stageTable(stages),
+      make("h2", "edges"),
+      edgeTable(edges),
+    );
+    this.detail.scrollTop = scrolled;
+  }
+}
+
+class Card {
+  constructor(group, onclick) {
+    this.group = group;
+    this.members = [];
+    this.item = make("li");
+    this.button = make("button", "", { type: "button", onclick });
+    this.button.setAttribute("aria-expanded", "false");
+    this.button.setAttribute("aria-controls", "detail");
+    this.name = make("b", group);
+    this.state = make("span", "–", { className: "state" });
+    this.note = make("span", "", { className: "note", hidden: true });
+    this.load = make("i");
+    const bar = make("span", "", { className: "load" });
+    bar.append(this.load);
+    this.button.append(this.name, this.state, this.note, bar);
+    this.item.append(this.button);
+  }
+
+  update(stages, edges) {
+    if (!stages.length) return;
+    const worst = WORST.find((state) => stages.some((stage) => stage.state === state));
+    const loss = edges.reduce((sum, edge) => sum + lossOf(edge), 0);
+    const failed = stages.some(({ error }) => error);
+    const load = Math.max(...stages.map((stage) => stage.load));
+    if (stages.length > 1) this.name.replaceChildren(this.group, make("small", ` ×${stages.length}`));
+    this.state.textContent = `${number(Math.max(...stages.map(({ rate }) => rate)))}/s · ${worst}`;
+    this.state.dataset.state = worst;
+    this.note.hidden = !(loss || failed);
+    this.note.textContent = failed ? "error" : `${loss} not delivered`;
+    this.button.className = failed || worst === "absent" ? "bad" : "";
+    this.load.style.transform = `scaleX(${Math.min(1, load).toFixed(3)})`;
+    this.button.title = `busiest instance: ${(100 * load).toFixed(0)} % of one processor`;
+  }
+}
+
+function table(head, rows) {
+  const element = make("table");
+  const line = (tag, cells) => {
+    const row = make("tr");
+    row.append(...cells.map((cell) => (cell instanceof Node ? cell : make(tag, cell))));
+    return row;
+  };
+  element.append(line("th", head), ...rows.map((cells) => line("td", cells)));
+  return element;
+}
+
+function stageTable(stages) {
+  const rows = stages.map((s) => [s.stage, s.worker, s.state, waits(s), number(s.rate), `${(100 * s.load).toFixed(0)} %`, s.fired, s.skipped, s.restarts]);
+  return table(["stage", "worker", "state", "on", "per second", "load", "fired", "skipped", "restarts"], rows);
+}
+
+function edgeTable(edges) {
+  const counts = ["sent", "delivered", ...LOSSES, "in_flight"];
+  const rows = edges.map((edge) => [
+    `${edge.from} → ${edge.to}`,
+    edge.kind,
+    number(edge.rate),
+    ...counts.map((name) => make("td", edge[name], { className: LOSSES.includes(name) && edge[name] ? "lossy" : "" })),
+  ]);
+  return table(["edge", "kind", "per second", ...counts.map((name) => name.replace("_", " "))], rows);
+}
+
+function waits({ state, on }) {
+  const first = on[0]?.split(" -> ")[state === "sending" ? 1 : 0] ?? "";
+  return on.length > 1 ? `${first} +${on.length - 1}` : first;
+}

@@ -1,0 +1,86 @@
+// A target: a ball of light in its own colour, its trail, its uncertainty, and its light on the floor.
+import {
+  AdditiveBlending, BufferGeometry, Color, Float32BufferAttribute, Group, Line, LineBasicMaterial, LineSegments,
+  Mesh, MeshBasicMaterial, PlaneGeometry, SphereGeometry, Vector3, WireframeGeometry,
+} from "./three.module.min.js";
+import { glow, words } from "./light.js";
+
+const TRAIL = 75; // places, at 30 a second
+const FOLLOW = 16; // 1/s: how fast the ball goes to where the track is
+
+export class Target {
+  constructor({ name, color, radius }, texture) {
+    this.color = new Color(color);
+    this.goal = new Vector3();
+    this.trail = [];
+    this.group = new Group();
+    this.group.visible = false;
+    this.ball = new Group();
+    const core = new Mesh(new SphereGeometry(radius, 24, 16), new MeshBasicMaterial({ color: this.color }));
+    this.halo = glow(texture, this.color, radius * 11);
+    this.cloud = new LineSegments(
+      new WireframeGeometry(new SphereGeometry(1, 10, 6)),
+      new LineBasicMaterial({ color: this.color, transparent: true, opacity: 0.35 }),
+    );
+    const label = words(name, color, 0.024);
+    label.position.z = radius + 0.2;
+    this.ball.add(core, this.halo, this.cloud, label);
+    this.pool = new Mesh(
+      new PlaneGeometry(1.5, 1.5),
+      new MeshBasicMaterial({ map: texture, color: this.color, blending: AdditiveBlending, transparent: true, opacity: 0.55, depthWrite: false }),
+    );
+    this.tail = line(TRAIL, { blending: AdditiveBlending, vertexColors: true });
+    this.drop = line(2, { color: this.color, opacity: 0.35 });
+    this.group.add(this.ball, this.pool, this.tail, this.drop);
+  }
+
+  move(xyz, sigma, state, time) {
+    this.goal.set(...xyz);
+    if (!this.group.visible) this.ball.position.copy(this.goal);
+    this.group.visible = true;
+    if (this.trail.length && time < this.trail.at(-1).time) this.trail = [];
+    this.trail.push({ xyz, time });
+    if (this.trail.length > TRAIL) this.trail.shift();
+    this.cloud.scale.set(...sigma.map((s) => Math.max(s ?? 0, 1e-4)));
+    this.halo.material.opacity = state === "tracked" ? 1 : 0.35;
+  }
+
+  lose() {
+    this.group.visible = false;
+    this.trail = [];
+  }
+
+  step(seconds) {
+    if (!this.group.visible) return;
+    this.ball.position.lerp(this.goal, 1 - Math.exp(-FOLLOW * seconds));
+    const { x, y, z } = this.ball.position;
+    this.pool.position.set(x, y, 0.01);
+    this.pool.material.opacity = 0.6 / (1 + 0.35 * z);
+    fill(this.drop, [[x, y, z], [x, y, 0]]);
+    const places = [...this.trail.slice(0, -1).map((at) => at.xyz), [x, y, z]];
+    fill(this.tail, places, (i) => this.color.clone().multiplyScalar((i / TRAIL) ** 1.5 * 0.9));
+  }
+}
+
+function line(count, { vertexColors = false, ...look }) {
+  const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(3 * count, 3));
+  if (vertexColors) geometry.setAttribute("color", new Float32BufferAttribute(3 * count, 3));
+  const made = new Line(geometry, new LineBasicMaterial({ transparent: true, depthWrite: false, vertexColors, ...look }));
+  made.frustumCulled = false;
+  return made;
+}
+
+function fill({ geometry }, places, colorAt) {
+  const { position, color } = geometry.attributes;
+  const from = position.count - places.length;
+  places.forEach((place, i) => {
+    position.setXYZ(i, ...place);
+    if (color) {
+      const shade = colorAt(from + i);
+      color.setXYZ(i, shade.r, shade.g, shade.b);
+    }
+  });
+  position.needsUpdate = true;
+  if (color) color.needsUpdate = true;
+  geometry.setDrawRange(0, places.length);
+}

@@ -1,0 +1,138 @@
+// One tile for each camera: its picture, and over it what was detected, where it was searched, where tracks are.
+const PERSON_HUES = [205, 28, 140, 275, 52, 330];
+
+export class Tiles {
+  constructor(section, views) {
+    this.section = section;
+    this.views = views;
+    this.tiles = new Map();
+    this.colors = [];
+  }
+
+  show(room) {
+    this.colors = room.targets.map(({ color }) => color);
+    this.tiles = new Map(room.cameras.map((camera) => [camera.name, new Tile(camera, this)]));
+    this.section.replaceChildren(...[...this.tiles.values()].map((tile) => tile.figure));
+  }
+
+  // bytes: length of the camera's name, the name, width, height, ms, the JPEG.
+  picture(bytes) {
+    const data = new DataView(bytes);
+    const end = 1 + data.getUint8(0);
+    const name = new TextDecoder().decode(bytes.slice(1, end));
+    const time = data.getFloat64(end + 4, true);
+    const jpeg = new Blob([bytes.slice(end + 12)], { type: "image/jpeg" });
+    createImageBitmap(jpeg).then((image) => this.tiles.get(name)?.show(image, time), () => {});
+  }
+
+  changed(view) {
+    for (const tile of this.tiles.values()) {
+      if (!view.camera || view.camera === tile.camera.name) tile.redraw();
+    }
+  }
+}
+
+class Tile {
+  constructor(camera, { views, colors }) {
+    this.camera = camera;
+    this.views = views;
+    this.colors = colors;
+    this.image = null;
+    this.time = 0;
+    this.waiting = false;
+    this.figure = document.createElement("figure");
+    this.figure.className = "dark";
+    this.canvas = document.createElement("canvas");
+    const [width, height] = camera.size;
+    this.scale = Math.max(1, Math.min(2, devicePixelRatio, 960 / width)) * Math.min(1, 640 / width);
+    this.canvas.width = Math.round(width * this.scale);
+    this.canvas.height = Math.round(height * this.scale);
+    const caption = document.createElement("figcaption");
+    caption.textContent = camera.name;
+    const kind = document.createElement("small");
+    kind.textContent = camera.kind;
+    caption.append(kind);
+    this.figure.append(this.canvas, caption);
+  }
+
+  show(image, time) {
+    this.image?.close();
+    this.image = image;
+    this.time = time;
+    this.figure.className = "";
+    this.redraw();
+  }
+
+  redraw() {
+    if (this.waiting || !this.image) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    const pen = this.canvas.getContext("2d");
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.drawImage(this.image, 0, 0, this.canvas.width, this.canvas.height);
+    pen.scale(this.scale, this.scale);
+    for (const view of this.views.at(this.time)) {
+      if (!view.camera || view.camera === this.camera.name) DRAW[view.kind]?.(pen, view, this);
+    }
+  }
+
+  line(number) {
+    return Math.max(this.camera.size[0] / 320, 0.6) * number;
+  }
+}
+
+function circle(pen, [x, y, r], tile, color, { width = 1.2, dash = [] } = {}) {
+  pen.strokeStyle = color;
+  pen.lineWidth = tile.line(width);
+  pen.setLineDash(dash.map((d) => tile.line(d)));
+  pen.beginPath();
+  pen.arc(x, y, Math.max(r, tile.line(2)), 0, 2 * Math.PI);
+  pen.stroke();
+}
+
+const person = (number) => `hsl(${PERSON_HUES[number % PERSON_HUES.length]} 90% 65%)`;
+
+const DRAW = {
+  Blobs(pen, { pixel, radius, target }, tile) {
+    pixel.forEach(([x, y], i) => circle(pen, [x, y, radius[i] + tile.line(2)], tile, tile.colors[target[i]] ?? "#ffffff99"));
+  },
+  Forecast(pen, { images }, tile) {
+    images[tile.camera.name]?.forEach((place, t) => place && circle(pen, [place[0], place[1], Math.min(Math.max(place[2], tile.line(9)), tile.line(60))], tile, `${tile.colors[t]}66`, { width: 0.9, dash: [3, 3] }));
+  },
+  Tracks(pen, { target, images }, tile) {
+    images[tile.camera.name]?.forEach((place, i) => {
+      if (!place) return;
+      const [x, y, r] = place;
+      const color = tile.colors[target[i]] ?? "#fff";
+      const inner = Math.max(r, tile.line(3)) + tile.line(3);
+      const outer = inner + tile.line(4);
+      pen.strokeStyle = color;
+      pen.lineWidth = tile.line(1.6);
+      pen.setLineDash([]);
+      pen.beginPath();
+      for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+        pen.moveTo(x + dx * inner, y + dy * inner);
+        pen.lineTo(x + dx * outer, y + dy * outer);
+      }
+      pen.stroke();
+    });
+  },
+  Boxes(pen, { box }, tile) {
+    pen.strokeStyle = "#ffffff99";
+    pen.lineWidth = tile.line(1);
+    pen.setLineDash([]);
+    for (const [x0, y0, x1, y1] of box) pen.strokeRect(x0, y0, x1 - x0, y1 - y0);
+  },
+  Poses(pen, { person: number, images }, tile) {
+    images[tile.camera.name]?.forEach((place, i) => place && circle(pen, place, tile, person(number[i]), { width: 2 }));
+  },
+  ImageTracks(pen, { target, pixel }, tile) {
+    pixel.forEach(([x, y], i) => circle(pen, [x, y, tile.line(8)], tile, tile.colors[target[i]] ?? "#fff", { width: 1.6 }));
+  },
+};

@@ -1,0 +1,125 @@
+"""Messages as the page shows them: JSON types, rounded to what an eye can see."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from followspot.geometry import project
+from followspot.messages import Array, Message
+from followspot.people import Boxes, Poses
+from followspot.room import Room
+from followspot.tracking import STATES, Blobs, Forecast, Frame, ImageTracks, Tracks
+from followspot_dashboard.picture import Picture
+
+SHOWN: tuple[type[Message], ...] = (Frame, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks)
+"""Types of messages that the page can show."""
+SMOOTH: tuple[type[Message], ...] = (Tracks, Poses)
+"""Those that are shown more often than pictures."""
+_SENT: tuple[type[Message], ...] = (Picture, *SHOWN[1:])
+KINDS: Mapping[str, type[Message]] = {kind.__name__: kind for kind in _SENT}
+"""What taps send, by name."""
+_SEARCH = 3.0
+"""Radius of a drawn search region, in standard deviations of the forecast."""
+
+
+def view(message: Message, room: Room) -> dict[str, Any]:
+    """What the page needs to draw a message; all but pictures."""
+    return {
+        "kind": type(message).__name__,
+        "time": message.header.time / 1e6,
+        "seq": message.header.seq,
+        **_VIEWS[type(message)](message, room),
+    }
+
+
+def _blobs(m: Blobs, room: Room) -> dict[str, Any]:
+    return {
+        "camera": m.camera,
+        "pixel": _rounded(m.pixel, 1),
+        "radius": _rounded(np.sqrt(m.area / math.pi), 1),
+        "target": [row.index(True) if row.count(True) == 1 else -1 for row in m.targets.tolist()],
+    }
+
+
+def _tracks(m: Tracks, room: Room) -> dict[str, Any]:
+    radii = [target.radius for target in room.targets.values()]
+    radius = np.array([radii[i] if 0 <= i < len(radii) else 0.1 for i in m.target])
+    return {
+        "target": m.target.tolist(),
+        "state": [STATES[i] if i < len(STATES) else "" for i in m.state],
+        "xyz": _rounded(m.xyz, 4),
+        "sigma": _rounded(m.sigma, 4),
+        "images": _images(room, m.xyz, radius),
+    }
+
+
+def _forecast(m: Forecast, room: Room) -> dict[str, Any]:
+    spread = np.sqrt(np.maximum(0.0, np.einsum("tii->ti", m.covariance)).max(1, initial=0.0))
+    return {
+        "state": [STATES[i] if i < len(STATES) else "" for i in m.state],
+        "xyz": _rounded(m.xyz, 4),
+        "images": _images(room, m.xyz, _SEARCH * spread),
+    }
+
+
+def _poses(m: Poses, room: Room) -> dict[str, Any]:
+    head = np.column_stack([m.xy, m.height])
+    return {
+        "camera": m.camera,
+        "person": m.person.tolist(),
+        "state": [STATES[i] if i < len(STATES) else "" for i in m.state],
+        "xy": _rounded(m.xy, 3),
+        "height": _rounded(m.height, 3),
+        "heading": _rounded(m.heading, 3),
+        "pan": _rounded(m.pan, 3),
+        "tilt": _rounded(m.tilt, 3),
+        "sigma": _rounded(m.sigma[:, :2], 3),
+        "images": _images(room, head, np.full(len(head), 0.1)),
+    }
+
+
+def _boxes(m: Boxes, room: Room) -> dict[str, Any]:
+    return {"camera": m.camera, "box": _rounded(m.box, 1), "score": _rounded(m.score, 2)}
+
+
+def _image_tracks(m: ImageTracks, room: Room) -> dict[str, Any]:
+    return {"camera": m.camera, "target": m.target.tolist(), "pixel": _rounded(m.pixel, 1)}
+
+
+def _images(room: Room, xyz: Array, radius: Array) -> dict[str, list[list[float] | None]]:
+    """Where points appear in each camera, and how large: x, y, radius in px; None where they do not."""
+    found = {}
+    for name, camera in room.cameras.items():
+        pixel = project(camera, xyz)
+        distance = np.linalg.norm(xyz - camera.center, axis=1)
+        focal = float(abs(camera.matrix[0, 0]))
+        size = focal * radius / np.maximum(distance, 1e-6)
+        rows = np.column_stack([pixel, size])
+        width, height = camera.size
+        inside = np.isfinite(rows).all(1) & (pixel >= -50).all(1) & (pixel < [width + 50, height + 50]).all(1)
+        found[name] = [row if ok else None for row, ok in zip(_rounded(rows, 1), inside, strict=True)]
+    return found
+
+
+def _rounded(array: Array, digits: int) -> Any:
+    """Nested lists; what is not finite becomes None, for JSON knows no NaN."""
+    rounded = np.round(array, digits)
+    if np.isfinite(rounded).all():
+        return rounded.tolist()
+    boxed = rounded.astype(object)
+    boxed[~np.isfinite(rounded)] = None
+    return boxed.tolist()
+
+
+_VIEWS: dict[type[Message], Any] = {
+    Blobs: _blobs,
+    Tracks: _tracks,
+    Forecast: _forecast,
+    Poses: _poses,
+    Boxes: _boxes,
+    ImageTracks: _image_tracks,
+}
