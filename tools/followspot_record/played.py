@@ -79,6 +79,14 @@ def here(plan: Plan) -> Plan:
     return replace(plan, workers=workers, edges=tuple(edges))
 
 
+def alone(plan: Plan) -> Plan:
+    """The plan in one worker on this host."""
+    name = plan.workers[0].name
+    return here(
+        replace(plan, stages=tuple(replace(s, worker=name) for s in plan.stages), workers=plan.workers[:1])
+    )
+
+
 def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) -> PlannedStage:
     given: dict[str, Any] = {
         "path": str(clip.path.absolute()),

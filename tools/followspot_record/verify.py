@@ -18,7 +18,7 @@ from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
-from followspot_record.played import Clip, played, replay_of
+from followspot_record.played import Clip, alone, played, replay_of
 from followspot_record.ports import output_ports
 from followspot_record.record import Target, with_recording
 from followspot_record.replay import source_ports
@@ -42,7 +42,7 @@ def verify_command(args: argparse.Namespace) -> int:
         with tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
             new_path = Path(folder) / "again.mcap"
             target = Target(new_path, {"pictures": "none"}, {}, {})
-            _run(with_recording(plan, names, target), Path(folder), quiet=args.quiet)
+            _run(alone(with_recording(plan, names, target)), Path(folder), quiet=args.quiet)
             with Recording(new_path) as new:
                 rows = _compare(old, new, names, sources)
         problem, live = old.problem, old.metadata.get("live") == "true"
