@@ -170,6 +170,7 @@ async def serve(folder: Path) -> None:
     order = json.loads((folder / ORDER).read_bytes())
     page = Page(plan_from_data(order["plan"]), make_gate(folder))
     door = _door(order["host"], order["port"], firm=order["firm"])
+    door.listen()  # so that whoever is told of the port is not refused
     port = door.getsockname()[1]
     app = Doorkeeper(application(page), port, frozenset({"localhost", order["host"], socket.gethostname()}))
     server = uvicorn.Server(

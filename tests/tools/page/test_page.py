@@ -1,0 +1,256 @@
+"""The page's process: what it shows, to whom, and what it does not let itself be told."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection, connect
+
+from followspot.deploy.host import WorkerStatus
+from followspot.deploy.status import OnStatus, RunStatus
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.messages import Header, Message, stamped
+from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.tracking import Frame, Tracks
+from followspot_dashboard.gate import WATCHED, Gate
+from followspot_dashboard.line import Line
+from followspot_dashboard.picture import picture_of
+from followspot_page.showing import Address, folder, shown
+
+UPGRADE = """\
+GET /look HTTP/1.1
+Host: {host}
+Upgrade: websocket
+Connection: Upgrade
+Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==
+Sec-WebSocket-Version: 13
+
+"""
+JUNK = [b"", b"x", b"a\0Tracks\0junk", b"a\0Forecast\0" + bytes(70), b"a\0os\0x", b"\xff\0\xff\0\xff"]
+HELP = r"# (HELP|TYPE) followspot_\w+ .+"
+SAMPLE = r'followspot_\w+(\{(\w+="[^"]*",?)+\})? [-+.e\d]+'
+GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
+
+
+class Shown:
+    """A page that is being served, and the run's ends of its lines."""
+
+    def __init__(self, url: str, tell: OnStatus, plan: Plan) -> None:
+        self.url, self.tell, self.plan = url, tell, plan
+        self.host = urlsplit(url).netloc
+        self.line = Line(folder())
+        self.gate = Gate(folder())
+
+    def get(self, path: str, **headers: str) -> tuple[int, str, Any]:
+        request = urllib.request.Request(self.url + path, headers=headers)
+        try:
+            with urllib.request.urlopen(request, timeout=20) as answer:
+                return answer.status, answer.read().decode(), answer.headers
+        except urllib.error.HTTPError as error:
+            return error.code, error.read().decode(), error.headers
+
+    def look(self, origin: str | None = None, **options: Any) -> ClientConnection:
+        return connect(f"ws://{self.host}/look", origin=origin, proxy=None, **options)  # type: ignore[arg-type]
+
+
+@pytest.fixture(scope="module")
+def page() -> Iterator[Shown]:
+    plan = compile_graph(GRAPH)
+    with shown(plan, Address("127.0.0.1", 0, firm=True)) as (url, tell):
+        yield Shown(url, tell, plan)
+
+
+def at(ms: int, message: Message) -> Message:
+    return stamped(message, Header("camera/cam0", ms, ms * 1_000_000))
+
+
+def tracks(*states: int) -> Tracks:
+    rows = len(states)
+    place = np.tile([0.5, 0.25, 1.0], (rows, 1))
+    return Tracks(
+        np.arange(rows, dtype="i4"), np.array(states, "u1"), place, np.zeros((rows, 3)), place / 100
+    )
+
+
+def things(browser: ClientConnection, kind: str) -> Iterator[dict[str, Any]]:
+    """What a browser is sent of a type, as long as it asks."""
+    while True:
+        said = browser.recv(timeout=20)
+        if isinstance(said, str) and (thing := json.loads(said))["type"] == kind:
+            yield thing
+
+
+def next_picture(browser: ClientConnection) -> bytes:
+    while True:
+        said = browser.recv(timeout=20)
+        if isinstance(said, bytes):
+            return said
+
+
+def status(plan: Plan, fired: int = 7) -> RunStatus:
+    counts = [0] * (COLUMNS * len(plan.edges))
+    counts[:7] = [10, 6, 1, 1, 1, 0, 0]
+    stage = StageStatus("fuse", "sending", ("fuse.out -> track.positions",), 6, 1, 0, 1500.0, "it hurts")
+    worker = WorkerStatus(
+        "main", "running", fired, stages=(stage,), paths=(PathStatus("camera", "save", 1.5, 9.0),)
+    )
+    return RunStatus((worker,), tuple(counts), fired, 100, ("a worker is back",))
+
+
+def test_the_page_and_its_parts_are_there(page: Shown) -> None:
+    code, text, headers = page.get("")
+    assert code == 200
+    assert "script-src 'self'" in headers["Content-Security-Policy"]
+    for part in re.findall(r'(?:src|href)="/(static/[^"]+)"', text):
+        assert page.get(part)[0] == 200, part
+
+
+def test_every_module_that_the_page_imports_is_there(page: Shown) -> None:
+    waiting, seen = ["app.js"], set()
+    while waiting:
+        name = waiting.pop()
+        seen.add(name)
+        code, text, headers = page.get(f"static/{name}")
+        assert code == 200, name
+        assert "javascript" in headers["Content-Type"]
+        if not name.startswith("three"):
+            waiting += set(re.findall(r'from "\./([\w.]+)"', text)) - seen
+    assert len(seen) > 5
+
+
+@pytest.mark.parametrize(
+    "path", ["static/../server.py", "static/%2e%2e/server.py", "static//etc/passwd", "no"]
+)
+def test_no_other_file_is_served(page: Shown, path: str) -> None:
+    assert page.get(path)[0] in (400, 404)
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:8777", "127.0.0.1:1", "", "a b", "[::"])
+def test_a_request_under_another_name_is_refused(page: Shown, host: str) -> None:
+    assert page.get("metrics", Host=host)[0] in (400, 403)
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://127.0.0.1:1"])
+def test_a_page_of_another_site_sees_nothing(page: Shown, origin: str) -> None:
+    with pytest.raises(InvalidStatus) as refused, page.look(origin):
+        pass
+    assert refused.value.response.status_code == 403
+    assert page.get("status", Origin=origin)[0] == 403
+
+
+def test_a_browser_is_told_the_room_first_and_then_what_is_new(page: Shown) -> None:
+    with page.look(f"http://{page.host}") as browser:
+        scene = next(things(browser, "scene"))
+        assert [camera["name"] for camera in scene["room"]["cameras"]] == list(page.plan.room.cameras)
+        assert [target["name"] for target in scene["room"]["targets"]] == list(page.plan.room.targets)
+        page.line.send("track.tracks", at(40, tracks(1, 3)))
+        view = next(things(browser, "view"))
+    assert (view["kind"], view["time"], view["state"]) == ("Tracks", 40.0, ["tracked", "predicted"])
+    assert view["xyz"][0] == [0.5, 0.25, 1.0]
+    assert set(view["images"]) == set(page.plan.room.cameras)
+
+
+def test_pictures_are_asked_for_only_while_somebody_looks(page: Shown) -> None:
+    with page.look() as browser:
+        next(things(browser, "scene"))
+        assert page.gate.words[WATCHED]
+        picture = picture_of(at(80, Frame("cam1", np.zeros((24, 32, 1), "u1"))), 320)  # type: ignore[arg-type]
+        assert picture is not None
+        page.line.send("camera/cam1.out", picture)
+        data = next_picture(browser)
+    assert data.startswith(b"\x04cam1" + b"\x20\x00\x18\x00")
+    assert data.endswith(picture.jpeg.tobytes())
+    for _ in range(100):
+        if not page.gate.words[WATCHED]:
+            break
+        page.get("status")  # the page needs a moment to notice
+    assert not page.gate.words[WATCHED]
+
+
+def test_who_does_not_listen_holds_up_nobody_and_is_told_the_newest_only(page: Shown) -> None:
+    """The stalled browser's socket is full after some pictures; the other one sees every newest one."""
+    raw = socket.create_connection(page.host.split(":"))  # type: ignore[arg-type]
+    raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+    raw.sendall(UPGRADE.format(host=page.host).replace("\n", "\r\n").encode())
+    noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3), dtype="u1")
+    with page.look(max_size=None) as browser:
+        next(things(browser, "scene"))
+        for number in range(150):
+            picture = picture_of(at(number, Frame("cam0", noise)), 320)  # type: ignore[arg-type]
+            assert picture is not None
+            page.line.send("camera/cam0.out", picture)
+            page.line.send("track.tracks", at(number, tracks(1)))
+            while next(things(browser, "view"))["seq"] != number:
+                continue
+    assert page.line.dropped == 0
+    raw.close()
+
+
+@pytest.mark.parametrize("junk", JUNK)
+def test_what_is_no_preview_is_passed_over(page: Shown, junk: bytes) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
+        stranger.sendto(junk, str(folder() / "previews"))
+        stranger.sendto(junk, str(folder() / "status"))
+    with page.look() as browser:
+        next(things(browser, "scene"))
+        page.line.send("track.tracks", at(1, tracks(1)))
+        assert next(things(browser, "view"))["kind"] == "Tracks"
+
+
+def test_a_browser_that_says_too_much_is_let_go(page: Shown) -> None:
+    with page.look() as browser:
+        browser.send("x" * 5000)
+        with pytest.raises(ConnectionClosed):
+            list(things(browser, "nothing"))
+    assert page.get("")[0] == 200
+
+
+def test_what_a_browser_says_changes_nothing(page: Shown) -> None:
+    with page.look() as browser:
+        browser.send('{"type": "stop"}')
+        browser.send(b"\0\1\2")
+        assert next(things(browser, "run"))
+
+
+def test_there_is_a_most_of_browsers(page: Shown) -> None:
+    with ExitStack() as stack:
+        for _ in range(16):
+            next(things(stack.enter_context(page.look()), "scene"))
+        with pytest.raises(InvalidStatus):
+            stack.enter_context(page.look())
+
+
+def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
+    page.line.send("track.tracks", at(5, tracks(1)))
+    with page.look() as browser:
+        page.tell(status(page.plan))
+        run = next(run for run in things(browser, "run") if run["fired"] == 7)
+    assert run["stages"][0]["error"] == "it hurts"
+    assert run["edges"][0]["dropped"] == 1
+    assert json.loads(page.get("status")[1])["news"] == ["a worker is back"]
+    code, text, headers = page.get("metrics")
+    assert (code, headers["Content-Type"]) == (200, "text/plain; version=0.0.4; charset=utf-8")
+    samples = dict(re.findall(r"^([a-z_]+(?:\{.*\})?) (\S+)$", text, re.MULTILINE))
+    edge = page.plan.edges[0]
+    ends = f'from="{edge.from_stage}.{edge.from_port}",to="{edge.to_stage}.{edge.to_port}"'
+    became = [float(v) for k, v in samples.items() if k.startswith(f"followspot_edge_messages{{{ends},")]
+    assert sum(became) == float(samples[f"followspot_edge_sent_total{{{ends}}}"]) == 10
+    assert samples['followspot_target_state{target="green",state="tracked"}'] == "1"
+    assert samples['followspot_target_state{target="red",state="lost"}'] == "1"
+    assert samples['followspot_path_latency_seconds{from="camera",to="save",quantile="0.95"}'] == "0.009"
+    for line in text.splitlines():
+        assert re.fullmatch(f"{HELP}|{SAMPLE}", line), line
