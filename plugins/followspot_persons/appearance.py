@@ -21,6 +21,7 @@ from followspot_persons.condensation import Search
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.girth import girths_of
 from followspot_persons.identity import same_person
+from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
@@ -118,9 +119,12 @@ class Appearance(Stage):
         detections = [Detection(*row) for row in zip(boxes.box, boxes.torso, boxes.head, strict=True)]
         present = [p for p in self.people if not p.absent]
         pairs = self.assigned(present, detections, picture, now)
-        for person, box in pairs:
+        seen = picture
+        for person, box in sorted(pairs, key=lambda pair: self.distance(present[pair[0]])):
             score = float(boxes.score[box])
-            present[person] = self.updated(present[person], detections[box], score, picture, seconds, now)
+            known = self.updated(present[person], detections[box], score, seen, seconds, now)
+            seen = covered(seen, with_girth(self.shape, known.track.girth.mean), known.track.pose)
+            present[person] = known
         missed = set(range(len(present))) - {person for person, _ in pairs}
         kept = [p for i, p in enumerate(present) if i not in missed]
         kept += [p for i in sorted(missed) if (p := self.missed(present[i], seconds, now))]
@@ -128,6 +132,10 @@ class Appearance(Stage):
         gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.keep]
         self.people = self.recognised(kept + gone)
         return self.appearances(frame.camera)
+
+    def distance(self, person: Acquaintance) -> float:
+        """From the camera, m."""
+        return float(np.hypot(*(person.track.pose[:2] - self.camera.center[:2])))
 
     def assigned(
         self, people: list[Acquaintance], detections: list[Detection], picture: Picture, now: int
@@ -218,7 +226,8 @@ class Appearance(Stage):
             if likeness and max(likeness) >= self.params.likeness:
                 known = lost[int(np.argmax(likeness))]
                 others = [p for p in others if p is not known]
-                others.append(replace(newcomer, number=known.number, colors=known.colors))
+                track = replace(known.track.resumed(newcomer.track.particles), pose=newcomer.track.pose)
+                others.append(replace(newcomer, number=known.number, colors=known.colors, track=track))
             else:
                 self.numbers += 1
                 others.append(replace(newcomer, number=self.numbers))

@@ -17,6 +17,8 @@ POPULATION_SIGMA = 0.13
 """The same of two different people, m."""
 INDEPENDENT = 0.25
 """Share of the features that speak independently: neighbours wear the same."""
+MISPLACED = 0.2
+"""Share of the features that show something else: an arm, a bag, what is behind the person."""
 
 
 def same_person(
@@ -24,13 +26,14 @@ def same_person(
 ) -> float:
     """Log of how much likelier two models are of one person than of two.
 
-    Each feature seen in both counts by its evidence; statures: m, of a and b.
+    Each feature seen in both counts by its evidence, and may be misplaced; statures: m, of a and b.
     """
     weight = np.minimum(a.evidence, b.evidence)
     weight = INDEPENDENT * weight / np.maximum(weight + 1.0, 1e-9)
     difference = plane(a.mean) - plane(b.mean)
     own = np.column_stack([np.diag(relations.chroma)] * 2 + [np.diag(relations.intensity)])
-    colors = (weight[:, None] * _log_ratio(difference, LIGHT**2, LIGHT**2 + 2 * own)).sum()
+    ratio = _log_ratio(difference, LIGHT**2, LIGHT**2 + 2 * own).sum(axis=1)
+    colors = (weight * np.logaddexp(np.log(1 - MISPLACED) + ratio, np.log(MISPLACED))).sum()
     height = _log_ratio(
         np.array(statures[0] - statures[1]), np.array(STATURE_SIGMA**2), np.array(POPULATION_SIGMA**2)
     )

@@ -35,6 +35,8 @@ SCALE_SIGMA = 0.06
 """Error of a distance that is told by a body's size, of the distance."""
 STATURE_MEMORY = 60.0
 """Pictures that the height is a mean of."""
+ALIKE = 6.0
+"""Pictures in a row that say of the height what one does: a mistake must not make itself certain."""
 WALKING, STRIDING = 0.25, 0.6
 """Speeds at which the course begins to tell the heading, and does so fully, m/s."""
 CONCENTRATION = 8.0
@@ -78,7 +80,7 @@ class Track:
     @property
     def habits(self) -> Habits:
         """What the person's past says of the next pose."""
-        sigma = max(STATURE_FLOOR, STATURE_SIGMA / np.sqrt(1 + self.weight / 2))
+        sigma = max(STATURE_FLOOR, STATURE_SIGMA / np.sqrt(1 + self.weight / ALIKE))
         speed = float(np.hypot(*self.velocity))
         walking = float(np.clip((speed - WALKING) / (STRIDING - WALKING), 0, 1))
         course = float(np.arctan2(self.velocity[1], self.velocity[0]))
