@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint docs clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/demo: pyproject.toml
@@ -21,6 +21,13 @@ demo: $(VENV)/demo  ## track glowing balls in a simulated room
 
 test: $(VENV)/dev  ## all tests, a file on each core; threads of BLAS would only wait for each other
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+
+$(VENV)/docs: $(VENV)/demo
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
+	@touch $@
+
+docs: $(VENV)/docs  ## the documents as pages, runs/docs/index.html
+	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs runs/docs
 
 lint: $(VENV)/dev  ## style, types, layers
 	@$(BIN)/ruff check .
