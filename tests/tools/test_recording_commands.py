@@ -172,6 +172,21 @@ def test_ports_become_tables_and_lines(
     assert not list(tmp_path.glob("camera*"))
 
 
+def test_parquet_has_the_rows_of_the_table_with_their_types(show: Path, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    for form in ("csv", "parquet"):
+        ports = ["--ports", "track,verify"]
+        assert main(["export", str(show), str(tmp_path), "--to", form, *ports]) == 0
+    for port in ("track.tracks", "track.forecast", "verify.out"):
+        with (tmp_path / f"{port}.csv").open(newline="") as file:
+            lines = list(csv.DictReader(file))
+        table = parquet.read_table(tmp_path / f"{port}.parquet")
+        assert table.num_rows == len(lines) > 0
+        assert table.column_names == list(lines[0])
+    assert str(table.schema.field("epipolar").type) == "double"
+    assert table["epipolar"].to_pylist() == [float(line["epipolar"]) for line in lines]
+
+
 @pytest.mark.parametrize(
     ("command", "said"),
     [

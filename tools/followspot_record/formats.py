@@ -6,11 +6,14 @@ import csv
 import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from followspot.messages import Message
-from followspot_record.rows import as_json, headings, rows
+from followspot_record.rows import TEXT, as_json, headings, rows
 
+_GROUP = 1 << 14
 Write = Callable[[Path, type[Message], Iterator[Message]], int]
 
 
@@ -45,4 +48,31 @@ def write_jsonl(path: Path, kind: type[Message], messages: Iterator[Message]) ->
     return count
 
 
-FORMATS: Mapping[str, Format] = {"csv": Format(write_csv), "jsonl": Format(write_jsonl)}
+def write_parquet(path: Path, kind: type[Message], messages: Iterator[Message]) -> int:
+    """A row for each row of each message, in groups that fit into memory."""
+    import pyarrow as pa
+    from pyarrow.parquet import ParquetWriter
+
+    codes = headings(kind)
+    schema = pa.schema(
+        [(name, pa.string() if code == TEXT else pa.from_numpy_dtype(code)) for name, code in codes.items()]
+    )
+    count = 0
+    waiting: list[tuple[Any, ...]] = []
+    with ParquetWriter(path, schema) as writer:
+        for message in chain(messages, [None]):
+            waiting += () if message is None else rows(message)
+            if waiting and (message is None or len(waiting) >= _GROUP):
+                columns = zip(*waiting, strict=True)
+                arrays = [pa.array(c, f.type) for c, f in zip(columns, schema, strict=True)]
+                writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
+                count += len(waiting)
+                waiting.clear()
+    return count
+
+
+FORMATS: Mapping[str, Format] = {
+    "csv": Format(write_csv),
+    "jsonl": Format(write_jsonl),
+    "parquet": Format(write_parquet, "pyarrow"),
+}

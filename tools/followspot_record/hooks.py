@@ -33,9 +33,10 @@ Exit code 0 where all are the same, 1 where not; then the first difference is na
 
   followspot verify show.mcap
 """
-EXPORT = """write the ports of a recording as tables or lines of JSON, a file for each
+EXPORT = """write the ports of a recording as tables or lines of JSON, a file for each; parquet needs pyarrow
 
   followspot export show.mcap --to csv tables
+  followspot export show.mcap --to parquet tables
   followspot export show.mcap --to jsonl lines --ports track.tracks
 """
 
@@ -119,7 +120,7 @@ def configure_export(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     parser.add_argument("folder", metavar="DIR", help="where the files go; made where it is missing")
-    parser.add_argument("--to", choices=("csv", "jsonl"), required=True, help="format")
+    parser.add_argument("--to", choices=("csv", "jsonl", "parquet"), required=True, help="format")
     parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="which ports (default: all but pictures)")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
 

@@ -10,19 +10,31 @@ from typing import Any
 
 import numpy as np
 
+from followspot.errors import FollowspotError
 from followspot.messages import Array, Column, Message
 
-_HEAD = ("seq", "time_ns", "source")
+TEXT = ""
+"""Stands for the type of a column of texts."""
+_HEAD = {"seq": "i8", "time_ns": "i8", "source": TEXT}
+_SCALARS: dict[Any, str] = {int: "i8", float: "f8", bool: "?"}
 
 
-def headings(kind: type[Message]) -> tuple[str, ...]:
-    """Names of a table's columns; `xyz` of shape (N, 3) becomes xyz_0, xyz_1, xyz_2.
+def headings(kind: type[Message]) -> dict[str, str]:
+    """Names of a table's columns and numpy's codes of their types; `xyz` (N, 3) becomes xyz_0, xyz_1, xyz_2.
 
     A table has a row for each row of the message's first column. What is not as long, or has another size
-    that varies, stands as JSON in one column.
+    that varies, stands as JSON in one column. Raises FollowspotError where two would have one name.
     """
-    names = [name for column in kind.columns for name in _names(kind, column)]
-    return (*_HEAD, *(name for name, _ in kind.scalars), *names)
+    scalars = {name: _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
+    columns = {
+        name: column.dtype.str if _spread(kind, column) else TEXT
+        for column in kind.columns
+        for name in _names(kind, column)
+    }
+    found = _HEAD | scalars | columns
+    if len(found) < len(_HEAD) + len(scalars) + len(columns):
+        raise FollowspotError(f"{kind.__name__} has a field named like another column; export it to jsonl")
+    return found
 
 
 def rows(message: Message) -> Iterator[tuple[Any, ...]]:
