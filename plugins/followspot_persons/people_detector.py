@@ -12,7 +12,7 @@ from followspot_persons.panorama import full_turn
 
 WINDOW = (64, 128)
 """Of the detector, px."""
-UPPER = np.array([12.0, 16.0, 52.0, 57.0])
+UPPER = np.array([18.0, 14.0, 46.0, 56.0])
 """Where the window holds the upper body of a person who stands in it, px."""
 STRIDE = (8, 8)
 FINAL = 1.0
