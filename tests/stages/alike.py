@@ -88,6 +88,30 @@ class Silent(Stage):
         yield at(PERIOD, Note(2 if Heard.spoken.wait(PATIENCE) else -1))
 
 
+class Triple(Double):
+    """Cannot be set up."""
+
+    def setup(self) -> None:
+        raise ValueError("no tripling")
+
+
+class Gate(Stage):
+    """Holds one note until it is opened."""
+
+    class Params(StageParams):
+        at: int = Field(0, description="number of the note", unit="1")
+
+    params: Params
+    reached: ClassVar[threading.Event]
+    open: ClassVar[threading.Event]
+
+    def process(self, note: Note) -> Note:
+        if note.header.seq == self.params.at:
+            self.reached.set()
+            self.open.wait(PATIENCE)
+        return note
+
+
 class Collect(Stage):
     """Keeps what it gets; tests clear it."""
 

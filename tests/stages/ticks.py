@@ -176,6 +176,42 @@ class Accumulate(Stage):
         return tick(number.value + (before.value if before is not None else 0))
 
 
+class Tally(Stage):
+    """Counts what comes, in steps; a successor counts on. May be unable to begin, or to carry on."""
+
+    class Params(StageParams):
+        step: int = Field(1, description="added at every number", unit="1")
+        broken: bool = Field(False, description="whether it cannot be set up")
+        forgetful: bool = Field(False, description="whether it cannot carry on")
+
+    params: Params
+    count = 0
+
+    def setup(self) -> None:
+        if self.params.broken:
+            raise RuntimeError("the model is missing")
+
+    def process(self, number: Tick) -> Tick:
+        self.count += self.params.step
+        return tick(self.count)
+
+    def state(self) -> dict[str, int]:
+        return {"count": self.count}
+
+    def restore(self, state: dict[str, int]) -> None:
+        if self.params.forgetful:
+            raise KeyError("count")
+        self.count = state["count"]
+
+
+class Swapped(Stage):
+    """As `Add`, with its inputs in another order and one more."""
+
+    def process(self, before: Latest[Tick] = None, number: Tick = None) -> Tick:  # type: ignore[assignment]
+        assert before is None
+        return Tick(number.value + 5000, number.load)
+
+
 class Hoard(Stage):
     """Keeps every message, and says at the end of each whether all still hold what they held."""
 

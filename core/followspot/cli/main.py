@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from followspot.cli import agent, attach, certs, check, graph, plugins, router, run
+from followspot.cli import agent, attach, certs, check, graph, plugins, router, run, swap
 from followspot.errors import FollowspotError, InputError
 from followspot.plugins.hooks import Command
 
@@ -22,6 +22,7 @@ CORE = (
     agent.COMMAND,
     router.COMMAND,
     attach.COMMAND,
+    *swap.COMMANDS,
     *certs.COMMANDS,
 )
 """Commands of the core, in the order of `followspot --help`."""

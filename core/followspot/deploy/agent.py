@@ -6,16 +6,18 @@ import re
 import select
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from followspot.deploy.change_order import change_from_data
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
-from followspot.deploy.parcel import unpacked
+from followspot.deploy.parcel import unpacked, unpacked_stages
 from followspot.deploy.requests import Answers, agents
 from followspot.errors import FollowspotError
-from followspot.graph.ship import plan_from_data
+from followspot.graph.change import with_stages
+from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.bell import Bell
 from followspot.transport.zenoh_network import Network
@@ -138,6 +140,7 @@ class Agent:
             "stop": lambda run: self._part(run).run.stop(),
             "wind_down": lambda run: self._part(run).run.wind_down(),
             "status": lambda run: self._part(run).run.status().to_data(),
+            "change": self.change,
             "close": self.close,
             "knows": lambda run: run in self.parts,
             "runs": self.runs,
@@ -178,6 +181,20 @@ class Agent:
         if not part.started:
             part.started = True
             part.run.start()
+
+    def change(self, run: str, change: Any) -> None:
+        """One step of a change to stages that run here. Raises FollowspotError, ValueError."""
+        part = self._part(run)
+        order = change_from_data(change)
+        own = {stage.name for stage in part.run.plan.stages if stage.worker in part.run.workers}
+        if strangers := {stage.name for stage in order.stages} - own:
+            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {run[:8]} does not run here")
+        part.run.change(replace(order, stages=unpacked_stages(order.stages, self.options.media)))
+        if order.step == "take_over":
+            plan = with_stages(plan_from_data(part.order.plan), order.stages)
+            part.order = replace(part.order, plan=plan_to_data(plan))
+            names = ", ".join(stage.name for stage in order.stages)
+            self.tell(f"run {run[:8]} of {part.graph}: changed {names}")
 
     def close(self, run: str) -> None:
         """Forget a run; what still lives is killed."""

@@ -16,6 +16,7 @@ from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
 from followspot.deploy.status import OnStatus
 from followspot.errors import FollowspotError
+from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.runtime.wiring import RunOptions
@@ -104,19 +105,27 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
     with operating(network) as session:
         asker = Asker(session, network.own)
         run = chosen(found(asker), wanted)
-        hosts = [FarHost(asker, name, order=_order(asker, name, run.run)) for name in run.hosts]
-        order = hosts[0].order
-        assert order is not None
+        orders = {name: _order(asker, name, run.run) for name in run.hosts}
+        hosts = [FarHost(asker, name, order=order) for name, order in orders.items()]
         try:
             for host in hosts:
                 host.watch()
-            yield Attachment(run, Coordinator(plan_from_data(order.plan), hosts, order))
+            yield Attachment(run, Coordinator(_whole(orders), hosts, orders[run.hosts[0]]))
             if all(host.status().all("over") for host in hosts):
                 for host in hosts:
                     host.close()
         finally:
             for host in hosts:
                 host.leave()
+
+
+def _whole(orders: Mapping[str, RunOrder]) -> Plan:
+    """The plan of a run, the parameters of each stage from the host that it runs on: others have none."""
+    plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
+    first = next(iter(plans.values()))
+    place = {worker.name: worker.host for worker in first.workers}
+    own = [stage for name, plan in plans.items() for stage in plan.stages if place[stage.worker] == name]
+    return with_stages(first, own)
 
 
 def _order(asker: Asker, host: str, run: str) -> RunOrder:

@@ -12,11 +12,14 @@ import socket
 import sys
 import threading
 import time
+from contextlib import suppress
 from dataclasses import asdict
 from itertools import count
 from pathlib import Path
 from typing import Any
 
+from followspot.deploy.change_order import ChangeStatus, change_from_data
+from followspot.deploy.change_worker import WorkerChange
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.links import EdgeLinks, uses_zenoh
 from followspot.deploy.report import Warnings, worker_report
@@ -112,11 +115,15 @@ class Child:
 
     def _run(self) -> None:
         assert self.worker is not None
+        self.change = WorkerChange(self.worker, self._tell_change)
         self.worker.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
         signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
         threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
-        self.worker.run()
+        try:
+            self.worker.run()
+        finally:
+            self.change.close()
 
     def _listen(self) -> bool:
         """Something came from the agent, or it is gone."""
@@ -145,6 +152,12 @@ class Child:
                 self.links.renew(self.worker, order["edge"], sock)
             elif order["kind"] == "snapshot":
                 self._tell_states()
+            elif order["kind"] == "change":
+                self.change.obey(change_from_data(order["order"]))
+
+    def _tell_change(self, status: ChangeStatus) -> None:
+        with suppress(ChannelClosed):  # it is noticed where orders are read
+            self.channel.send("change", status=asdict(status))
 
     def _tell_states(self) -> None:
         """What successors of the stages would need to carry on."""

@@ -5,11 +5,17 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Iterator, Sequence
+from pathlib import Path
+from threading import Lock
 
+from followspot.deploy.change_hosts import change_hosts
+from followspot.deploy.changed import Changed, changed, with_change
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
 from followspot.deploy.status import OnStatus, RunStatus
+from followspot.errors import FollowspotError
+from followspot.graph.change import changed_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.runtime.wiring import RunOptions
@@ -39,12 +45,14 @@ class Coordinator:
         self.hosts = tuple(hosts)
         self.stopped = False
         self.order = order
+        self.name = order.run
         self._leaving = False
         self._stop_asked = self._winding_down = False
         self._give_up_at: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, and what is known of that."""
         self._news: list[str] = []
+        self._one_change = Lock()
 
     def stop(self) -> None:
         """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
@@ -89,6 +97,22 @@ class Coordinator:
             self._expected(),
             (*self._news, *(line for status in statuses for line in status.news)),
         )
+
+    def change(self, words: Sequence[str], folder: Path, *, fresh: bool = False) -> Changed:
+        """Swap stages and set parameters while the run goes on; safe beside the thread that watches.
+
+        words, folder: as `changed_stages` takes them; fresh: without the state of the old stages. Raises
+        InputError, or FollowspotError where a successor cannot be built or cannot carry on: the old ones do.
+        """
+        with self._one_change:
+            if not all(host.status().workers for host in self.hosts):
+                raise FollowspotError("the run has not begun yet; try again in a moment")
+            stages = changed_stages(self.plan, words, folder)
+            report = changed(self.name, self.plan, stages)
+            if stages:
+                change_hosts(self.plan, self.hosts, stages, fresh=fresh)
+                self.plan = with_change(self.plan, stages)
+            return report
 
     def leave(self) -> None:
         """Look on no longer; the run goes on. Safe in a signal handler."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,14 @@ from typing import Any
 
 import zenoh
 
+from followspot.deploy.change_order import ChangeOrder
 from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
-from followspot.deploy.parcel import packed
+from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE
 from followspot.errors import FollowspotError
-from followspot.graph.ship import plan_from_data
+from followspot.graph.change import with_stages
+from followspot.graph.ship import plan_from_data, plan_to_data
 
 _PERIOD = 0.2
 """Seconds between two questions for the status."""
@@ -45,6 +48,8 @@ class FarHost:
         self._heard = time.monotonic()
         self._news = threading.Event()
         self._over = threading.Event()
+        self._unheard: deque[str] = deque()
+        """Orders that were given while the host did not answer."""
         self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
@@ -65,12 +70,21 @@ class FarHost:
         self._ask("start", run=self.run)
 
     def stop(self) -> None:
-        """End the sources; a host that does not answer notices by itself that it was left."""
-        self._try("stop")
+        """End the sources."""
+        self._insist("stop")
 
     def wind_down(self) -> None:
         """Start nobody again."""
-        self._try("wind_down")
+        self._insist("wind_down")
+
+    def change(self, order: ChangeOrder) -> None:
+        """One step of a change; an agent that is started anew begins with the stages as they are then."""
+        assert self.order is not None
+        order = replace(order, stages=packed_stages(order.stages, self._media))
+        self._ask("change", _PREPARING, run=self.run, change=order.to_data())
+        if order.step == "take_over":
+            plan = with_stages(plan_from_data(self.order.plan), order.stages)
+            self.order = replace(self.order, plan=plan_to_data(plan))
 
     def attend(self, timeout: float) -> None:
         """Wait for news. Raises HostLost where none came for too long."""
@@ -92,14 +106,18 @@ class FarHost:
     def close(self) -> None:
         """End the run there, if it has not ended."""
         self.leave()
-        self._try("close")
+        with suppress(FollowspotError):  # a host that does not answer notices by itself that it was left
+            self._ask("close", run=self.run)
 
     def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
         return self._asker.ask(self.name, verb, timeout, **data)
 
-    def _try(self, verb: str) -> None:
+    def _insist(self, verb: str) -> None:
+        """Ask now, and again when the host answers, for the link may just be cut."""
         try:
             self._ask(verb, run=self.run)
+        except HostLost:
+            self._unheard.append(verb)
         except FollowspotError:
             return
 
@@ -114,6 +132,9 @@ class FarHost:
             with suppress(FollowspotError, ValueError, zenoh.ZError):
                 try:
                     self._refresh()
+                    while self._unheard:
+                        self._ask(self._unheard[0], run=self.run)
+                        self._unheard.popleft()
                 except HostLost:
                     raise
                 except FollowspotError:

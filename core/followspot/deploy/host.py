@@ -11,6 +11,7 @@ from typing import Any, Literal, Protocol
 
 import pydantic
 
+from followspot.deploy.change_order import ChangeOrder, ChangeStatus
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus
@@ -67,13 +68,14 @@ class HostStatus:
     """A host's part of a run.
 
     counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
-    it, oldest first; out: where its outputs are.
+    it, oldest first; out: where its outputs are; change: the newest one to its stages.
     """
 
     workers: tuple[WorkerStatus, ...]
     counts: tuple[int, ...]
     news: tuple[str, ...] = ()
     out: str = ""
+    change: ChangeStatus = ChangeStatus()
 
     def all(self, *phases: WorkerPhase) -> bool:
         """Whether every worker is in one of these phases."""
@@ -104,6 +106,9 @@ class Host(Protocol):
 
     def wind_down(self) -> None:
         """Somewhere a worker has come to its end: who dies from now on is not started again."""
+
+    def change(self, order: ChangeOrder) -> None:
+        """One step of a change; what becomes of it stands in the status. Raises FollowspotError."""
 
     def attend(self, timeout: float) -> None:
         """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""

@@ -11,14 +11,18 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from followspot.deploy.change_host import HostChange
+from followspot.deploy.change_order import ChangeOrder, ChangeStatus
 from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.links import uses_zenoh
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
 from followspot.deploy.supervision import Pulse, back_off
 from followspot.deploy.worker_process import WorkerProcess
+from followspot.errors import FollowspotError
+from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
+from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.transport.zenoh_network import Network
 
@@ -52,6 +56,7 @@ class HostRun:
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
+        self._change = HostChange()
 
     def prepare(self, order: RunOrder, ledger: Path | None = None) -> None:
         """Start all workers, each with its ends of the rings. Raises FollowspotError, OSError.
@@ -95,6 +100,18 @@ class HostRun:
         for worker in self.workers.values():
             worker.tell("final")
 
+    def change(self, order: ChangeOrder) -> None:
+        """One step of a change to stages of this host. Raises FollowspotError. Safe beside `attend`."""
+        if self._change.in_the_way_of(order):
+            raise FollowspotError("another change is under way; try again when it is done")
+        change = HostChange(order, self.plan, self.name)
+        for name in change.parts:
+            if self.workers[name].phase != "running":
+                raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
+        self._change = change
+        for name, part in change.parts.items():
+            self.workers[name].tell("change", order=part.to_data())
+
     def attend(self, timeout: float) -> None:
         """Hear what workers say, restart those that died, kill those that hang."""
         for key, _ in self._selector.select(timeout):
@@ -111,7 +128,8 @@ class HostRun:
     def status(self) -> HostStatus:
         """The newest picture."""
         workers = tuple(worker.status() for worker in self.workers.values())
-        return HostStatus(workers, tuple(self.ledger.words.tolist()), tuple(self.news), self.out)
+        counts = tuple(self.ledger.words.tolist())
+        return HostStatus(workers, counts, tuple(self.news), self.out, self._change.status())
 
     def fileno(self) -> int:
         """Readable when `attend` has something to hear."""
@@ -172,6 +190,8 @@ class HostRun:
         for message in worker.listen():
             if message["kind"] == "state":
                 self._states.setdefault(worker.name, {})[message["stage"]] = message["state"]
+            elif message["kind"] == "change":
+                self._changed(worker.name, ChangeStatus(**message["status"]))
         if not worker.open:
             self._selector.unregister(channel)
         if before == "starting" and worker.phase == "ready" and self._running:
@@ -183,6 +203,7 @@ class HostRun:
 
     def _ended(self, worker: WorkerProcess) -> None:
         """A worker has reported, or died."""
+        self._change.died(worker.name)
         report = worker.report
         failed_again = report is not None and bool(report.error) and worker.incarnation and worker.fired == 0
         if report is not None and not failed_again:
@@ -223,6 +244,15 @@ class HostRun:
             for worker in self.workers.values():
                 if worker.phase == "running":
                     worker.tell("snapshot")
+
+    def _changed(self, worker: str, answer: ChangeStatus) -> None:
+        """A worker's answer; who is started again from now on gets the stages that have taken over."""
+        if self._change.heard(worker, answer):
+            stages = self._change.parts[worker].stages
+            self.plan = with_stages(self.plan, stages)
+            self._plan_data = plan_to_data(self.plan)
+            for stage in stages:
+                self._states.get(worker, {}).pop(stage.name, None)
 
     def _tell_news(self, line: str) -> None:
         self.news.append(line)

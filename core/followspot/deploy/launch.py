@@ -5,11 +5,12 @@ from __future__ import annotations
 import signal
 from pathlib import Path
 from types import FrameType
-from typing import Protocol
+from typing import Any, Protocol
 
 from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.local import LocalRun, OnProgress
+from followspot.deploy.reachable import reachable
 from followspot.deploy.report import RunReport
 from followspot.deploy.status import OnStatus
 from followspot.graph.plan import Plan
@@ -50,10 +51,22 @@ def run_plan(
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return interruptible(Coordinator(plan, hosts, order), on_progress, on_status)
+            return _changeable(Coordinator(plan, hosts, order), on_progress, on_status)
     if len(plan.workers) == 1:
-        return interruptible(LocalRun(plan, options), on_progress, on_status)
-    return interruptible(Coordinator(plan, [HostRun("")], order), on_progress, on_status)
+        return _changeable(LocalRun(plan, options), on_progress, on_status)
+    return _changeable(Coordinator(plan, [HostRun("")], order), on_progress, on_status)
+
+
+def _changeable(
+    run: Coordinator | LocalRun, on_progress: OnProgress | None, on_status: OnStatus | None
+) -> RunReport:
+    """Execute; meanwhile other processes of the user can find the run and change it."""
+
+    def change(words: list[str], folder: str, fresh: bool = False) -> dict[str, Any]:
+        return run.change([str(word) for word in words], Path(folder), fresh=bool(fresh)).to_data()
+
+    with reachable(run.name, run.plan.graph, {"change": change}):
+        return interruptible(run, on_progress, on_status)
 
 
 def interruptible(

@@ -5,16 +5,21 @@ from __future__ import annotations
 import threading
 import time
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future
+from pathlib import Path
 
+from followspot.deploy.changed import Changed, changed, with_change
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
 from followspot.deploy.report import RunReport, Warnings, merge, worker_report
 from followspot.deploy.status import OnStatus, RunStatus
 from followspot.errors import FollowspotError
+from followspot.graph.change import changed_stages
 from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
+from followspot.runtime.succession import Successor, given_up, prepared, take_over
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Progress
 
@@ -22,6 +27,8 @@ OnProgress = Callable[[Progress, int | None], None]
 """Called a few times a second with the progress and the expected number of frames."""
 PROGRESS_PERIOD = 0.2
 """Seconds between two reports of progress."""
+_GLANCE = 0.01
+"""Seconds between two looks whether a change was made."""
 
 
 class LocalRun:
@@ -33,10 +40,41 @@ class LocalRun:
         self.warnings = Warnings()
         self.ledger = Ledger(len(plan.edges))
         self.stopped = False
-        self.links = _links(plan)
+        self.name = uuid.uuid4().hex
+        self._over = threading.Event()
+        self._one_change = threading.Lock()
+        self.links = _links(plan, self.name)
         options = RunOptions(options.out, options.frames, self.warnings.add)
         name = plan.workers[0].name
         self.worker = build_worker(Wiring(plan), name, self.ledger, options, self.links)
+
+    def change(self, words: Sequence[str], folder: Path, *, fresh: bool = False) -> Changed:
+        """Swap stages and set parameters while the run goes on; see `Coordinator.change`."""
+        with self._one_change:
+            stages = changed_stages(self.plan, words, folder)
+            report = changed(self.name, self.plan, stages)
+            successors = prepared(self.worker, stages)
+            done: Future[None] = Future()
+            self.worker.between_firings(lambda: self._take_over(successors, fresh, done))
+            while not done.done() and not self._over.wait(_GLANCE):
+                pass
+            if done.cancel() or done.cancelled():
+                given_up(successors)
+                raise FollowspotError("the run has ended")
+            done.result()
+            self.plan = with_change(self.plan, stages)
+            return report
+
+    def _take_over(self, successors: Sequence[Successor], fresh: bool, done: Future[None]) -> None:
+        """In the worker's thread, between two firings."""
+        if not done.set_running_or_notify_cancel():
+            return
+        try:
+            take_over(self.worker, successors, fresh=fresh)
+        except Exception as error:
+            done.set_exception(error)
+        else:
+            done.set_result(None)
 
     def stop(self) -> None:
         """End the sources; what is in flight is finished. Safe in a signal handler."""
@@ -56,6 +94,7 @@ class LocalRun:
         except FollowspotError as failure:
             error = str(failure)
         finally:
+            self._over.set()
             self.worker.close()
             self.links.close()
         seconds = time.monotonic() - started
@@ -106,7 +145,7 @@ class _Ticker:
             self._tick()
 
 
-def _links(plan: Plan) -> EdgeLinks:
+def _links(plan: Plan, run: str) -> EdgeLinks:
     """Edge ends within this process, for edges that were forced away from the plain call."""
     pairs = {number: socket_pair() for number in ring_edges(plan)}
     session = None
@@ -116,4 +155,4 @@ def _links(plan: Plan) -> EdgeLinks:
         session = open_session()
     sending = {number: pair[0] for number, pair in pairs.items()}
     receiving = {number: pair[1] for number, pair in pairs.items()}
-    return EdgeLinks(plan, sending, receiving, session, uuid.uuid4().hex)
+    return EdgeLinks(plan, sending, receiving, session, run)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
@@ -51,6 +51,24 @@ def unpacked(data: Any, host: str, media: Path | None, plugin_files: tuple[str, 
 
     stages = tuple(stage_here(stage) for stage in plan.stages)
     return plan_to_data(replace(plan, stages=stages, plugin_files=plugin_files))
+
+
+def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedStage, ...]:
+    """Stages as a host gets them that has the files below `media`; names that it gave are left as they are.
+
+    Raises FollowspotError where a stage reads a file from elsewhere.
+    """
+    return tuple(
+        _with_inputs(s, lambda p, n=s.name: _name_below(p, media, n) if Path(p).is_absolute() else p)  # type: ignore[misc]
+        for s in stages
+    )
+
+
+def unpacked_stages(stages: Sequence[PlannedStage], media: Path | None) -> tuple[PlannedStage, ...]:
+    """Stages as the host's workers get them. Raises FollowspotError; see `unpacked`."""
+    for stage in stages:
+        _check_outputs(stage)
+    return tuple(_with_inputs(s, lambda p, n=s.name: _path_below(p, media, n)) for s in stages)  # type: ignore[misc]
 
 
 def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
+from types import MappingProxyType
 from typing import Any, get_args
 
 import pydantic
@@ -18,17 +19,26 @@ _OPTION = "--"
 
 
 def validated(
-    stage: type[Stage], noun: str, params: Mapping[str, Node], place: Place, mistakes: list[Mistake]
+    stage: type[Stage],
+    noun: str,
+    params: Mapping[str, Node],
+    place: Place,
+    mistakes: list[Mistake],
+    *,
+    given: Mapping[str, Any] = MappingProxyType({}),
+    folder: Path = Path(),
 ) -> dict[str, Any] | None:
     """Parameters with their defaults in JSON types, input paths absolute; None where a mistake was noted.
 
-    noun: what is checked, as in 'stage "fuse" (balls.mean)'; place: where a missing parameter is noted.
+    noun: what is checked, as in 'stage "fuse" (balls.mean)'; place: where a missing parameter is noted;
+    given: values that were checked before, for the parameters that are not named; folder: what paths on the
+    command line are relative to.
     """
     before = len(mistakes)
     fields = stage.Params.model_fields
-    values = {name: _value(fields.get(name), name, node, mistakes) for name, node in params.items()}
+    values = {name: _value(fields.get(name), name, node, mistakes, folder) for name, node in params.items()}
     try:
-        model = stage.Params.model_validate(values)
+        model = stage.Params.model_validate({**given, **values})
     except pydantic.ValidationError as error:
         mistakes += [_mistake(detail, fields, noun, params, place) for detail in error.errors()]
         return None
@@ -46,14 +56,14 @@ def path_parameters(params: type[StageParams], mark: type) -> list[str]:
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]
 
 
-def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake]) -> Any:
+def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake], folder: Path) -> Any:
     """The plain value; paths are checked and input paths made absolute."""
     value = plain(node)
     if info is None or not isinstance(value, str):
         return value
     if _marked(info, PathIn):
         file = node.place.file
-        path = (Path() if file.startswith(_OPTION) else Path(file).parent) / value
+        path = (folder if file.startswith(_OPTION) else Path(file).parent) / value
         if "\0" in value or not path.exists():
             remedy = "paths are relative to the file that they are written in"
             mistakes.append(Mistake(node.place, f'"{name}" names {path!s}, which does not exist', remedy))

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from followspot.errors import FollowspotError
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
+from followspot.ports import ports
 from followspot.runtime.firing import Join
 from followspot.runtime.latency import LatencyHistogram
 from followspot.runtime.outlet import Outlet
@@ -133,6 +134,7 @@ class Cell:
         """Take the inputs of the firing that is due at this time."""
         arguments, fired = self.join.take(fire_at)
         self._passed = self.join.closed + 1
+        self.absent = False
         return Firing(arguments, _header(fired, fire_at))
 
     def run(self, firing: Firing) -> Any:
@@ -174,6 +176,14 @@ class Cell:
             return
         for port, outlet in self.outlets:
             self._say(outlet, None if result is None else getattr(result, port), header)
+
+    def succeed(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Another stage, which is set up and fits the edges, does the work from the next firing on."""
+        self.stage = stage
+        self.build = build
+        found = ports(type(stage))
+        self.join = self.join.read_by(found.inputs)
+        self.outlets = tuple(named for named in self.outlets if found.output(named[0]) is not None)
 
     def finish(self) -> None:
         """No more input: close the stage and end its outputs."""

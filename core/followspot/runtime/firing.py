@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from followspot.messages import Message
+from followspot.ports import InputPort as Declared
 from followspot.runtime.inlet import HeldInlet, Inlet
 from followspot.runtime.ledger import LATE, UNMATCHED
 from followspot.transport.token import ABSENT, END
@@ -51,6 +52,14 @@ class Join:
         """Capture time, ns, up to which everything was fired or given up."""
         self.in_time = UNMATCHED
         """Column for messages that come after their window closed; `LATE` once a deadline closed one."""
+
+    def read_by(self, inputs: Sequence[Declared]) -> Join:
+        """The same inputs for a stage with these ports, which may stand in another order."""
+        known = {port.name: port for port in self.ports}
+        arranged = [known.get(p.name) or InputPort(p.name, joined=p.kind == "joined") for p in inputs]
+        join = Join(arranged, window=self.window, slack=self.slack)
+        join.closed, join.in_time = self.closed, self.in_time
+        return join
 
     def ready(self, *, overdue: bool = False) -> int | None:
         """Capture time, ns, of the next firing, or None while it is not certain.

@@ -10,6 +10,7 @@ from typing import Any
 
 from followspot.messages import Header, Message
 from followspot.runtime.cell import Cell
+from followspot.stage import Stage
 
 _LIVE_DEPTH = 2
 """Frames that wait for the graph before the oldest is dropped: one to take, one being written."""
@@ -99,10 +100,7 @@ class LiveCell(SourceCell):
         self._box: deque[Any] = deque()
         self._lock = threading.Lock()
         self._shed = 0
-        self._error: Exception | None = None
-        self._over = False
-        self._thread = threading.Thread(target=self._grab, name=self.name, daemon=True)
-        self._thread.start()
+        self._begin()
 
     def stop(self) -> None:
         """Stop grabbing; what was grabbed is still sent."""
@@ -111,10 +109,21 @@ class LiveCell(SourceCell):
         if self._thread is not None:
             self._thread.join(timeout=2.0)
 
-    def _grab(self) -> None:
+    def succeed(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Another device delivers from now on; what the old one's thread has yet to give is not taken."""
+        super().succeed(stage, build)
+        self._begin()
+
+    def _begin(self) -> None:
+        self._error: Exception | None = None
+        self._over = False
+        self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
+        self._thread.start()
+
+    def _grab(self, stage: Stage) -> None:
         try:
-            for item in self.stage.process():
-                if self.stopped:
+            for item in stage.process():
+                if self.stopped or self.stage is not stage:
                     break
                 with self._lock:
                     if len(self._box) == _LIVE_DEPTH:
@@ -123,9 +132,11 @@ class LiveCell(SourceCell):
                     self._box.append((item, time.monotonic_ns()))
                 self.notify()
         except Exception as error:
-            self._error = error
-        self._over = True
-        self.notify()
+            if self.stage is stage:
+                self._error = error
+        if self.stage is stage:
+            self._over = True
+            self.notify()
 
     def _next(self) -> Any:
         with self._lock:

@@ -10,6 +10,7 @@ import os
 import select
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -64,14 +65,11 @@ class Worker:
         self.live = tuple(cell for cell in self.sources if isinstance(cell, LiveCell))
         self.readers = tuple(readers)
         self.writers = tuple(writers)
-        self.teams = teams(cells, self.mark)
-        self._steps: list[Callable[[], None]] = [cell.step for cell in cells]
-        for team in self.teams:
-            for cell in team.cells:
-                self._steps[cell.rank] = partial(team.step, cell)
+        self.regroup()
         self._ready: list[int] = []
         self._marked = [False] * len(cells)
         self._stopping = False
+        self._errands: deque[Callable[[], None]] = deque()
         self._poll = select.poll()
         self._watched: dict[int, Callable[[], bool]] = {}
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
@@ -87,6 +85,27 @@ class Worker:
         """Feedback came for this cell; look at it if that may be what it waits for."""
         if cell.done or any(inlet.queue for inlet in cell.join.members):
             self.mark(cell.rank)
+
+    def regroup(self) -> None:
+        """Form the teams: stages that are alike now."""
+        self.teams = teams(self.cells, self.mark)
+        self._steps: list[Callable[[], None]] = [cell.step for cell in self.cells]
+        for team in self.teams:
+            for cell in team.cells:
+                self._steps[cell.rank] = partial(team.step, cell)
+
+    def fire_waiting(self) -> bool:
+        """Fire members of a team without those that are not ready; False where none waits."""
+        for team in self.teams:
+            if team.waiting:
+                team.fire()
+                return True
+        return False
+
+    def between_firings(self, errand: Callable[[], None]) -> None:
+        """Let the worker's thread do something as soon as no stage is at work. Safe from any thread."""
+        self._errands.append(errand)
+        self.ring()
 
     def watch(self, fd: int, callback: Callable[[], bool]) -> None:
         """Call back when the descriptor is readable, until the callback says that it is over."""
@@ -200,9 +219,11 @@ class Worker:
             self._steps[rank]()
         if len(self._watched) > 1:
             self._receive(0)
+        while self._errands:
+            self._errands.popleft()()
         if self._stopping:
             self._stop_sources()
-        if self._ready or self._pull() or self._fire_waiting():
+        if self._ready or self._pull() or self.fire_waiting():
             return True
         if self._finished():
             return False
@@ -221,14 +242,6 @@ class Worker:
             if not source.blocked and (source.pull() or source.done):
                 reached = min(reached, source.bound)
         return reached < END
-
-    def _fire_waiting(self) -> bool:
-        """Nothing else can go on: fire members of a team without those that are not ready."""
-        for team in self.teams:
-            if team.waiting:
-                team.fire()
-                return True
-        return False
 
     def _finished(self) -> bool:
         """Whether all is done, sent, and received: feedback to a stage that has ended is still counted."""

@@ -88,6 +88,17 @@ class Pair(Stage):
         return blobs[0]
 
 
+class PairAgain(Pair):
+    """Another one."""
+
+
+class Masked(Pair):
+    """Reads a file."""
+
+    class Params(StageParams):
+        mask: InputPath = Field(description="where nothing is to be found")
+
+
 class Split(Stage):
     """Two outputs of one type."""
 
@@ -105,6 +116,14 @@ class Track(Stage):
         return Tracked(Tracks(blobs.xy), Forecast(blobs.xy))
 
 
+class TrackAgain(Track):
+    """With a parameter more."""
+
+    class Params(StageParams):
+        model: str = Field(description="name of the motion model")
+        gain: float = Field(2.0, description="factor", unit="1")
+
+
 class Any(Stage):
     """Passes blobs on; takes a hint of any type."""
 
@@ -120,6 +139,10 @@ class Save(Stage):
 
     def process(self, tracks: Tracks) -> None:
         return None
+
+
+class SaveAgain(Save):
+    """Another one, with the same file."""
 
 
 class Knowing(Stage):

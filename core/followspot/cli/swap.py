@@ -1,0 +1,81 @@
+"""`followspot swap` and `followspot set`: other stages, other parameters, while the graph runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from followspot.cli.agent_options import add_network_options, network_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "words",
+        nargs="+",
+        metavar="[GRAPH] STAGE=USES|STAGE.PARAMETER=VALUE",
+        help="the graph, or the beginning of the run's name, where several run; then the changes",
+    )
+    parser.add_argument(
+        "--fresh", action="store_true", help="begin without the state of the stages that are replaced"
+    )
+    parser.add_argument("--json", action="store_true", help="print what was changed as one JSON object")
+    parser.add_argument(
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="a file that agents have loaded, for runs under agents; repeatable",
+    )
+    add_network_options(parser)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.deploy.change import change
+    from followspot.errors import InputError, Mistake
+    from followspot.plugins.registry import use_plugin_files
+    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+
+    use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
+    named = "=" not in args.words[0]
+    wanted, words = (args.words[0], args.words[1:]) if named else (None, args.words)
+    if not words:
+        raise InputError([Mistake(None, "nothing is to be changed", "for example: fuse=balls.mean")])
+    changed = change(wanted, words, fresh=args.fresh, network=network_of(args, LOOPBACK, AGENT))
+    if args.json:
+        print(json.dumps(changed.to_data()))
+        return 0
+    lines = [f"  {stage.text}" for stage in changed.stages] or ["  nothing: it is so already"]
+    print("\n".join([f"run {changed.run[:8]} of {changed.graph}", *lines]))
+    return 0
+
+
+_ABOUT = """
+What is new is built beside what works, and takes over between two messages with the state of the old
+stage where both know how: nothing is lost. Where it cannot be built, the old stage goes on, and the command
+says why.
+"""
+
+SWAP = Command(
+    "swap",
+    f"""let other stages take the place of those that work, while the graph runs
+
+  followspot swap glowballs fuse=balls.mean
+  followspot swap fuse=balls.mean_shift fuse.steps=50
+{_ABOUT}""",
+    _configure,
+    _run,
+)
+SET = Command(
+    "set",
+    f"""change parameters of stages while the graph runs
+
+  followspot set glowballs color.similarity=0.7
+  followspot set color/cam0.similarity=0.7                    one camera of the only run there is
+{_ABOUT}""",
+    _configure,
+    _run,
+)
+COMMANDS = (SET, SWAP)

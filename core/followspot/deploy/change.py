@@ -1,0 +1,62 @@
+"""Change a graph that runs: `followspot swap`, `followspot set`, and whoever else wants to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from followspot.deploy.changed import Changed
+from followspot.deploy.reachable import RunHere, runs_here
+from followspot.errors import FollowspotError, InputError
+from followspot.transport.zenoh_network import Network
+
+
+def change(
+    wanted: str | None,
+    words: Sequence[str],
+    *,
+    fresh: bool = False,
+    folder: Path = Path(),
+    network: Network | None = None,
+) -> Changed:
+    """Swap stages (`fuse=balls.mean`) and set parameters (`color.similarity=0.7`) of a running graph.
+
+    Successors are built beside the stages that work, and take over between two firings, all or none; they
+    carry on from the state of the old ones where both know how, unless `fresh`. wanted: the graph's name, the
+    beginning of the run's, or its process id; None where one run is there; folder: what paths are relative
+    to; network: leads to agents whose runs are looked at where this machine has none that is meant.
+
+    Raises FollowspotError with the reason where it cannot be; then everything goes on as it was.
+    """
+    here = runs_here()
+    run = chosen_here(here, wanted)
+    if run is not None:
+        answer = run.ask("change", words=list(words), folder=str(folder.absolute()), fresh=fresh)
+        return Changed.from_data(answer)
+    if network is None:
+        raise FollowspotError(_none(wanted, here))
+    from followspot.deploy.attach import attached
+
+    with attached(network, wanted) as attachment:
+        try:
+            return attachment.coordinator.change(words, folder, fresh=fresh)
+        except InputError as error:  # one answer, wherever the run is
+            raise FollowspotError(str(error)) from None
+
+
+def chosen_here(runs: Sequence[RunHere], wanted: str | None) -> RunHere | None:
+    """The run on this machine that is meant; None where none is. Raises FollowspotError where several are."""
+    fitting = [
+        run
+        for run in runs
+        if wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
+    ]
+    if len(fitting) > 1:
+        listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in fitting)
+        raise FollowspotError(f"there are several runs: {listing}; name one by what stands in brackets")
+    return fitting[0] if fitting else None
+
+
+def _none(wanted: str | None, runs: Sequence[RunHere]) -> str:
+    listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
+    return f"there is no run {wanted or ''}".rstrip() + f"; runs on this machine: {listing}"

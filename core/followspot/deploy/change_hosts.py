@@ -1,0 +1,76 @@
+"""A change on all hosts of a run: built everywhere first, then put in everywhere."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from uuid import uuid4
+
+from followspot.deploy.change_order import ChangeOrder, ChangePhase, Step
+from followspot.deploy.host import Host
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan, PlannedStage
+
+_PATIENCE = 60.0
+"""Seconds that successors may take to be built: some load models."""
+_GLANCE = 0.01
+"""Seconds between two looks."""
+
+
+def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], *, fresh: bool) -> None:
+    """Let these stages take the place of those of their names. Safe beside the thread that attends the hosts.
+
+    Raises FollowspotError with the reason where a successor cannot be built or cannot carry on.
+    """
+    change = _Change(plan, hosts, stages, fresh)
+    try:
+        change.do("build", "built")
+    except FollowspotError:
+        change.give_up()
+        raise
+    change.do("take_over", "done")
+
+
+class _Change:
+    def __init__(
+        self, plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], fresh: bool
+    ) -> None:
+        self.id = uuid4().hex
+        self.fresh = fresh
+        place = {worker.name: worker.host for worker in plan.workers}
+        self.parts: Mapping[str, tuple[PlannedStage, ...]] = {
+            host.name: tuple(stage for stage in stages if place[stage.worker] == host.name) for host in hosts
+        }
+        self.hosts = [host for host in hosts if self.parts[host.name]]
+
+    def do(self, step: Step, phase: ChangePhase) -> None:
+        """One step on all hosts, to its end. Raises FollowspotError."""
+        for host in self.hosts:
+            host.change(self._order(host, step))
+        deadline = time.monotonic() + _PATIENCE
+        waiting = list(self.hosts)
+        while waiting:
+            for host in waiting:
+                found = host.status().change
+                if found.id == self.id and found.phase == "failed":
+                    raise FollowspotError(found.error)
+                if host.status().all("over"):
+                    raise FollowspotError("the run has ended")
+            waiting = [host for host in waiting if not self._reached(host, phase)]
+            if waiting and time.monotonic() > deadline:
+                raise FollowspotError(f"the change was not made within {_PATIENCE:.0f} s")
+            time.sleep(_GLANCE)
+
+    def give_up(self) -> None:
+        """What was built is not needed."""
+        for host in self.hosts:
+            with suppress(FollowspotError):
+                host.change(self._order(host, "give_up"))
+
+    def _reached(self, host: Host, phase: ChangePhase) -> bool:
+        found = host.status().change
+        return found.id == self.id and found.phase == phase
+
+    def _order(self, host: Host, step: Step) -> ChangeOrder:
+        return ChangeOrder(self.id, step, self.parts[host.name], self.fresh)

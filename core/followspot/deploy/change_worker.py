@@ -1,0 +1,64 @@
+"""The change that a worker is in: successors that were built, until they take over or are given up."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+
+from followspot.deploy.change_order import ChangeOrder, ChangeStatus
+from followspot.errors import FollowspotError
+from followspot.runtime.succession import Successor, given_up, prepared, take_over
+from followspot.runtime.worker import Worker
+
+Answer = Callable[[ChangeStatus], None]
+"""Gets what became of a step; from any thread."""
+
+
+class WorkerChange:
+    """At most one change at a time; building goes on beside the work, the rest between two firings."""
+
+    def __init__(self, worker: Worker, answer: Answer) -> None:
+        self.worker = worker
+        self.answer = answer
+        self._id = ""
+        self._built: Sequence[Successor] = ()
+
+    def obey(self, order: ChangeOrder) -> None:
+        """Do one step; call between two firings, in the worker's thread."""
+        if order.step == "build":
+            self._give_up()
+            self._id = order.id
+            threading.Thread(target=self._build, args=(order,), name="successors", daemon=True).start()
+        elif order.id == self._id and order.step == "take_over":
+            self._take_over(order)
+        elif order.id == self._id:
+            self._give_up()
+
+    def close(self) -> None:
+        """The worker is over: what was built is not needed."""
+        self._give_up()
+
+    def _build(self, order: ChangeOrder) -> None:
+        try:
+            built = prepared(self.worker, order.stages)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            return
+        if order.id != self._id:
+            given_up(built)
+            return
+        self._built = built
+        self.answer(ChangeStatus(order.id, "built"))
+
+    def _take_over(self, order: ChangeOrder) -> None:
+        built, self._built, self._id = self._built, (), ""
+        try:
+            take_over(self.worker, built, fresh=order.fresh)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "done"))
+
+    def _give_up(self) -> None:
+        built, self._built, self._id = self._built, (), ""
+        given_up(built)

@@ -1,0 +1,64 @@
+"""What a change has made of a run, for those who asked for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from followspot.graph.change import with_stages
+from followspot.graph.plan import Plan, PlannedStage
+
+
+@dataclass(frozen=True)
+class ChangedStage:
+    """One instance. uses, before: plugin stages; params: the parameters that are others now."""
+
+    stage: str
+    before: str
+    uses: str
+    params: dict[str, Any]
+
+    @property
+    def text(self) -> str:
+        """One line."""
+        swapped = [f"{self.before} -> {self.uses}"] if self.uses != self.before else []
+        return f"{self.stage}: " + ", ".join([*swapped, *(f"{k} = {v}" for k, v in self.params.items())])
+
+
+@dataclass(frozen=True)
+class Changed:
+    """A run that was changed."""
+
+    run: str
+    graph: str
+    stages: tuple[ChangedStage, ...]
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+    @staticmethod
+    def from_data(data: dict[str, Any]) -> Changed:
+        """From JSON types. Raises KeyError, TypeError."""
+        return Changed(data["run"], data["graph"], tuple(ChangedStage(**stage) for stage in data["stages"]))
+
+
+def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:
+    """What these stages change in a plan."""
+    old = {stage.name: stage for stage in plan.stages}
+    found = [ChangedStage(s.name, old[s.name].uses, s.uses, _differing(old[s.name], s)) for s in stages]
+    return Changed(run, plan.graph, tuple(found))
+
+
+def with_change(plan: Plan, stages: Sequence[PlannedStage]) -> Plan:
+    """The plan after a change, which its notes tell."""
+    notes = [f"while it ran: {stage.text}" for stage in changed("", plan, stages).stages]
+    return replace(with_stages(plan, stages), notes=(*plan.notes, *notes)[-_MAX_NOTES:])
+
+
+_MAX_NOTES = 100
+
+
+def _differing(old: PlannedStage, new: PlannedStage) -> dict[str, Any]:
+    return {name: value for name, value in new.params.items() if old.params.get(name) != value}

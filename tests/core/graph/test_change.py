@@ -1,0 +1,80 @@
+"""What may become of a plan's stages while its run goes on, and what may not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.core.graph.files import TOY, write
+
+from followspot.errors import InputError
+from followspot.graph.change import changed_stages, with_stages
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    return compile_graph(write(tmp_path), plugin_files=[TOY])
+
+
+def test_a_parameter_is_set_in_all_instances_of_a_stage_or_in_one(plan: Plan) -> None:
+    both = changed_stages(plan, ["detect.level=0.7"])
+    assert {stage.name: stage.params["level"] for stage in both} == {"detect/cam0": 0.7, "detect/cam1": 0.7}
+    (one,) = changed_stages(plan, ["detect/cam1.level=0.9", "detect/cam1.start=warm"])
+    assert (one.name, one.params["level"], one.params["start"]) == ("detect/cam1", 0.9, "warm")
+    assert one.params["weights"] == [1.0], "the others stay"
+
+
+def test_a_stage_is_swapped_and_keeps_its_place_and_its_edges(plan: Plan) -> None:
+    (pair,) = changed_stages(plan, ["pair=toy.pair_again"])
+    old = next(stage for stage in plan.stages if stage.name == "pair")
+    assert (pair.uses, pair.name, pair.worker) == ("toy.pair_again", "pair", old.worker)
+    after = with_stages(plan, [pair])
+    assert [stage.name for stage in after.stages] == [stage.name for stage in plan.stages]
+    assert after.edges == plan.edges
+
+
+def test_what_was_given_to_the_old_stage_is_given_to_the_new_one_where_it_has_that(plan: Plan) -> None:
+    (track,) = changed_stages(plan, ["track=toy.track_again"])
+    assert track.params == {"model": "constant", "gain": 2.0}
+    (track,) = changed_stages(plan, ["track=toy.track_again", "track.gain=3"])
+    assert track.params == {"model": "constant", "gain": 3.0}
+
+
+def test_what_is_so_already_is_no_change(plan: Plan) -> None:
+    assert changed_stages(plan, ["detect.level=0.5", "pair=toy.pair"]) == ()
+
+
+@pytest.mark.parametrize(
+    ("word", "said"),
+    [
+        ("detekt.level=0.7", 'no stage "detekt"'),
+        ("detect.levle=0.7", 'did you mean "level"?'),
+        ("detect.level=2", '"level" of stage "detect/cam0" (toy.detect) cannot be 2'),
+        ("detect.mood.gain=2", "this cannot be changed"),
+        ("detect.in.frame=camera", "this cannot be changed"),
+        ("detect", "is no override"),
+        ("pair=toy.nothing", 'no stage "toy.nothing" is installed'),
+        ("pair=toy.split", '"pair.out" gives Blobs to others, its successor does not'),
+        ("pair=toy.any", "its successor plain Blobs"),
+        ("track=toy.save", 'has no input "blobs"'),
+        ("save=toy.detect", 'needs the input "frame"'),
+        ("camera.frames=5", 'source "camera/cam0" would begin its stream anew'),
+        ("pair=toy.camera", "takes the place of a live source"),
+        ("save=toy.save_again", 'would write tracks.csv, which "save" is writing'),
+    ],
+)
+def test_what_does_not_fit_is_said(plan: Plan, word: str, said: str) -> None:
+    with pytest.raises(InputError) as raised:
+        changed_stages(plan, [word])
+    assert said in str(raised.value)
+
+
+def test_paths_are_relative_to_the_folder_of_who_asks(plan: Plan, tmp_path: Path) -> None:
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "mask.png").write_text("")
+    (stage,) = changed_stages(plan, ["pair=toy.masked", "pair.mask=mask.png"], tmp_path / "here")
+    assert stage.params["mask"] == str(tmp_path / "here" / "mask.png")
+    with pytest.raises(InputError, match="does not exist"):
+        changed_stages(plan, ["pair=toy.masked", "pair.mask=mask.png"], tmp_path)

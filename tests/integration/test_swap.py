@@ -1,0 +1,176 @@
+"""Graphs that change while they run: nothing is lost, and what cannot be built changes nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from hosts import near_agent
+from running import COMMAND, STAGES, Finished, balanced, children, finish, start, wait_until, write_graph
+
+from followspot.deploy.change import change
+from followspot.errors import FollowspotError
+
+REPLAY = """
+a:    {uses: ticks.count, with: {count: 600}}
+b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.003}}
+save: {uses: ticks.write, in: {number: b}}
+"""
+LIVE = """
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+b:    {uses: ticks.tally, in: {number: a}}
+save: {uses: ticks.write, in: {number: b}}
+"""
+
+
+class Going:
+    """A run that goes on, of which there may be others on this machine."""
+
+    def __init__(self, folder: Path, stages: str, *options: str) -> None:
+        self.out = folder / "out"
+        self.process = start(write_graph(folder, stages), self.out, *options)
+        self.name = str(self.process.pid)
+
+    def values(self, file: str = "ticks.csv") -> list[int]:
+        path = self.out / file
+        lines = path.read_text().splitlines() if path.exists() else []
+        return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
+
+    def grows(self, more: int = 10) -> None:
+        wanted = len(self.values()) + more
+        assert wait_until(lambda: len(self.values()) >= wanted), "nothing is written any more"
+
+    def workers(self) -> list[int]:
+        """Process ids, in the order of the graph."""
+        return sorted(children(self.process.pid))
+
+    def stopped(self) -> Finished:
+        self.process.send_signal(signal.SIGINT)
+        return finish(self.process, self.out)
+
+
+@contextmanager
+def going(folder: Path, stages: str, *options: str) -> Iterator[Going]:
+    run = Going(folder, stages, *options)
+    try:
+        run.grows()
+        yield run
+    finally:
+        if run.process.poll() is None:
+            run.process.kill()
+
+
+@pytest.mark.parametrize("placement", [(), ("--placement", "stage")])
+def test_a_replay_that_is_changed_loses_nothing(tmp_path: Path, placement: tuple[str, ...]) -> None:
+    with going(tmp_path, REPLAY, *placement) as run:
+        change(run.name, ["b.term=1000"])
+        run.grows()
+        report = change(run.name, ["b=ticks.swapped"])
+        finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors
+    assert [stage.uses for stage in report.stages] == ["ticks.swapped"]
+    rows = [line.split(",") for line in finished.lines()]
+    assert [int(row[0]) for row in rows] == list(range(600)), "every frame has its row"
+    terms = [int(row[2]) - int(row[0]) for row in rows]
+    assert terms == sorted(terms)
+    assert set(terms) == {1, 1000, 5000}
+    counts = {(e["to"], e["sent"], e["delivered"]) for e in finished.summary["edges"]}
+    assert counts == {("b.number", 600, 600), ("save.number", 600, 600)}, "as without a change"
+    assert "while it ran: b: term = 1000" in finished.summary["notes"]
+
+
+def test_a_successor_carries_on_from_the_state_and_who_dies_comes_back_as_the_successor(
+    tmp_path: Path,
+) -> None:
+    with going(tmp_path, LIVE, "--placement", "stage") as run:
+        assert wait_until(lambda: run.values()[-1:] > [20])
+        change(run.name, ["b.step=1000"])
+        assert wait_until(lambda: run.values()[-1:] > [2000])
+        seen = run.values()
+        worker = run.workers()[1]
+        os.kill(worker, signal.SIGKILL)
+        assert wait_until(
+            lambda: worker not in children(run.process.pid) and len(children(run.process.pid)) == 3
+        )
+        run.grows()
+        last = run.values()[-1]
+        finished = run.stopped()
+    steps = {later - sooner for sooner, later in pairwise(seen)}
+    assert steps == {1, 1000}, "it counted on"
+    assert last % 1000 == seen[-1] % 1000 or last % 1000 == 0, "its successor has its parameter"
+    assert balanced(finished.summary)
+
+
+def test_what_cannot_be_built_or_carried_on_changes_nothing(tmp_path: Path) -> None:
+    with going(tmp_path, LIVE, "--placement", "stage") as run:
+        for words, why in [
+            (["b.step=one"], '"step" of stage "b" (ticks.tally) cannot be \'one\''),
+            (["b=ticks.both"], 'the successor of "b" has no input "number"'),
+            (["b=ticks.gone"], 'no stage "ticks.gone" is installed'),
+            (["b.broken=true"], "stage b (ticks.tally) cannot be built: RuntimeError: the model is missing"),
+            (["b.step=7", "b.forgetful=true"], "cannot carry on from the state of the one before"),
+        ]:
+            with pytest.raises(FollowspotError) as raised:
+                change(run.name, words)
+            assert why in str(raised.value)
+        assert change(run.name, ["save.path=ticks.csv", "save=ticks.write"]).stages == (), "it is so already"
+        run.grows()
+        change(run.name, ["b.step=7", "b.forgetful=true"], fresh=True)
+        assert wait_until(lambda: run.values()[-1] % 7 == 0 and run.values()[-1] - run.values()[-2] == 7)
+        values = run.values()
+        finished = run.stopped()
+    begun = values.index(7, 8)
+    assert values[:begun] == list(range(1, begun + 1)), "all went on as it was"
+    assert balanced(finished.summary)
+
+
+def test_the_commands_say_what_they_did_or_why_not(tmp_path: Path) -> None:
+    with going(tmp_path, LIVE) as run:
+        done = command("set", run.name, "b.step=3", "--json")
+        assert done.returncode == 0, done.stderr
+        found = json.loads(done.stdout)["stages"]
+        assert found == [
+            {"stage": "b", "before": "ticks.tally", "uses": "ticks.tally", "params": {"step": 3}}
+        ]
+        refused = command("swap", run.name, "b=ticks.sort")
+        assert refused.returncode == 1
+        assert '"b.out" gives Tick to others' in refused.stderr
+        run.stopped()
+
+
+def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) -> None:
+    agent = near_agent("pc-left", tmp_path, 17452)
+    connect = ("--connect", "tcp/127.0.0.1:17452")
+    graph = write_graph(tmp_path, LIVE, "faraway")
+    try:
+        operator = start(graph, tmp_path, "--host", "pc-left", "--detach", *connect)
+        stdout, stderr = operator.communicate(timeout=60)
+        assert stdout, stderr
+        (folder,) = (tmp_path / "runs").iterdir()
+
+        def last() -> int:
+            lines = (folder / "ticks.csv").read_text().splitlines()
+            return int(lines[-1].split(",")[2]) if lines else 0
+
+        assert wait_until(lambda: (folder / "ticks.csv").exists() and last() > 0)
+        stages = ("--plugin", str(STAGES))
+        done = command("set", "faraway", "b.step=1000000", *stages, *connect)
+        assert done.returncode == 0, done.stderr
+        assert wait_until(lambda: last() > 1_000_000)
+        refused = command("set", "faraway", "save.path=../elsewhere.csv", *stages, *connect)
+        assert refused.returncode == 1
+        assert "not below the output folder" in refused.stderr
+    finally:
+        agent.process.kill()
+        agent.process.communicate()
+
+
+def command(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=60)
