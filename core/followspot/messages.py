@@ -69,6 +69,7 @@ class Message:
 
     header: ClassVar[Header] = UNSTAMPED  # an instance that was stamped carries its own
     columns: ClassVar[tuple[Column, ...]] = ()
+    array_names: ClassVar[tuple[str, ...]] = ()
     scalars: ClassVar[tuple[tuple[str, Any], ...]] = ()
 
     def __init_subclass__(cls) -> None:
@@ -79,11 +80,11 @@ class Message:
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]  # it became one two lines ago
             if "shape" in f.metadata
         )
-        arrays = {c.name for c in cls.columns}
+        cls.array_names = tuple(c.name for c in cls.columns)
         cls.scalars = tuple(
             (f.name, hints[f.name])
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]
-            if f.name not in arrays
+            if f.name not in cls.array_names
         )
         for name, kind in cls.scalars:
             if kind not in SCALARS and kind != tuple[str, ...]:
@@ -150,15 +151,15 @@ def seal(message: M) -> M:
         if type(value) is not kind:
             values[name] = _plain(name, value, kind)
     layout: list[Any] = []
-    for name, _, _, _ in message.columns:
+    for name in message.array_names:
         array = values[name]
         if type(array) is not np.ndarray:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
-        array.setflags(write=False)
+        array.setflags(False)  # write; as a keyword it would cost as much again
         layout += array.shape, array.dtype
-    check_layout(type(message), tuple(layout))
+    check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
     return message
 
 

@@ -13,7 +13,7 @@ from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
 from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
-from followspot_balls.hue import BINS, bhattacharyya, hue_bin, hue_bits, normalised
+from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
 from followspot_balls.search import Circles, Regions, search_regions
 from followspot_balls.strip import Windows, abreast, at_border, row_and_column
 from followspot_balls.votes import disc_centers
@@ -186,7 +186,7 @@ def measured(
     owner = sought.owner.take(blobs.part)
     smallest, largest = templates.area.take(owner, axis=0).T
     keep = of_size(blobs.area, smallest, largest, owner // max(count, 1))
-    histograms = component_histograms(blobs, sought.hue, sought.colored)
+    histograms = component_histograms(blobs, sought.hue)
     similarity = bhattacharyya(histograms, templates.histograms.take(owner, axis=0))
     keep &= similarity > p.similarity
     pixel = blobs.center
@@ -202,11 +202,12 @@ def measured(
     return Found(pixel.take(rows, axis=0), blobs.area.take(rows), similarity.take(rows), owner.take(rows))
 
 
-def component_histograms(blobs: Components, hue: Array, colored: Array) -> Array:
+def component_histograms(blobs: Components, hue: Array) -> Array:
     """Normalised hue histogram (eq. 1) of each component over its coloured pixels: (N, 16).
 
-    hue: (H, W) u8 of the strip, full range; colored: (H, W) bool.
+    hue: (H, W) u8 of the strip, bins; `BINS` in an overexposed core.
     """
-    bins, counted = hue_bin(hue.take(blobs.pixels)), colored.take(blobs.pixels)
-    counts = np.bincount(blobs.label * BINS + bins, counted, len(blobs.area) * BINS)
-    return normalised(counts.reshape(-1, BINS))
+    count = len(blobs.area)
+    cells = blobs.label * (BINS + 1) + hue.take(blobs.pixels)
+    counts = np.bincount(cells, minlength=count * (BINS + 1)).reshape(count, BINS + 1)
+    return normalised(counts[:, :BINS])

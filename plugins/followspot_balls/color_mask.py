@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.hue import BIT
+from followspot_balls.hue import BINS, BIT, hue_bin
 from followspot_balls.strip import Strip, Windows, clusters, cut, row_and_column, scattered, window_strip
 
 
@@ -21,6 +21,17 @@ class Limits(NamedTuple):
     white: int
 
 
+class Lit(NamedTuple):
+    """The P bright pixels of a picture: few, so that all else is asked of them alone."""
+
+    place: Array
+    """(P,) flat index."""
+    value: Array
+    """(P,) u8, brightness."""
+    hue: Array
+    """(P,) u8, bin of the hue; `BINS` in an overexposed core."""
+
+
 class Sought(NamedTuple):
     """A strip of what may show the targets."""
 
@@ -30,9 +41,7 @@ class Sought(NamedTuple):
     level: Array
     """(H, W) u8, brightness of the pixels that may show it, 0 elsewhere."""
     hue: Array
-    """(H, W) u8, full range."""
-    colored: Array
-    """(H, W) bool, pixels that show the hue; the others of the level are overexposed cores."""
+    """(H, W) u8, of these pixels the bin of the hue; `BINS` in an overexposed core."""
 
 
 def in_windows(
@@ -45,10 +54,13 @@ def in_windows(
     """
     strip = window_strip(windows)
     tiles = cut(pictures, windows)
-    hue, saturation, value = (plane.reshape(tiles.shape[:2]) for plane in hsv(tiles))
-    colored, core = saturated(saturation, value, limits)
-    colored &= (np.asarray(cv2.LUT(hue, BIT)) & hues.take(owner).take(strip.part)) > 0
-    return Sought(strip, owner, (colored | core).view(np.uint8) * value, hue, colored)
+    found = lit(tiles, limits)
+    _, x = row_and_column(found.place, tiles.shape[1])
+    wanted = hues.take(owner).take(strip.part.take(x))
+    entry = (BIT.take(found.hue) & wanted).nonzero()[0]
+    place = found.place.take(entry)
+    planes = (scattered(tiles.shape[:2], place, plane.take(entry)) for plane in (found.value, found.hue))
+    return Sought(strip, owner, *planes)
 
 
 def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smallest: Array) -> Sought:
@@ -57,29 +69,29 @@ def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smalles
     owner: (N,) rows of the targets; smallest: (N,) area, px; others as above.
     """
     height, width = pixels.shape[:2]
-    hue, saturation, value = (plane.reshape(-1) for plane in hsv(pixels))
-    colored, core = saturated(saturation, value, limits)
-    index = np.flatnonzero(colored | core)
-    core, hue, value = core.take(index), hue.take(index), value.take(index)
-    shown = (BIT.take(hue) & hues.take(owner)[:, None] > 0) & ~core
-    layer, entry = row_and_column(np.flatnonzero(shown | core), max(len(index), 1))
-    y, x = row_and_column(index.take(entry), width)
+    place, *planes = lit(pixels, limits)
+    shown = BIT.take(planes[1]) & hues.take(owner)[:, None]
+    layer, entry = row_and_column(shown.reshape(-1).nonzero()[0], max(len(place), 1))
+    y, x = row_and_column(place.take(entry), width)
     found = clusters(layer, y, x, (len(owner), height, width), smallest)
     entry = entry.take(found.entry)
-    planes = (value.take(entry), hue.take(entry), ~core.take(entry))
-    return Sought(found.strip, owner.take(found.layer), *(scattered(found, plane) for plane in planes))
+    scenes = (scattered(found.shape, found.place, plane.take(entry)) for plane in planes)
+    return Sought(found.strip, owner.take(found.layer), *scenes)
 
 
-def hsv(pixels: Array) -> tuple[Array, ...]:
-    """Full-range hue, saturation and value of BGR pixels, one row each: a narrow picture would be slow."""
-    planes = cv2.split(cv2.cvtColor(pixels.reshape(1, -1, 3), cv2.COLOR_BGR2HSV_FULL))
-    return tuple(np.asarray(plane) for plane in planes)
-
-
-def saturated(saturation: Array, value: Array, limits: Limits) -> tuple[Array, Array]:
-    """Pixels that show a hue, and overexposed cores, bool.
+def lit(pixels: Array, limits: Limits) -> Lit:
+    """Pixels that show a hue, or are overexposed cores. pixels: (H, W, 3) BGR.
 
     A core is bright and pale: the sensor saturates where the ball glows most, and its hue is lost.
     """
+    blue, green, red = cv2.split(pixels)
+    brightest = np.asarray(cv2.max(cv2.max(blue, green), red))
+    place = np.flatnonzero(brightest >= min(limits.value, limits.white))
+    if not len(place):
+        return Lit(place, *np.empty((2, 0), np.uint8))
+    colors = cv2.cvtColor(pixels.reshape(1, -1, 3).take(place, axis=1), cv2.COLOR_BGR2HSV_FULL)
+    hue, saturation, value = np.asarray(colors)[0].T
     pale = saturation < limits.saturation
-    return (value >= limits.value) > pale, (value >= limits.white) & pale
+    rows = (value >= np.where(pale, limits.white, limits.value)).nonzero()[0]
+    hue = np.where(pale, np.uint8(BINS), hue_bin(hue))
+    return Lit(place.take(rows), value.take(rows), hue.take(rows))

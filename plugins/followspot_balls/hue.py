@@ -7,8 +7,8 @@ import numpy as np
 from followspot.messages import Array
 
 BINS = 16
-BIT = (1 << np.arange(256) // (256 // BINS)).astype(np.uint16)
-"""(256,) of each full-range hue, the bit that stands for its bin."""
+BIT = np.append(1 << np.arange(BINS), (1 << BINS) - 1).astype(np.uint16)
+"""(17,) the bit that stands for each bin, and last all of them, for what may be of any hue."""
 
 
 def hue_bin(hue: Array) -> Array:
@@ -30,15 +30,10 @@ def bhattacharyya(a: Array, b: Array) -> Array:
     return np.asarray(np.sqrt(a * b).sum(axis=-1))
 
 
-def membership(histograms: Array, share: float) -> Array:
-    """Which hues belong to each target's histogram.
+def hue_bits(histograms: Array, share: float) -> Array:
+    """Which hues belong to each target's histogram, as bits, of which each bin has its `BIT`.
 
     histograms: (T, 16) normalised; share: smallest part of the histogram that a bin must hold.
-    Returns (T, 256) bool, indexed by full-range hue.
+    Returns (T,) u16.
     """
-    return np.repeat(histograms >= share, 256 // BINS, axis=-1)
-
-
-def hue_bits(histograms: Array, share: float) -> Array:
-    """The same as bits, of which each hue has its `BIT`: (T, 16) -> (T,) u16."""
     return np.asarray(((histograms >= share) << np.arange(BINS)).sum(axis=-1).astype(np.uint16))

@@ -112,8 +112,8 @@ class IrBlobs(Stage):
         found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, limits, p)
         pixel, area, view = found
         targets = within(circles_of(regions.circles, view, len(cameras)), pixel)
-        smallest, largest = np.moveaxis(limits.areas.take(view, axis=0), 2, 0)
-        targets &= (area[:, None] >= smallest) & (area[:, None] <= largest)
+        allowed = limits.areas.take(view, axis=0)
+        targets &= (area[:, None] >= allowed[..., 0]) & (area[:, None] <= allowed[..., 1])
         rows = (targets.any(axis=1) & distinct(pixel, view)).nonzero()[0]
         labelled = Detections(pixel, area, np.ones(len(area)), targets)
         return blobs_by_view(cameras, view.take(rows), Detections(*(c.take(rows, axis=0) for c in labelled)))
@@ -132,7 +132,7 @@ def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrB
     found = [NOTHING]
     if len(regions.near):
         view = regions.near // count
-        rows = np.flatnonzero(~whole.take(view))
+        rows = (~whole.take(view)).nonzero()[0]
         view, corners, sides = view.take(rows), regions.corners.take(rows, axis=0), regions.sides.take(rows)
         if len(rows):
             windows = abreast(corners, sides)
@@ -153,7 +153,8 @@ def in_picture(level: Array, smallest: Array) -> tuple[Array, Strip]:
     index = np.flatnonzero(level)
     y, x = row_and_column(index, level.shape[1])
     found = clusters(np.zeros(len(index), int), y, x, (1, *level.shape), smallest)
-    return scattered(found, level.reshape(-1).take(index.take(found.entry))), found.strip
+    gray = level.reshape(-1).take(index.take(found.entry))
+    return scattered(found.shape, found.place, gray), found.strip
 
 
 def in_range(gray: Array, limits: Limits, view: Array) -> Array:

@@ -124,9 +124,10 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     """Where targets are looked for in all views at once, for whichever stage of a worker asks first."""
     views, count = len(room.cameras), len(room.targets)
     lost = lost_targets(forecast, count)
+    rows_lost = (lost | np.zeros((views, 1), bool)).reshape(-1)
     if forecast is None or lost.all():
         nowhere, nothing = np.full((views * count, 2), np.nan), np.zeros((views * count, 2), int)
-        circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], np.tile(lost, views))
+        circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], rows_lost)
         return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
     radius = search_radius(images.travel, minimum, scale)
@@ -134,7 +135,7 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     inside = reaching(images.center, radius, size)
     corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
-    circles = Circles(center, radius.reshape(-1), ball, np.tile(lost, views))
+    circles = Circles(center, radius.reshape(-1), ball, rows_lost)
     return RoomRegions(circles, inside.reshape(-1), corners.reshape(-1, 2), sides.reshape(-1))
 
 

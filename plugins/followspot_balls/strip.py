@@ -161,10 +161,10 @@ def clusters(layer: Array, y: Array, x: Array, size: tuple[int, int, int], small
     return Clusters(strip, shape, of_layer[keep], entry, row * shape[1] + column)
 
 
-def scattered(found: Clusters, values: Array) -> Array:
-    """The strip with these values at the sought pixels, (E,), and 0 elsewhere."""
-    plane = np.zeros(found.shape, values.dtype)
-    plane.reshape(-1)[found.place] = values
+def scattered(shape: tuple[int, ...], place: Array, values: Array) -> Array:
+    """A plane with these values (E,) at flat indices (E,), and 0 elsewhere."""
+    plane = np.zeros(shape, values.dtype)
+    plane.reshape(-1)[place] = values
     return plane
 
 

@@ -86,7 +86,7 @@ class Triangulate(Stage):
             targets &= self.plausible(sizes, forecast) & self.unclaimed(pairs, forecast)
         whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.whole * self.outlines
         evident = pairs.evident & (targets & whole).any(axis=1)
-        rows = targets.any(axis=1).nonzero()[0]
+        rows = np.flatnonzero(targets.any(axis=1))
         return Candidates(
             cameras=pairs.cameras,
             xyz=xyz.take(rows, axis=0),

@@ -12,7 +12,7 @@ from followspot.stage import Context, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.components import MOST, above_local_peak, components, of_size
-from followspot_balls.hue import BIT, bhattacharyya, hue_bits, membership, normalised
+from followspot_balls.hue import BIT, bhattacharyya, hue_bits, normalised
 from followspot_balls.ir_blobs import IrBlobs
 from followspot_balls.strip import whole_strip
 from followspot_balls.template import learn_color, learn_infrared
@@ -54,15 +54,14 @@ def test_histograms_are_normalised_and_an_empty_one_stays_zero() -> None:
     assert not normalised(counts)[1].any()
 
 
-def test_membership_has_sixteen_bins_of_sixteen_hues() -> None:
-    member = membership(np.eye(16)[[1]], 0.02)
-    assert np.flatnonzero(member[0]).tolist() == list(range(16, 32))
-
-
 def test_a_hue_has_the_bit_of_its_bin() -> None:
     histograms = np.random.default_rng(0).dirichlet(np.ones(16), 5)
     bits = hue_bits(histograms, 0.05)
-    assert ((BIT & bits[:, None] > 0) == membership(histograms, 0.05)).all()
+    assert ((BIT[:16] & bits[:, None] > 0) == (histograms >= 0.05)).all()
+
+
+def test_an_overexposed_core_may_be_of_any_hue() -> None:
+    assert (BIT[16] & hue_bits(np.eye(16), 0.05)).all()
 
 
 @pytest.mark.parametrize("forecast", [None, Forecast.empty(), FORECAST])

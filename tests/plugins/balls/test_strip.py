@@ -40,7 +40,7 @@ def test_clusters_hold_the_components_of_the_whole_picture(seed: int) -> None:
     level = speckled(seed)
     y, x = level.nonzero()
     parts = clusters(np.zeros(len(y), int), y, x, (1, *level.shape), np.array([SMALLEST]))
-    strip = scattered(parts, level[y, x].take(parts.entry))
+    strip = scattered(parts.shape, parts.place, level[y, x].take(parts.entry))
     assert found(strip, parts.strip) == pytest.approx(found(level, whole_strip(70)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Target
 from followspot.messages import Array
-from followspot_balls.hue import bhattacharyya, membership, normalised
+from followspot_balls.hue import bhattacharyya, normalised
 from followspot_balls.template import ColorSpots
 
 SIMILARITY, HUE_SHARE, SMALLEST, LARGEST = 0.8, 0.02, 0.3, 1.5
@@ -76,7 +76,7 @@ def accepted_share(spots: ColorSpots, histogram: Array, area: tuple[float, float
 
     The detector sees only pixels of the template's hues: these must be enough, and mixed as in the template.
     """
-    member = membership(histogram[None], HUE_SHARE)[0, :: 256 // len(histogram)]
+    member = histogram >= HUE_SHARE
     kept = np.where(member, spots.counts, 0)
     share = kept.sum(axis=1) / np.maximum(spots.counts.sum(axis=1), 1e-12)
     size = spots.area * share
