@@ -20,6 +20,13 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
     )
+    parser.add_argument(
+        "--clock-offset",
+        type=float,
+        default=0.0,
+        metavar="MS",
+        help="add this to the times of cameras here: for a clock that is known to be so much behind, in ms",
+    )
     add_network_options(parser, listens=True)
 
 
@@ -35,6 +42,7 @@ def _run(args: argparse.Namespace) -> int:
         Path(args.media) if args.media else None,
         Path(args.runs),
         tuple(str(Path(file).absolute()) for file in args.plugin_files),
+        round(args.clock_offset * 1e6),
     )
     log_refusals()
     agent = Agent(options, _tell)

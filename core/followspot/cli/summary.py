@@ -24,6 +24,8 @@ def text(report: RunReport, accuracy: str) -> str:
         parts.append("accuracy against ground truth\n" + accuracy)
     if any(worker.paths for worker in report.workers):
         parts.append("latency, source to sink\n" + _latency(report))
+    if report.clocks:
+        parts.append("clocks, what was added to the times of each host\n" + _clocks(report))
     parts.append("ledger\n" + _ledger(report))
     if report.plan.notes:
         parts.append("notes\n" + "\n".join(f"  {note}" for note in report.plan.notes))
@@ -68,6 +70,16 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
             }
             for edge, count in report.edges
         ],
+        "clocks": [
+            {
+                "host": host,
+                "reference": clock.reference,
+                "offset_ms": clock.offset_ms,
+                "round_trip_ms": clock.round_trip_ms,
+                "exchanges": clock.exchanges,
+            }
+            for host, clock in report.clocks.items()
+        ],
         "workers": [worker.to_data() for worker in report.workers],
         "warnings": list(report.warnings),
         "notes": list(report.plan.notes),
@@ -86,6 +98,14 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
         ]
         lines.append("  " + "  ".join(cells).rstrip())
     return "\n".join(lines)
+
+
+def _clocks(report: RunReport) -> str:
+    rows = [
+        (host or "this host", clock.reference, f"{clock.offset_ms:+.3f}", f"{clock.round_trip_ms:.3f}")
+        for host, clock in report.clocks.items()
+    ]
+    return table(("host", "by the clock of", "offset ms", "round trip ms"), rows)
 
 
 def _latency(report: RunReport) -> str:

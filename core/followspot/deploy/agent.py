@@ -12,9 +12,10 @@ from typing import Any
 
 from followspot.deploy.change_order import change_from_data
 from followspot.deploy.host import RunOrder, order_from_data
+from followspot.deploy.host_clock import HostClock, read_clock
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.parcel import unpacked, unpacked_stages
-from followspot.deploy.requests import Answers, agents
+from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
@@ -41,7 +42,8 @@ class AgentOptions:
     """What the owner of a host says.
 
     name: of the host, as rooms and placements know it; media: folder with camera files, None for none;
-    runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here.
+    runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here;
+    clock_offset: what the clock of this host is known to be behind, ns.
     """
 
     name: str
@@ -49,6 +51,7 @@ class AgentOptions:
     media: Path | None = None
     runs: Path = Path("runs")
     plugin_files: tuple[str, ...] = ()
+    clock_offset: int = 0
 
 
 class Part:
@@ -141,6 +144,7 @@ class Agent:
             "wind_down": lambda run: self._part(run).run.wind_down(),
             "status": lambda run: self._part(run).run.status().to_data(),
             "change": self.change,
+            "clock": lambda: read_clock(self.options.clock_offset),
             "close": self.close,
             "knows": lambda run: run in self.parts,
             "runs": self.runs,
@@ -159,7 +163,8 @@ class Agent:
         graph = plan_from_data(plan).graph
         out = self._folder(found.run)
         hub = (*self.locators, *self.options.network.connect)
-        run = HostRun(name, self.options.network, hub)
+        clock = HostClock(Asker(self.session, self.options.network.own), self.options.clock_offset)
+        run = HostRun(name, self.options.network, hub, clock)
         self.parts[found.run] = Part(graph, found, run)
         run.prepare(found.here(plan, str(out)), out / ".ledger")
         self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")

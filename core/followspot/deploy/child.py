@@ -27,6 +27,7 @@ from followspot.deploy.snapshot import state_from_data, state_to_data
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
+from followspot.runtime.clock import Clock
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
@@ -104,7 +105,10 @@ class Child:
         use_plugin_files(links.plan.plugin_files)
         edges = len(links.plan.edges)
         ledger = Ledger(edges, _shared_words(order["descriptors"][0], edges))
-        options = RunOptions(Path(order["out"]), order["frames"], self.warnings.add, order["restart"])
+        self.clock = Clock(*order["clock"])
+        options = RunOptions(
+            Path(order["out"]), order["frames"], self.warnings.add, order["restart"], self.clock
+        )
         return build_worker(Wiring(links.plan), order["worker"], ledger, options, links)
 
     def _started(self) -> bool:
@@ -152,6 +156,8 @@ class Child:
                 self.links.renew(self.worker, order["edge"], sock)
             elif order["kind"] == "snapshot":
                 self._tell_states()
+            elif order["kind"] == "clock":
+                self.clock.captured, self.clock.steady = order["correction"]
             elif order["kind"] == "change":
                 self.change.obey(change_from_data(order["order"]))
 

@@ -193,6 +193,7 @@ class Coordinator:
                 *self._news,
                 *(_where(name, line) for name, status in statuses.items() for line in status.news),
             ],
+            clocks={name: s.clock for name, s in statuses.items() if s.clock.reference},
             outs={name: status.out for name, status in statuses.items() if name},
         )
 

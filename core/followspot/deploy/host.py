@@ -12,6 +12,7 @@ from typing import Any, Literal, Protocol
 import pydantic
 
 from followspot.deploy.change_order import ChangeOrder, ChangeStatus
+from followspot.deploy.clock_status import ClockStatus
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus
@@ -68,7 +69,8 @@ class HostStatus:
     """A host's part of a run.
 
     counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
-    it, oldest first; out: where its outputs are; change: the newest one to its stages.
+    it, oldest first; out: where its outputs are; change: the newest one to its stages;
+    clock: how it differs from that of the others.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -76,6 +78,7 @@ class HostStatus:
     news: tuple[str, ...] = ()
     out: str = ""
     change: ChangeStatus = ChangeStatus()
+    clock: ClockStatus = ClockStatus()
 
     def all(self, *phases: WorkerPhase) -> bool:
         """Whether every worker is in one of these phases."""

@@ -14,6 +14,7 @@ from typing import Any
 from followspot.deploy.change_host import HostChange
 from followspot.deploy.change_order import ChangeOrder, ChangeStatus
 from followspot.deploy.host import HostStatus, RunOrder
+from followspot.deploy.host_clock import HostClock, reference
 from followspot.deploy.links import uses_zenoh
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
@@ -41,7 +42,15 @@ class HostRun:
     hub: locators of a session that brings them together, empty where they find each other in turn.
     """
 
-    def __init__(self, name: str, network: Network = Network(), hub: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        name: str,
+        network: Network = Network(),
+        hub: Sequence[str] = (),
+        clock: HostClock | None = None,
+    ) -> None:
+        """clock: of this host, compared with that of others where there are any."""
+        self.clock = HostClock() if clock is None else clock
         self.name = name
         self.network = network
         self.hub = tuple(hub)
@@ -57,6 +66,7 @@ class HostRun:
         self._kill_at: float | None = None
         self._pulse = Pulse()
         self._change = HostChange()
+        self._clock_warned = False
 
     def prepare(self, order: RunOrder, ledger: Path | None = None) -> None:
         """Start all workers, each with its ends of the rings. Raises FollowspotError, OSError.
@@ -73,6 +83,8 @@ class HostRun:
         self.ledger = Ledger(edges, memoryview(mmap.mmap(self._ledger_fd, size)).cast("q"))
         mine = [worker.name for worker in self.plan.workers if worker.host == self.name]
         self.rings = Rings(self.plan, set(mine))
+        if (host := reference(self.plan)) not in ("", self.name):
+            self.clock.follow(host)
         for name in mine:
             self._spawn(name, order.incarnations.get(name, 0))
 
@@ -116,6 +128,7 @@ class HostRun:
         """Hear what workers say, restart those that died, kill those that hang."""
         for key, _ in self._selector.select(timeout):
             self._listen(key.data)
+        self._attend_clock()
         now = time.monotonic()
         if self.order.restart and self._running and not self._stopping:
             self._supervise(now)
@@ -129,7 +142,9 @@ class HostRun:
         """The newest picture."""
         workers = tuple(worker.status() for worker in self.workers.values())
         counts = tuple(self.ledger.words.tolist())
-        return HostStatus(workers, counts, tuple(self.news), self.out, self._change.status())
+        return HostStatus(
+            workers, counts, tuple(self.news), self.out, self._change.status(), self.clock.status()
+        )
 
     def fileno(self) -> int:
         """Readable when `attend` has something to hear."""
@@ -138,6 +153,7 @@ class HostRun:
 
     def close(self) -> None:
         """Leave no process behind."""
+        self.clock.close()
         for worker in self.workers.values():
             worker.end()
         if hasattr(self, "rings"):
@@ -163,6 +179,7 @@ class HostRun:
             incarnation=incarnation,
             restart=self.order.restart and not self._ending,
             states=self._states.get(name, {}),
+            clock=self.clock.correction(),
         )
         if uses_zenoh(self.plan, name) and not (self.hub or self.network.router):
             while not worker.locators and worker.busy:  # each connects to those before it
@@ -219,6 +236,16 @@ class HostRun:
         worker.phase = "absent"
         self._restart_at[worker.name] = time.monotonic() + wait
         self._tell_news(f"{why}; it is started again in {wait:.1f} s")
+
+    def _attend_clock(self) -> None:
+        """Tell the workers what to add to their clocks, and the user, once, where that is much."""
+        if (correction := self.clock.news()) is not None:
+            for worker in self.workers.values():
+                worker.tell("clock", correction=correction)
+        warning = self.clock.status().warning
+        if warning and not self._clock_warned:
+            self._clock_warned = True
+            self._tell_news(warning)
 
     def _give_up(self, worker: WorkerProcess, error: str) -> None:
         """The worker has ended without a report, for good."""

@@ -11,6 +11,7 @@ import zenoh
 
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import Host
+from followspot.deploy.host_clock import HostClock
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.requests import Asker, agents
 from followspot.errors import InputError, Mistake
@@ -43,7 +44,8 @@ def reached(plan: Plan, network: Network, media: Path) -> Iterator[Sequence[Host
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
         asker = Asker(session, network.own)
-        yield [FarHost(asker, name, media) if name else HostRun("", network, hub) for name in names]
+        near = HostRun("", network, hub, HostClock(asker))
+        yield [FarHost(asker, name, media) if name else near for name in names]
 
 
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:

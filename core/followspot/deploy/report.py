@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from followspot.deploy.clock_status import ClockStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.latency import PathLatency
 from followspot.runtime.ledger import COLUMNS, EdgeCount, Ledger
@@ -69,6 +70,8 @@ class RunReport:
     errors: tuple[str, ...] = field(default=())
     news: tuple[str, ...] = ()
     """What broke during the run and was mended."""
+    clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
+    """How the clocks of the hosts differ from the one that all go by."""
     outs: Mapping[str, str] = field(default_factory=dict)
     """Where the outputs are that were written on other hosts, by host."""
 
@@ -167,8 +170,11 @@ def merge(
     restarts: Mapping[str, int] | None = None,
     news: Sequence[str] = (),
     outs: Mapping[str, str] | None = None,
+    clocks: Mapping[str, ClockStatus] | None = None,
 ) -> RunReport:
     """One report from those of all workers."""
     errors = tuple(worker.error for worker in workers if worker.error)
     edges = edge_counts(plan, ledger, restarts or {})
-    return RunReport(plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), outs or {})
+    return RunReport(
+        plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), clocks or {}, outs or {}
+    )

@@ -12,6 +12,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
 from followspot.ports import ports
+from followspot.runtime.clock import Clock
 from followspot.runtime.firing import Join
 from followspot.runtime.latency import LatencyHistogram
 from followspot.runtime.outlet import Outlet
@@ -66,11 +67,12 @@ class Cell:
         *,
         on_error: ErrorPolicy = "fail",
         deadline: float | None = None,
+        clock: Clock = Clock(),  # of a host that nobody corrects
     ) -> None:
         """rank: place in the topological order.
 
         deadline: longest time, s, from a message's entering the graph until a live join fires without those
-        that are missing; None where it waits for ever.
+        that are missing; None where it waits for ever; clock: of this host.
         """
         self.name = name
         self.rank = rank
@@ -93,6 +95,7 @@ class Cell:
         self.count = CellCount()
         self.paths: dict[str, LatencyHistogram] = {}
         self.is_sink = not self.outlets
+        self.clock = clock
         self._passed = -END
         """The bound that the outputs know."""
 
@@ -152,7 +155,7 @@ class Cell:
         """The firing is over: hand out its result, or note how long it took to the end of the graph."""
         self.count.fired += 1
         if self.is_sink:
-            self._record(header, time.monotonic_ns())
+            self._record(header, self.clock.now())
         else:
             self.send(result, header)
 
@@ -235,7 +238,7 @@ class Cell:
     def _overdue(self, deadline: float) -> bool:
         """Whether a message of a live join waits longer than it may; notes when one will."""
         since = self.join.waiting_since()
-        self.overdue_at = None if since is None else since / 1e9 + deadline
+        self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
         return self.overdue_at is not None and time.monotonic() >= self.overdue_at
 
     def _recover(self, header: Header, error: Exception) -> None:

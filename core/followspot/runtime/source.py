@@ -70,8 +70,9 @@ class SourceCell(Cell):
         except Exception as error:
             self._failed(error)
             return None
-        self.entered = time.monotonic_ns()
-        self.count.busy_ns += self.entered - started
+        ended = time.monotonic_ns()
+        self.entered = ended + self.clock.steady
+        self.count.busy_ns += ended - started
         return item
 
     def _failed(self, error: Exception) -> None:
@@ -120,6 +121,10 @@ class LiveCell(SourceCell):
         self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
         self._thread.start()
 
+    def _stamp(self, item: Any) -> Header:
+        header = super()._stamp(item)
+        return header._replace(time=self.clock.capture_time(header.time))
+
     def _grab(self, stage: Stage) -> None:
         try:
             for item in stage.process():
@@ -129,7 +134,7 @@ class LiveCell(SourceCell):
                     if len(self._box) == _LIVE_DEPTH:
                         self._box.popleft()
                         self._shed += 1
-                    self._box.append((item, time.monotonic_ns()))
+                    self._box.append((item, self.clock.now()))
                 self.notify()
         except Exception as error:
             if self.stage is stage:

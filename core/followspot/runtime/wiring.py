@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -18,6 +18,7 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import InputPort as PortSpec
 from followspot.ports import Ports, ports
 from followspot.runtime.cell import Cell
+from followspot.runtime.clock import Clock
 from followspot.runtime.firing import InputPort, Join
 from followspot.runtime.inlet import UNCHANGED, HeldInlet, Inlet
 from followspot.runtime.ledger import Ledger
@@ -59,13 +60,15 @@ class RunOptions:
     """What the user said about this run and not about the graph.
 
     out: folder for outputs; frames: messages per source, None for all; warn: stage name and text;
-    rejoin: whether workers that die are started again: live joins then go on without them, others wait.
+    rejoin: whether workers that die are started again: live joins then go on without them, others wait;
+    clock: of this host.
     """
 
     out: Path = Path()
     frames: int | None = None
     warn: Callable[[str, str], None] = lambda stage, text: None
     rejoin: bool = False
+    clock: Clock = field(default_factory=Clock)
 
 
 class Wiring:
@@ -205,13 +208,26 @@ class _Builder:
         if self.wiring.ports[stage.name].source:
             kind = LiveCell if stage.live else SourceCell
             source = kind(
-                stage.name, rank, build, Join((), window=0, slack=0), outlets, on_error=stage.on_error
+                stage.name,
+                rank,
+                build,
+                Join((), window=0, slack=0),
+                outlets,
+                on_error=stage.on_error,
+                clock=self.options.clock,
             )
             source.limit = self.options.frames
             return source
         deadline = stage.deadline if self.wiring.live else None
         return Cell(
-            stage.name, rank, build, self._join(stage), outlets, on_error=stage.on_error, deadline=deadline
+            stage.name,
+            rank,
+            build,
+            self._join(stage),
+            outlets,
+            on_error=stage.on_error,
+            deadline=deadline,
+            clock=self.options.clock,
         )
 
     def _outlets(self, rank: int, stage: PlannedStage) -> dict[str, Outlet]:

@@ -27,6 +27,9 @@ _MAX_ID = 64
 _LOGGED = 20
 """Refusals of a kind that are logged one by one; then each hundredth."""
 
+_FOR_ALL = frozenset({"clock"})
+"""What every host on the list may ask."""
+
 Reason = Literal["size", "form", "version", "stale", "replayed", "flood", "verb", "role", "content"]
 
 
@@ -82,7 +85,7 @@ class Admission:
         """The arguments of a request that may be answered. Raises Refused, to be given to `count`."""
         if asked.verb not in self._verbs:
             raise Refused("verb", f"there is no {asked.verb[:80]!r}; known: {', '.join(sorted(self._verbs))}")
-        if asked.role != OPERATOR:
+        if asked.role != OPERATOR and asked.verb not in _FOR_ALL:
             raise Refused("role", f"{asked.role[:80]} {asked.name[:80]} may not {asked.verb}; operators may")
         found = _opened(payload)
         self._remember(found["id"], float(found["time"]))

@@ -1,0 +1,97 @@
+"""The clocks of a host in a run on several: compared with those of one of them, all the time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from followspot.deploy.clock_filter import ClockFilter, Exchange
+from followspot.deploy.clock_status import ClockStatus
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+
+if TYPE_CHECKING:
+    from followspot.deploy.requests import Asker
+
+_PERIOD = 1.0
+"""Seconds between two questions."""
+_FIRST = 8
+"""Questions before a run begins."""
+_TIMEOUT = 1.0
+_NOTICEABLE = 20_000
+"""ns by which a correction must change to be worth telling."""
+
+
+def reference(plan: Plan) -> str:
+    """The host by whose clock a run goes: the first that has an agent; "" where there is none."""
+    return next((worker.host for worker in plan.workers if worker.host), "")
+
+
+class HostClock:
+    """Asks the reference how late it is, from a thread of its own.
+
+    known: what the owner of this host knows its clock to be behind, ns.
+    """
+
+    def __init__(self, asker: Asker | None = None, known: int = 0) -> None:
+        """asker: speaks with agents; None where the run has no other host."""
+        self.known = known
+        self._asker = asker
+        self._reference = ""
+        self._filter = ClockFilter()
+        self._over = threading.Event()
+        self._told = (0, 0)
+
+    def follow(self, host: str) -> None:
+        """Compare with this host: a few times now, then until `close`."""
+        if self._asker is None:
+            return
+        self._reference = host
+        for _ in range(_FIRST):
+            self._compare(self._asker)
+        threading.Thread(target=self._keep_comparing, args=(self._asker,), name="clock", daemon=True).start()
+
+    def correction(self) -> tuple[int, int]:
+        """What to add to capture times and to the monotonic clock of this host, ns."""
+        offset = self._filter.offset()
+        return (self.known, 0) if offset is None else (self.known + offset.captured, offset.steady)
+
+    def news(self) -> tuple[int, int] | None:
+        """The correction where it is another than what was told last."""
+        now = self.correction()
+        if max(abs(new - old) for new, old in zip(now, self._told, strict=True)) < _NOTICEABLE:
+            return None
+        self._told = now
+        return now
+
+    def status(self) -> ClockStatus:
+        """As people want to know it."""
+        offset = self._filter.offset() or Exchange(0, 0, 0)
+        captured, round_trip = round(offset.captured / 1e6, 3), round(offset.round_trip / 1e6, 3)
+        return ClockStatus(self._reference, captured, round_trip, self._filter.exchanges)
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._over.set()
+
+    def _keep_comparing(self, asker: Asker) -> None:
+        while not self._over.wait(_PERIOD):
+            self._compare(asker)
+
+    def _compare(self, asker: Asker) -> None:
+        import zenoh  # only where there are other hosts
+
+        with suppress(FollowspotError, zenoh.ZError, KeyError, TypeError, ValueError):
+            wall, sent = time.time_ns() + self.known, time.monotonic_ns()
+            read = asker.ask(self._reference, "clock", _TIMEOUT)
+            round_trip = time.monotonic_ns() - sent
+            half = round_trip // 2
+            steady = int(read["steady"]) - (sent + half)
+            self._filter.add(Exchange(int(read["captured"]) - (wall + half), steady, round_trip))
+
+
+def read_clock(known: int) -> dict[str, int]:
+    """What the clocks of this host read now, for others to compare with; known: as in `HostClock`."""
+    return {"captured": time.time_ns() + known, "steady": time.monotonic_ns()}
