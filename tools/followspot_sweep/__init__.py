@@ -1,0 +1,1 @@
+"""A graph over a grid of parameters: `followspot sweep`."""

@@ -1,0 +1,144 @@
+"""What `followspot sweep` does: check every value, run every point, then tell."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from subprocess import Popen
+from threading import Lock
+
+from followspot.cli.graph_options import output_folder
+from followspot.errors import InputError, Mistake
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+from followspot_sweep.axes import Axis, Point, points, read_axes
+from followspot_sweep.plot import draw
+from followspot_sweep.table import best, rows, text, write
+from followspot_sweep.trial import Result, Task, folder_name, kept, run
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A room as a folder and a table call it, its file, and the state in which graph and room are."""
+
+    name: str
+    room: str | None
+    state: str
+
+
+def sweep(args: argparse.Namespace) -> int:
+    """Run every point in every room; print a table or JSON. Returns the exit code."""
+    axes = read_axes(args.overrides)
+    scenes = _scenes(args, axes)
+    out = output_folder(args.out, "sweep")
+    tasks = [
+        Task(s.name, point, _command(args, s.room, point), out / s.name / folder_name(point), s.state)
+        for s in scenes
+        for point in points(axes)
+    ]
+    results = run_all(tasks, args.jobs, quiet=args.quiet)
+    found = rows(results)
+    written = write(found, out)
+    drawn = draw(found, axes, args.best, out)
+    if args.json:
+        print(json.dumps({"rows": found, "best": best(found, args.best), "out": str(out)}))
+    else:
+        print(f"{text(found, axes, args.best)}\n\n{written}\n{drawn}\noutputs: {out}")
+    failed = [result for result in results if result.error]
+    for result in failed:
+        print(f"followspot: {result.task.folder.name}: {result.error}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
+    """The results in the order of the tasks; those that are kept are not run again.
+
+    Raises KeyboardInterrupt when it is interrupted, with every run ended.
+    """
+    running: set[Popen[str]] = set()
+    lock = Lock()
+
+    def started(process: Popen[str]) -> None:
+        with lock:
+            running.add(process)
+
+    results = {task: result for task in tasks if (result := kept(task)) is not None}
+    waiting = [task for task in tasks if task not in results]
+    if results and not quiet:
+        print(f"{len(results)} of {len(tasks)} are done already", file=sys.stderr, flush=True)
+    pool = ThreadPoolExecutor(jobs)
+    futures = [pool.submit(run, task, started) for task in waiting]
+    try:
+        for future in as_completed(futures):
+            result = future.result()
+            results[result.task] = result
+            if not quiet:
+                words = ", ".join(f"{name}={value}" for name, value in result.task.point)
+                state = "failed" if result.error else "done"
+                line = f"{len(results)}/{len(tasks)}  {result.task.room}: {words}  {state}"
+                print(line, file=sys.stderr, flush=True)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        with lock:
+            for process in running:
+                with suppress(OSError):
+                    process.terminate()
+    return [results[task] for task in tasks]
+
+
+def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
+    """The rooms. Raises InputError: every value of every axis is planned once, before anything runs."""
+    mistakes: list[Mistake] = []
+    scenes = []
+    for room in args.rooms or [None]:
+        plans = [plan for point in _trials(axes) if (plan := _plan(args, room, point, mistakes)) is not None]
+        if plans:
+            state = json.dumps([version("followspot"), plan_to_data(plans[0])])
+            name = Path(room).stem if room else plans[0].room.name
+            scenes.append(Scene(name, room, hashlib.sha256(state.encode()).hexdigest()))
+    if not mistakes and len({scene.name for scene in scenes}) < len(scenes):
+        mistakes.append(Mistake(None, "two rooms have the same name", "rename a file"))
+    if mistakes:
+        raise InputError(list(dict.fromkeys(mistakes)))
+    return scenes
+
+
+def _trials(axes: Sequence[Axis]) -> Iterator[Point]:
+    """Points that together have every value of every axis."""
+    first = {axis.name: axis.values[0] for axis in axes}
+    yield tuple(first.items())
+    for axis in axes:
+        for value in axis.values[1:]:
+            yield tuple((first | {axis.name: value}).items())
+
+
+def _plan(args: argparse.Namespace, room: str | None, point: Point, mistakes: list[Mistake]) -> Plan | None:
+    overrides = [f"{name}={value}" for name, value in point]
+    files = args.plugin_files
+    try:
+        return compile_graph(args.graph, room=room, overrides=overrides, plugin_files=files, seed=args.seed)
+    except InputError as error:
+        mistakes += error.mistakes
+        return None
+
+
+def _command(args: argparse.Namespace, room: str | None, point: Point) -> tuple[str, ...]:
+    """Arguments of `followspot`."""
+    words = ["run", args.graph]
+    words += ["--room", room] if room else []
+    for name, value in point:
+        words += ["--set", f"{name}={value}"]
+    for file in args.plugin_files:
+        words += ["--plugin", file]
+    words += ["--seed", str(args.seed)] if args.seed is not None else []
+    words += ["--frames", str(args.frames)] if args.frames else []
+    return tuple(words)

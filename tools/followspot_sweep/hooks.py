@@ -1,0 +1,83 @@
+"""Joins `followspot sweep` to the command line."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+
+from followspot.cli.graph_options import frame_count
+from followspot.plugins.hooks import Command, hookimpl
+
+HELP = """run a graph over a grid of parameters, several runs at a time, and tell which values are best
+
+A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP included. Each point is a run of
+its own; what is done already in the folder is not done again, so that a sweep that was interrupted goes on
+with the same command. Writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with matplotlib).
+
+  followspot sweep graphs/glowballs.yaml --set fuse.bandwidth=2,3,4 --set color.similarity=0.7:0.9:0.05
+  followspot sweep graphs/glowballs.yaml --set fuse.uses=balls.mean_shift,balls.mean --room a.yaml
+  followspot sweep graphs/glowballs.yaml --set track.gate=2:6:1 --seed 1 --frames 300 -o runs/gate
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The command `sweep`."""
+    return [Command("sweep", HELP, configure, run)]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Arguments of the command."""
+    parser.add_argument("graph", metavar="GRAPH", help="graph file")
+    parser.add_argument(
+        "--set",
+        dest="overrides",
+        action="append",
+        default=[],
+        metavar="STAGE.KEY=VALUES",
+        help="A,B,C or START:STOP:STEP; one value is the same for all; repeatable",
+    )
+    parser.add_argument(
+        "--room",
+        dest="rooms",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="room file instead of the graph's own; repeatable: every point runs in every room",
+    )
+    parser.add_argument(
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="use the stages of a Python file; repeatable",
+    )
+    parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
+    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
+    parser.add_argument(
+        "--jobs",
+        type=frame_count,
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="runs at a time (default: one for each processor)",
+    )
+    parser.add_argument(
+        "--best",
+        default="rmse_mm",
+        metavar="FIGURE",
+        help="the figure that is drawn, and whose smallest value is marked (default rmse_mm)",
+    )
+    parser.add_argument(
+        "-o", "--out", metavar="DIR", help="folder; the same again to go on (default: runs/sweep-DATE-TIME)"
+    )
+    parser.add_argument("--json", action="store_true", help="end with one JSON object instead of the table")
+    parser.add_argument("--quiet", action="store_true", help="no progress")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run, gather, print."""
+    from followspot_sweep.command import sweep
+
+    return sweep(args)

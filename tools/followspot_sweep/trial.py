@@ -1,0 +1,93 @@
+"""One point of the grid in one room: a run in a process of its own, whose summary is kept in its folder."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from followspot_sweep.axes import Point
+from followspot_sweep.figures import figures_of
+
+SUMMARY = "summary.json"
+
+
+@dataclass(frozen=True)
+class Task:
+    """What is to be run.
+
+    command: the arguments of `followspot` without those of the output; state: of graph, room and followspot
+    when it was planned, so that results of another state are not taken for its own.
+    """
+
+    room: str
+    point: Point
+    command: tuple[str, ...]
+    folder: Path
+    state: str
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of it: figures by name; error is empty where it went well."""
+
+    task: Task
+    figures: dict[str, float]
+    error: str = ""
+
+
+def folder_name(point: Point) -> str:
+    """A short name that can be read, and never stands for two points."""
+    words = "_".join(f"{name.rpartition('.')[2]}={value}" for name, value in point)
+    digest = hashlib.sha256(repr(point).encode()).hexdigest()[:8]
+    return f"{re.sub(r'[^A-Za-z0-9.=_-]', '-', words)[:60]}-{digest}"
+
+
+def kept(task: Task) -> Result | None:
+    """The result of an earlier sweep of the same; None where there is none that is whole."""
+    try:
+        found = json.loads((task.folder / SUMMARY).read_text(encoding="utf-8"))
+        if (found["command"], found["state"]) == (list(task.command), task.state):
+            return Result(task, figures_of(found["summary"]))
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        pass
+    return None
+
+
+def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
+    """Run it and keep the summary. started: told of the process, so that it can be ended."""
+    task.folder.mkdir(parents=True, exist_ok=True)
+    command = [sys.executable, "-m", "followspot.cli.main", *task.command, "--out", str(task.folder)]
+    with subprocess.Popen(
+        [*command, "--json", "--quiet"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as process:
+        started(process)
+        out, err = process.communicate()
+    summary = _summary(out)
+    if process.returncode or summary is None or summary.get("stopped"):
+        reasons: Sequence[str] = summary.get("errors", ()) if summary else ()
+        return Result(task, {}, "; ".join(reasons) or err.strip() or "it was stopped")
+    whole = json.dumps({"command": task.command, "state": task.state, "summary": summary})
+    waiting = task.folder / f".{SUMMARY}"
+    waiting.write_text(whole, encoding="utf-8")
+    waiting.replace(task.folder / SUMMARY)
+    return Result(task, figures_of(summary))
+
+
+def _summary(text: str) -> dict[str, Any] | None:
+    try:
+        found = json.loads(text)
+    except ValueError:
+        return None
+    return found if isinstance(found, dict) else None
