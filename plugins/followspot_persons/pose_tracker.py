@@ -21,7 +21,7 @@ from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
-from followspot_persons.trail import Trail, carried_detection, carried_pose
+from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Of particles about a pose that the slow instance told: m, m, m, rad, rad, rad."""
@@ -106,7 +106,7 @@ class PoseTracker(Stage):
         self.search = Search(self.params.particles, self.params.random, self.params.climbing)
         self.people: dict[int, Followed] = {}
         self.known: dict[int, Track] = {}
-        self.heard: dict[int, int] = {}
+        self.heard: dict[int, Hearing] = {}
         self.boxed = -1
         self.time = -1
 
@@ -138,15 +138,13 @@ class PoseTracker(Stage):
     def listen(self, people: Appearances, now: int) -> None:
         """Begin to follow whom the slow instance has seen, and let its poses take part."""
         for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
-            if seen <= self.heard.get(number, -1):
+            before = self.heard.get(number)
+            if before is not None and seen <= before.time:
                 continue
-            self.heard[number] = seen
+            self.heard[number] = Hearing(seen, pose)
             known = self.people.get(number)
             if known is None:
-                places = self.strewn(pose, self.params.particles, (now - seen) * NANOSECOND)
-                past = self.known.get(number)
-                track = past.resumed(places) if past else Track.begun(places)
-                self.people[number] = Followed(number, track, now, seen)
+                self.people[number] = Followed(number, self.begun(number, before, now), now, seen)
                 continue
             track = known.track
             then = known.trail.at(seen)
@@ -154,6 +152,14 @@ class PoseTracker(Stage):
             joining = max(1, int(JOINING * len(track.particles)))
             particles = np.concatenate([track.particles[joining:], self.strewn(told, joining)])
             self.people[number] = replace(known, track=replace(track, particles=particles))
+
+    def begun(self, number: int, before: Hearing | None, now: int) -> Track:
+        """The track of somebody whom the slow instance has just told of, not for the first time perhaps."""
+        hearing = self.heard[number]
+        age = (now - hearing.time) * NANOSECOND
+        places = self.strewn(hearing.forecast(before, age), self.params.particles, age)
+        past = self.known.get(number)
+        return past.resumed(places) if past else Track.begun(places)
 
     def strewn(self, pose: Array, count: int, age: float = 0.0) -> Array:
         """Particles about a pose `age` seconds old, (count, 6); some turned, for headings err easily."""
@@ -216,7 +222,7 @@ class PoseTracker(Stage):
         """Stop following who does not appear any more."""
         known = set(people.person.tolist())
         for number, person in list(self.people.items()):
-            silent = (now - self.heard.get(number, now)) * NANOSECOND > self.params.unseen
+            silent = (people.header.time - self.heard[number].time) * NANOSECOND > self.params.unseen
             if silent or number not in known or (now - person.good) * NANOSECOND > self.params.gone:
                 self.known[number] = self.people.pop(number).track
         self.known = {number: track for number, track in self.known.items() if number in known}

@@ -12,9 +12,12 @@ from followspot_persons.body_view import HEADING, PAN, view
 from followspot_persons.fitness import Detection
 from followspot_persons.hog_likelihood import heading_log_likelihood
 from followspot_persons.shape import ShapeModel
+from followspot_persons.track import FASTEST
 
 LENGTH = 64
 """Pictures that are remembered."""
+LONG_AGO = 2.0
+"""Time after which a person may have turned round, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,23 @@ class Trail:
     def at(self, time: int) -> Array | None:
         """The pose in the last picture up to a time; None from before the trail began."""
         return next((pose for then, pose in reversed(self.poses) if then <= time), None)
+
+
+@dataclass(frozen=True, eq=False)
+class Hearing:
+    """What the slow instance told of a person: the pose (6,) at a time, ns."""
+
+    time: int
+    pose: Array
+
+    def forecast(self, before: Hearing | None, seconds: float) -> Array:
+        """The pose some seconds later, if the person goes on as since the hearing before."""
+        apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
+        if before is None or apart > LONG_AGO:
+            return self.pose
+        velocity = (self.pose[:2] - before.pose[:2]) / apart
+        velocity *= min(1.0, FASTEST / max(float(np.hypot(*velocity)), 1e-9))
+        return np.concatenate([self.pose[:2] + velocity * seconds, self.pose[2:]])
 
 
 def carried_pose(pose: Array, then: Array, now: Array) -> Array:

@@ -1,0 +1,19 @@
+"""The eye of the slow instance: it opens when the instance has time for one more picture (section 5)."""
+
+from __future__ import annotations
+
+from followspot import Stage
+from followspot.tracking import Frame
+
+
+class Look(Stage):
+    """Pass a camera's picture on to several slow stages, so that all of them work on the same one.
+
+    With `policy: latest` on its input and `depth: 1` behind it, a live camera's pictures are dropped here,
+    before any work was done on them, and what is passed on is the newest.
+    """
+
+    per_camera = True
+
+    def process(self, frame: Frame) -> Frame:
+        return frame
