@@ -1,4 +1,4 @@
-"""Which moments are previewed: the taps of all processes agree through three words of shared memory.
+"""Which moments are previewed: the taps of all processes agree through a few words of shared memory.
 
 Pictures, blobs and tracks of one moment belong together, so the taps do not each choose their own: the tap
 of a source that finds the period over names a capture time a few frames ahead, and every tap shows its first
@@ -13,10 +13,11 @@ import os
 from pathlib import Path
 
 FILE = "gate"
-WATCHED, MOMENT, NEXT = range(3)
-"""Words: whether anybody looks; the capture time, ns, to show next; ns of the monotonic clock at which the
-next one may be named. They are hints: two taps that write at once cost a preview, nothing else."""
-SIZE = 24
+WATCHED, MOMENT, BEFORE, NEXT = range(4)
+"""Words: whether anybody looks; the capture time, ns, to show next, and the one before, which not all taps
+may have come to; ns of the monotonic clock at which the next one may be named. They are hints: two taps that
+write at once cost a preview, nothing else."""
+SIZE = 32
 MAX_LEAD = 8
 """Frames from naming a moment to it, at most: as many as may be under way between stages."""
 _BACKWARDS = 1_000_000_000
@@ -43,10 +44,13 @@ class Gate:
     def watched(self, somebody: bool) -> None:
         self.words[WATCHED] = somebody
 
-    @property
-    def moment(self) -> int:
-        """Capture time, ns, from which the first message of each port is shown."""
-        return self.words[MOMENT]
+    def moment(self, time: int) -> int:
+        """The newest moment, ns, up to a capture time: the first message of each port from it on is shown.
+
+        Later than the capture time where no moment has come yet.
+        """
+        newest = self.words[MOMENT]
+        return newest if time >= newest else self.words[BEFORE]
 
     def due(self, now: int, time: int) -> bool:
         """Whether the next moment is to be named.
@@ -59,6 +63,7 @@ class Gate:
     def name(self, moment: int, next_at: int) -> None:
         """Name a moment, ns of capture time; the next one is due at `next_at`, ns of the monotonic clock."""
         self.words[NEXT] = next_at
+        self.words[BEFORE] = self.words[MOMENT]
         self.words[MOMENT] = moment
 
     def close(self) -> None:

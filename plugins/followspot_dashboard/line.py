@@ -1,4 +1,7 @@
-"""The way from taps to the page: datagrams in a private folder, dropped where the page does not take them."""
+"""The way from taps to the page: packets in a private folder, dropped where the page does not take them.
+
+Sequenced packets and no datagrams: of those the kernel holds ten for a receiver, whoever sends them.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +12,22 @@ from followspot.messages import Message
 from followspot.wire import pack
 
 SOCKET = "previews"
-MAX_DATAGRAM = 190_000
+MAX_PACKET = 190_000
 """Largest preview, bytes; sockets take a little more."""
 _SEPARATOR = b"\0"
 
 
 class Line:
-    """The sending end. Raises OSError where the folder's path is too long for a socket."""
+    """The sending end. Raises OSError where no page listens in the folder."""
 
     def __init__(self, folder: Path) -> None:
-        self._address = str(folder / SOCKET)
-        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._socket.setblocking(False)
+        try:
+            self._socket.connect(str(folder / SOCKET))
+        except OSError:
+            self._socket.close()
+            raise
         self.dropped = 0
 
     def send(self, port: str, message: Message) -> None:
@@ -28,9 +35,9 @@ class Line:
         head = _SEPARATOR.join((port.encode(), type(message).__name__.encode(), b""))
         data = head + pack(message)
         try:
-            if len(data) > MAX_DATAGRAM:
+            if len(data) > MAX_PACKET:
                 raise OSError("too large")
-            self._socket.sendto(data, self._address)
+            self._socket.send(data)
         except OSError:
             self.dropped += 1
 
@@ -40,6 +47,6 @@ class Line:
 
 
 def read(data: bytes) -> tuple[str, str, bytes]:
-    """Port, name of the message type and packed message of a datagram. Raises ValueError."""
+    """Port, name of the message type and packed message of a packet. Raises ValueError."""
     port, kind, packed = data.split(_SEPARATOR, 2)
     return port.decode(), kind.decode("ascii"), packed

@@ -57,7 +57,7 @@ class Tap(Stage):
         if gate is None:
             return
         captured = message.header.time
-        moment = gate.moment
+        moment = gate.moment(captured)
         if self.params.leads:
             self._lead(gate, captured)
         if captured >= moment != self.shown:

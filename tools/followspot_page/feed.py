@@ -20,8 +20,10 @@ from followspot_page.views import KINDS, view
 MAX_THINGS = 4096
 """Different things that are kept."""
 _BURST = 64
-"""Datagrams taken in one go, so that browsers are served in between."""
+"""Packets of one sender taken in one go, so that browsers are served in between."""
 _BUFFER = 1 << 18
+_BACKLOG = 1024
+"""Taps that may connect before the first is let in."""
 
 
 class Feed:
@@ -48,7 +50,7 @@ class Feed:
 
 
 class Previews:
-    """Turns datagrams of taps into things to show. watch: gets every message that is none of pictures."""
+    """Turns packets of taps into things to show. watch: gets every message that is none of pictures."""
 
     def __init__(self, feed: Feed, room: Room, watch: Callable[[Message], None]) -> None:
         self.feed = feed
@@ -56,10 +58,10 @@ class Previews:
         self.watch = watch
         self.invalid = 0
 
-    def take(self, datagram: bytes) -> None:
-        """Show what a datagram holds; what is no preview is counted and passed over."""
+    def take(self, packet: bytes) -> None:
+        """Show what a packet holds; what is no preview is counted and passed over."""
         try:
-            port, name, packed = read(datagram)
+            port, name, packed = read(packet)
             message = unpack(packed, KINDS[name])
             if isinstance(message, Picture):
                 self.feed.put(f"picture {message.camera}", picture_bytes(message))
@@ -79,18 +81,43 @@ def picture_bytes(picture: Picture) -> bytes:
     return head + picture.jpeg.tobytes()
 
 
-def listen(path: Path, take: Callable[[bytes], Any]) -> socket.socket:
-    """Take datagrams that come to a socket of this name, in the running event loop. Raises OSError."""
-    receiver = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-    receiver.setblocking(False)
-    receiver.bind(str(path))
+class Listener:
+    """Takes the packets of all who connect to a socket of this name, in the running event loop."""
 
-    def readable() -> None:
+    def __init__(self, path: Path, take: Callable[[bytes], Any]) -> None:
+        """Raises OSError."""
+        self._take = take
+        self._door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._door.setblocking(False)
+        self._door.bind(str(path))
+        self._door.listen(_BACKLOG)
+        self._senders: set[socket.socket] = set()
+        self._loop = asyncio.get_running_loop()
+        self._loop.add_reader(self._door, self._admit)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for end in (self._door, *self._senders):
+            self._loop.remove_reader(end)
+            end.close()
+
+    def _admit(self) -> None:
+        sender, _ = self._door.accept()
+        sender.setblocking(False)
+        self._senders.add(sender)
+        self._loop.add_reader(sender, self._hear, sender)
+
+    def _hear(self, sender: socket.socket) -> None:
         for _ in range(_BURST):
             try:
-                take(receiver.recv(_BUFFER))
+                packet = sender.recv(_BUFFER)
             except BlockingIOError:
                 return
-
-    asyncio.get_running_loop().add_reader(receiver, readable)
-    return receiver
+            except OSError:
+                packet = b""
+            if not packet:
+                self._loop.remove_reader(sender)
+                self._senders.discard(sender)
+                sender.close()
+                return
+            self._take(packet)

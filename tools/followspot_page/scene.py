@@ -17,7 +17,7 @@ from followspot.room import Camera, Room, Target
 _REACH = 8.0
 """Farthest that the drawn room goes from the middle of its cameras, m."""
 _MARGIN = 0.3
-_RIM = 0.08
+_RIM = 0.15
 """Share of the floor's seen places that may lie outside on each side."""
 _INNER = np.linspace(0.2, 0.8, 5)
 """Where in a picture the floor is looked at, as a share of its width or height."""

@@ -29,7 +29,7 @@ from followspot_dashboard.gate import Gate, make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
-from followspot_page.feed import Feed, Previews, listen
+from followspot_page.feed import Feed, Listener, Previews
 from followspot_page.picture_of_run import RunPicture, status_from_data
 from followspot_page.scene import scene
 from followspot_page.taps import without_taps
@@ -186,8 +186,8 @@ async def serve(folder: Path) -> None:
         )
     )
     listeners = [
-        listen(folder / SOCKET, page.previews.take),
-        listen(folder / STATUS, page.take_status),
+        Listener(folder / SOCKET, page.previews.take),
+        Listener(folder / STATUS, page.take_status),
     ]
     telling = asyncio.ensure_future(page.tell_status())
     async with _until_input_ends(server):

@@ -50,14 +50,15 @@ def shown(plan: Plan, at: Address) -> Iterator[tuple[str, OnStatus]]:
     try:
         order = {"plan": plan_to_data(plan), **at._asdict()}
         (place / ORDER).write_text(json.dumps(order))
-        with _process(place) as process, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as line:
+        with _process(place) as process, socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as line:
             port = _port(process, at)
             line.setblocking(False)
+            line.connect(str(place / STATUS))
             host = f"[{at.host}]" if ":" in at.host else at.host
 
             def tell(status: RunStatus) -> None:
                 try:
-                    line.sendto(status_to_data(status), str(place / STATUS))
+                    line.send(status_to_data(status))
                 except OSError:
                     return  # the page is busy or gone; the run is not
 

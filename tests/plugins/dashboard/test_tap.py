@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import socket
+import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -32,27 +34,38 @@ def frame(value: int = 0, size: tuple[int, int] = (48, 64), channels: int = 3) -
 
 
 class Listener:
-    """The page's end of the line."""
+    """The page's end of the lines."""
 
     def __init__(self, folder: Path) -> None:
-        self.socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
-        self.socket.setblocking(False)
-        self.socket.bind(str(folder / SOCKET))
+        self.door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.door.setblocking(False)
+        self.door.bind(str(folder / SOCKET))
+        self.door.listen(8)
+        self.lines: list[socket.socket] = []
 
     def heard(self) -> list[tuple[str, str, bytes]]:
-        found = []
-        while True:
-            try:
-                found.append(read(self.socket.recv(1 << 18)))
-            except BlockingIOError:
-                return found
+        with suppress(BlockingIOError):
+            while True:
+                self.lines.append(self.door.accept()[0])
+        return [read(packet) for line in self.lines for packet in _packets(line)]
+
+    def close(self) -> None:
+        for line in (self.door, *self.lines):
+            line.close()
+
+
+def _packets(line: socket.socket) -> Iterator[bytes]:
+    line.setblocking(False)
+    with suppress(BlockingIOError):
+        while packet := line.recv(1 << 18):
+            yield packet
 
 
 @pytest.fixture
 def listener(tmp_path: Path) -> Iterator[Listener]:
     found = Listener(tmp_path)
     yield found
-    found.socket.close()
+    found.close()
 
 
 @pytest.fixture
@@ -63,8 +76,8 @@ def gate(tmp_path: Path) -> Iterator[Gate]:
     made.close()
 
 
-def tap(folder: Path, port: str = "camera/cam0.out", *, leads: bool = False, smooth: float = 0.0) -> Tap:
-    made = Tap(Context(name="tap"), folder=str(folder), port=port, leads=leads, smooth=smooth)
+def tap(folder: Path, port: str = "camera/cam0.out", **params: float) -> Tap:
+    made = Tap(Context(name="tap"), folder=str(folder), port=port, **params)
     made.setup()
     return made
 
@@ -105,10 +118,21 @@ def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, lis
 
 def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate, listener: Listener) -> None:
     source = tap(tmp_path, leads=True)
+    gate.name(80_000 * MS, next_at=0)
     gate.name(90_000 * MS, next_at=0)
     source.process(at(10, frame()))
     source.process(at(20, frame()))
     assert len(listener.heard()) == 1
+
+
+def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    taps = [tap(tmp_path, f"camera/cam{i}.out", leads=True, rate=60.0) for i in range(3)]
+    for number in range(1, 9):
+        time.sleep(0.02)  # longer than from one picture of the page to the next
+        for one in taps:
+            one.process(at(100 * number, frame()))
+    shown = [port for port, _, _ in listener.heard()]
+    assert all(shown.count(f"camera/cam{i}.out") >= 6 for i in range(3))  # the first ones set the pace
 
 
 def test_tracks_are_shown_between_pictures_too(tmp_path: Path, gate: Gate, listener: Listener) -> None:
@@ -127,7 +151,7 @@ def test_a_page_that_does_not_listen_costs_previews_and_nothing_else(tmp_path: P
         watched.process(at(number, frame()))
     assert watched.line is not None
     assert watched.line.dropped > 0
-    busy.socket.close()
+    busy.close()
 
 
 def test_without_a_page_a_tap_passes_everything_over(tmp_path: Path) -> None:

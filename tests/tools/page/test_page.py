@@ -202,9 +202,10 @@ def test_who_does_not_listen_holds_up_nobody_and_is_told_the_newest_only(page: S
 
 @pytest.mark.parametrize("junk", JUNK)
 def test_what_is_no_preview_is_passed_over(page: Shown, junk: bytes) -> None:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as stranger:
-        stranger.sendto(junk, str(folder() / "previews"))
-        stranger.sendto(junk, str(folder() / "status"))
+    for name in ("previews", "status"):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as stranger:
+            stranger.connect(str(folder() / name))
+            stranger.send(junk)
     with page.look() as browser:
         next(things(browser, "scene"))
         page.line.send("track.tracks", at(1, tracks(1)))

@@ -21,6 +21,11 @@ function setLife(life, text) {
   $("life").textContent = text;
 }
 
+function span(p50, p95) {
+  const [scale, unit, digits] = p95 >= 1000 ? [1000, "s", 1] : [1, "ms", p95 >= 100 ? 0 : 1];
+  return `${(p50 / scale).toFixed(digits)} / ${(p95 / scale).toFixed(digits)} ${unit}`;
+}
+
 const takers = {
   scene(scene) {
     document.title = `${scene.graph} · followspot`;
@@ -38,7 +43,7 @@ const takers = {
     const lost = run.edges.reduce((sum, e) => sum + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
     $("rate").textContent = run.rate.toFixed(run.rate < 10 ? 1 : 0);
     $("fired").textContent = run.expected ? `${run.fired} / ${run.expected}` : run.fired;
-    $("latency").textContent = path ? `${path.p50_ms.toFixed(1)} / ${path.p95_ms.toFixed(1)} ms` : "–";
+    $("latency").textContent = path ? span(path.p50_ms, path.p95_ms) : "–";
     $("lost").textContent = lost;
     $("lost").className = lost ? "lossy" : "";
     pipeline.update(run);

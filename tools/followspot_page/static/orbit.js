@@ -23,10 +23,10 @@ export class Orbit {
   // Look at a box so that all of it is seen. low, high: corners, m.
   show(low, high) {
     this.center.addVectors(low, high).multiplyScalar(0.5);
-    this.center.z = low.z + 0.36 * (high.z - low.z);
+    this.center.z = low.z + 0.3 * (high.z - low.z);
     const radius = high.clone().sub(low).length() / 2;
     const angle = Math.min(this.camera.fov, this.camera.fov * this.camera.aspect) * (Math.PI / 360);
-    this.place.set((0.8 * radius) / Math.sin(angle), 1.13, -0.95);
+    this.place.set((0.84 * radius) / Math.sin(angle), 1.13, -0.95);
     this.home = [this.center.clone(), this.place.clone()];
     this.apply();
   }
