@@ -15,7 +15,7 @@ TEMPLATES = Path(__file__).parent / "templates"
 GROUP = '[project.entry-points."followspot.plugins.v1"]'
 _PLUGIN_NAME = re.compile(r"[a-z][a-z0-9]{0,39}")
 _STAGE_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-_TAKEN = ("balls", "persons", "cameras", "sim", "sinks", "room")
+_TAKEN = ("balls", "persons", "cameras", "recording", "sim", "sinks", "room")
 _FIRST = "low"
 
 PLUGIN_FILES: Mapping[str, str] = {
