@@ -133,9 +133,11 @@ class ZenohWriter:
         return None
 
     def flush(self) -> bool:
-        """Send the settled time that had to wait. True when nothing waits; the end must have arrived."""
+        """Send the settled time that had to wait. True when nothing waits; the end must have arrived.
+
+        What became of the readers is left to `drain`, whose caller takes note of it.
+        """
         self._waiting = True
-        self._notice()
         self._send_held()
         arrived = len(self._done | self._gone) == len(self._reports)
         return self._held is None and (arrived or not self._ending)

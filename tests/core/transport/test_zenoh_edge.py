@@ -44,6 +44,11 @@ class Pair:
         until(lambda: bool(publisher.matching_status.matching))  # type: ignore[attr-defined]
         return publisher
 
+    def finished(self) -> bool:
+        """Whether the reader has all, up to the end."""
+        self.writer.drain()
+        return self.writer.flush()
+
     def close(self) -> None:
         self.writer.close()
         self.reader.close()
@@ -89,7 +94,7 @@ def test_both_ends_may_share_a_session(pair: Pair) -> None:
     assert all(isinstance(t, Message) and identical(t, frame(n)) for n, t in enumerate(tokens[:DEPTH]))
     pair.reader.consumed(DEPTH)
     until(lambda: pair.writer.credit() == DEPTH)
-    until(pair.writer.flush)
+    until(pair.finished)
     assert not pair.writer.lost
     assert not pair.reader.lost
 
@@ -98,10 +103,25 @@ def test_the_writer_is_not_done_before_the_end_was_read(pair: Pair) -> None:
     pair.writer.send(Settled(END))
     assert not pair.writer.flush()
     arrived(pair.reader, 1)
-    until(pair.writer.flush)
+    until(pair.finished)
     pair.writer.close()
     until(lambda: pair.reader._gone)
     assert not pair.reader.lost
+
+
+def test_only_a_drain_finds_readers_gone_or_back_for_who_counts_asks_after_it(pair: Pair) -> None:
+    for lost in (frozenset({0}), frozenset()):
+        known = pair.writer.lost
+        if lost:
+            pair.reader.close()
+        else:
+            pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
+        until(lambda: bool(pair.writer._news))
+        pair.writer.flush()
+        pair.writer.credit()
+        assert pair.writer.lost == known
+        pair.writer.drain()
+        assert pair.writer.lost == lost
 
 
 def test_a_message_without_credit_is_a_mistake_of_the_caller(pair: Pair) -> None:
