@@ -187,6 +187,16 @@ def test_parquet_has_the_rows_of_the_table_with_their_types(show: Path, tmp_path
     assert table["epipolar"].to_pylist() == [float(line["epipolar"]) for line in lines]
 
 
+def test_a_file_for_the_rerun_viewer_is_written(show: Path, tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    ports = ["--ports", "track.tracks,camera/cam0,color/cam0,verify"]
+    assert main(["export", str(show), str(tmp_path), "--to", "rerun", *ports]) == 0
+    sizes = {path.name: path.stat().st_size for path in tmp_path.iterdir()}
+    assert sizes.keys() == {"track.tracks.rrd", "camera.cam0.out.rrd", "color.cam0.out.rrd", "verify.out.rrd"}
+    assert all(path.read_bytes().startswith(b"RRF") for path in tmp_path.iterdir())
+    assert sizes["camera.cam0.out.rrd"] > sizes["track.tracks.rrd"] > 1000
+
+
 @pytest.mark.parametrize(
     ("command", "said"),
     [

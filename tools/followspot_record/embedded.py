@@ -24,17 +24,21 @@ def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
 
     plugin_files: Python files that the user names; those that the recording names are never loaded.
     """
-    try:
-        data = json.loads(recording.attachment(PLAN))
-    except (ValueError, RecursionError) as error:
-        raise FollowspotError(f"{recording.path}: {PLAN} is damaged: {error}") from None
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     use_plugin_files(files)
-    plan = replace(plan_from_data(data), plugin_files=files)
+    plan = replace(plan_of_recording(recording), plugin_files=files)
     mistakes = [mistake for stage in plan.stages for mistake in _mistakes(stage)]
     if mistakes:
         raise InputError(mistakes)
     return here(plan)
+
+
+def plan_of_recording(recording: Recording) -> Plan:
+    """The plan as it stands in the file; nothing of it was looked at. Raises FollowspotError."""
+    try:
+        return plan_from_data(json.loads(recording.attachment(PLAN)))
+    except (ValueError, RecursionError) as error:
+        raise FollowspotError(f"{recording.path}: {PLAN} is damaged: {error}") from None
 
 
 def _mistakes(stage: PlannedStage) -> list[Mistake]:

@@ -9,15 +9,22 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.messages import InvalidMessage, Message
+from followspot.people import Gradients
+from followspot.tracking import Frame
 from followspot.wire import unpack
-from followspot_record.formats import FORMATS
+from followspot_record.embedded import plan_of_recording
+from followspot_record.formats import FORMATS, Port
 from followspot_record.ports import chosen
-from followspot_recording.contract import message_type
+from followspot_record.record import PLAN
+from followspot_recording.contract import contract_of, message_type, type_name
 from followspot_recording.recording import Recording
+from followspot_recording.records import Channel
+from followspot_recording.replays import REPLAYS
 
-PICTURES = ("Frame", "Gradients")
+PICTURES, HEAVY = type_name(Frame), (type_name(Gradients),)
 """Types that are exported only where they are asked for: as numbers they fill disks."""
 
 
@@ -31,16 +38,18 @@ def export_command(args: argparse.Namespace) -> int:
     with Recording(args.recording) as recording:
         names = chosen(args.ports, recording.ports, "--ports")
         if args.ports is None:
-            names = tuple(name for name in names if not recording.ports[name].schema.endswith(PICTURES))
+            left_out = HEAVY if form.pictures else (*HEAVY, PICTURES)
+            names = tuple(name for name in names if recording.ports[name].schema not in left_out)
         if not names:
             remedy = f"recorded: {', '.join(recording.ports) or 'none'}"
             raise InputError([Mistake(None, f"{recording.path} has no such ports", remedy)])
         folder.mkdir(parents=True, exist_ok=True)
+        room = recorded_room(recording)
         counts = {}
         for name in names:
-            kind = message_type(recording.ports[name].contract)
-            path = folder / f"{name.replace('/', '.')}.{args.to}"
-            counts[str(path)] = form.write(path, kind, messages(recording, name, kind))
+            kind = type_of(recording.ports[name])
+            path = folder / f"{name.replace('/', '.')}.{form.suffix}"
+            counts[str(path)] = form.write(path, Port(name, kind, messages(recording, name, kind), room))
             if not args.json:
                 print(f"{path}  {counts[str(path)]}")
         problem = recording.problem
@@ -49,6 +58,19 @@ def export_command(args: argparse.Namespace) -> int:
     if args.json:
         print(json.dumps({"files": counts, "problem": problem}))
     return 0
+
+
+def recorded_room(recording: Recording) -> Room:
+    """The room that it was recorded in; an empty one where the file does not say."""
+    if PLAN not in recording.attachments:
+        return Room()
+    return plan_of_recording(recording).room
+
+
+def type_of(channel: Channel) -> type[Message]:
+    """The installed message type where it is the recorded one, else one like it. Raises ContractError."""
+    known = next((kind for kind in REPLAYS.values() if type_name(kind) == channel.schema), None)
+    return known if known and contract_of(known) == channel.contract else message_type(channel.contract)
 
 
 def messages(recording: Recording, port: str, kind: type[Message]) -> Iterator[Message]:

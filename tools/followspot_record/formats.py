@@ -10,11 +10,25 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from followspot import Context, Room
 from followspot.messages import Message
 from followspot_record.rows import TEXT, as_json, headings, rows
+from followspot_sinks.rerun_viewer import Rerun
 
 _GROUP = 1 << 14
-Write = Callable[[Path, type[Message], Iterator[Message]], int]
+
+
+@dataclass(frozen=True)
+class Port:
+    """What is written. name: STAGE.PORT; room: the one that was recorded in."""
+
+    name: str
+    kind: type[Message]
+    messages: Iterator[Message]
+    room: Room
+
+
+Write = Callable[[Path, Port], int]
 
 
 @dataclass(frozen=True)
@@ -22,45 +36,48 @@ class Format:
     """write: returns how many rows it wrote; needs: the package that it needs besides."""
 
     write: Write
+    suffix: str
     needs: str = ""
+    pictures: bool = False
+    """Whether pictures are written, too, where nothing is said."""
 
 
-def write_csv(path: Path, kind: type[Message], messages: Iterator[Message]) -> int:
+def write_csv(path: Path, port: Port) -> int:
     """A line for each row of each message."""
     count = 0
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(headings(kind))
-        for message in messages:
+        writer.writerow(headings(port.kind))
+        for message in port.messages:
             for row in rows(message):
                 writer.writerow(row)
                 count += 1
     return count
 
 
-def write_jsonl(path: Path, kind: type[Message], messages: Iterator[Message]) -> int:
+def write_jsonl(path: Path, port: Port) -> int:
     """A line for each message."""
     count = 0
     with path.open("w", encoding="utf-8") as file:
-        for message in messages:
+        for message in port.messages:
             file.write(json.dumps(as_json(message), allow_nan=False, separators=(",", ":")) + "\n")
             count += 1
     return count
 
 
-def write_parquet(path: Path, kind: type[Message], messages: Iterator[Message]) -> int:
+def write_parquet(path: Path, port: Port) -> int:
     """A row for each row of each message, in groups that fit into memory."""
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
-    codes = headings(kind)
+    codes = headings(port.kind)
     schema = pa.schema(
         [(name, pa.string() if code == TEXT else pa.from_numpy_dtype(code)) for name, code in codes.items()]
     )
     count = 0
     waiting: list[tuple[Any, ...]] = []
     with ParquetWriter(path, schema) as writer:
-        for message in chain(messages, [None]):
+        for message in chain(port.messages, [None]):
             waiting += () if message is None else rows(message)
             if waiting and (message is None or len(waiting) >= _GROUP):
                 columns = zip(*waiting, strict=True)
@@ -71,8 +88,23 @@ def write_parquet(path: Path, kind: type[Message], messages: Iterator[Message]) 
     return count
 
 
+def write_rerun(path: Path, port: Port) -> int:
+    """A file for the Rerun viewer, as the stage sinks.rerun writes it."""
+    viewer = Rerun(Context(port.name, port.room, out=path.parent), path=Path(path.name))
+    viewer.setup()
+    count = 0
+    try:
+        for message in port.messages:
+            viewer.process(message)
+            count += 1
+    finally:
+        viewer.close()
+    return count
+
+
 FORMATS: Mapping[str, Format] = {
-    "csv": Format(write_csv),
-    "jsonl": Format(write_jsonl),
-    "parquet": Format(write_parquet, "pyarrow"),
+    "csv": Format(write_csv, "csv"),
+    "jsonl": Format(write_jsonl, "jsonl"),
+    "parquet": Format(write_parquet, "parquet", "pyarrow"),
+    "rerun": Format(write_rerun, "rrd", "rerun", pictures=True),
 }

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from followspot.cli.graph_options import add_change_options, add_graph_options
 from followspot.cli.run import add_run_options
+from followspot.errors import InputError, Mistake
 from followspot.plugins.hooks import Command, PlanOptions, hookimpl
 
 if TYPE_CHECKING:
@@ -33,10 +35,13 @@ Exit code 0 where all are the same, 1 where not; then the first difference is na
 
   followspot verify show.mcap
 """
-EXPORT = """write the ports of a recording as tables or lines of JSON, a file for each; parquet needs pyarrow
+EXPORT = """write the ports of a recording as tables, lines of JSON or for the Rerun viewer, a file for each
+
+parquet needs pyarrow, rerun needs rerun-sdk.
 
   followspot export show.mcap --to csv tables
   followspot export show.mcap --to parquet tables
+  followspot export show.mcap --to rerun views
   followspot export show.mcap --to jsonl lines --ports track.tracks
 """
 
@@ -120,7 +125,7 @@ def configure_export(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     parser.add_argument("folder", metavar="DIR", help="where the files go; made where it is missing")
-    parser.add_argument("--to", choices=("csv", "jsonl", "parquet"), required=True, help="format")
+    parser.add_argument("--to", choices=("csv", "jsonl", "parquet", "rerun"), required=True, help="format")
     parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="which ports (default: all but pictures)")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
 
@@ -129,9 +134,16 @@ def recorded(plan: Plan, args: argparse.Namespace) -> Plan:
     """The plan with recording sinks where --record is given. Raises InputError."""
     if args.record is None:
         return plan
+    _need_mcap()
     from followspot_record.record import recorded_as_asked
 
     return recorded_as_asked(plan, args)
+
+
+def _need_mcap() -> None:
+    """Raises InputError where the extra is missing."""
+    if importlib.util.find_spec("mcap") is None:
+        raise InputError([Mistake(None, "recordings need mcap", 'pip install "followspot[recording]"')])
 
 
 def record(args: argparse.Namespace) -> int:
@@ -143,6 +155,7 @@ def record(args: argparse.Namespace) -> int:
 
 def replay(args: argparse.Namespace) -> int:
     """Run on recorded ports, print the summary."""
+    _need_mcap()
     from followspot_record.replay import replay_command
 
     return replay_command(args)
@@ -150,6 +163,7 @@ def replay(args: argparse.Namespace) -> int:
 
 def verify(args: argparse.Namespace) -> int:
     """Run again, compare, tell."""
+    _need_mcap()
     from followspot_record.verify import verify_command
 
     return verify_command(args)
@@ -157,6 +171,7 @@ def verify(args: argparse.Namespace) -> int:
 
 def export(args: argparse.Namespace) -> int:
     """Write files."""
+    _need_mcap()
     from followspot_record.export import export_command
 
     return export_command(args)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -50,8 +49,6 @@ def record_command(args: argparse.Namespace) -> int:
 def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
     """The plan that records as the options say. Raises InputError."""
     path = Path(args.record).absolute()
-    if importlib.util.find_spec("mcap") is None:
-        raise InputError([Mistake(None, "recording needs mcap", 'pip install "followspot[recording]"')])
     if problem := _unsuitable(path):
         raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
     names = chosen(args.record_ports, output_ports(plan), "--record-ports")

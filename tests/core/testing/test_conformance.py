@@ -24,8 +24,14 @@ MESSAGES = {
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""
 
 
+NEEDS = {"sinks.rerun": "rerun"}
+"""Large packages that stages need and machines may lack."""
+
+
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_built_in_stage_keeps_every_promise(name: str) -> None:
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
     check_stage(load_stage(name), messages=MESSAGES.get(name, 600), **SLOW.get(name, {}))
 
 

@@ -1,0 +1,72 @@
+"""What the Rerun viewer is shown; without rerun-sdk the stage says what to install."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from followspot import Context, Message
+from followspot.errors import FollowspotError
+from followspot.messages import Header, seal, stamped
+from followspot.people import Poses, PoseTruth
+from followspot.testing import tiny_room
+from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
+from followspot_sinks.rerun_scene import entity_of
+from followspot_sinks.rerun_viewer import Rerun
+
+ROOM = tiny_room()
+XYZ = np.array([[0.0, 0.1, 1.0], [np.nan, 0.0, 0.0]])
+
+
+def sent(message: Message) -> Message:
+    return stamped(seal(message), Header("camera", 0, 5_000_000))
+
+
+TRACKS = Tracks(np.array([0, 9], "i4"), np.array([1, 3], "u1"), np.zeros((2, 3)), np.zeros((2, 3)), XYZ)
+
+
+def test_without_the_package_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "rerun", None)
+    with pytest.raises(FollowspotError, match=r"pip install .followspot\[rerun\]"):
+        Rerun(Context("show", ROOM, out=tmp_path)).setup()
+
+
+def test_what_a_camera_saw_stands_below_the_camera() -> None:
+    frame = Frame("cam0", np.zeros((4, 4, 3), "u1"))
+    assert entity_of(frame, "camera") == "room/cam0"
+    assert entity_of(Poses.empty(), "track") == "room/track"
+    assert entity_of(TRACKS, "track") == "room/track"
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        Frame("cam0", np.zeros((4, 6, 3), "u1")),
+        Frame("cam0", np.zeros((4, 6, 1), "u1")),
+        TRACKS,
+        *(kind.empty() for kind in (Frame, Tracks, Blobs, Candidates, Positions, Poses, PoseTruth, Truth)),
+    ],
+)
+def test_it_is_written_into_a_file_of_the_viewer(tmp_path: Path, message: Message) -> None:
+    pytest.importorskip("rerun")
+    told: list[str] = []
+    stage = Rerun(Context("show", ROOM, out=tmp_path, warn=told.append))
+    stage.setup()
+    stage.process(sent(message))
+    stage.close()
+    assert (tmp_path / "show.rrd").read_bytes().startswith(b"RRF")
+    assert told == []
+
+
+def test_a_type_that_the_viewer_does_not_know_is_told_once(tmp_path: Path) -> None:
+    pytest.importorskip("rerun")
+    told: list[str] = []
+    stage = Rerun(Context("show", ROOM, out=tmp_path, warn=told.append))
+    stage.setup()
+    for _ in range(3):
+        stage.process(sent(Pairs.empty()))
+    stage.close()
+    assert told == ["Rerun shows nothing like Pairs"]
