@@ -94,9 +94,10 @@ class Appearance(Stage):
             description="pictures that colours are a mean of; raising it follows light and turns more slowly",
         )
         likeness: float = Field(
-            0.0,
+            -0.5,
             unit="1",
-            description="log-likelihood ratio from which a newcomer is somebody who was here before",
+            description="log-likelihood ratio from which a newcomer is somebody who was here before; raising "
+            "it takes more of those who return for others",
         )
 
     params: Params

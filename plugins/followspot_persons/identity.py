@@ -17,7 +17,7 @@ POPULATION_SIGMA = 0.13
 """The same of two different people, m."""
 INDEPENDENT = 0.25
 """Share of the features that speak independently: neighbours wear the same."""
-MISPLACED = 0.2
+MISPLACED = 0.1
 """Share of the features that show something else: an arm, a bag, what is behind the person."""
 
 

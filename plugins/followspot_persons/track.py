@@ -21,6 +21,8 @@ HEADING_GAIN, HEAD_GAIN = 0.6, 0.5
 RISE, FALL = 0.05, 0.01
 """Share of a new likelihood in the typical one, where it is higher and where it is lower: what is not the
 person must not become typical before it is noticed."""
+ORDINARY = 0.45
+"""Likelihood that is expected of somebody new at least."""
 HIDDEN = 0.4
 """Share of the outline that has to show for a picture to say where a person is."""
 FASTEST = 2.0
@@ -114,8 +116,8 @@ def followed(
     forecast = track.pose.copy()
     forecast[[X, Y]] += track.velocity * seconds
     pose, velocity = _smoothed(forecast, track.velocity, measured, seconds, fresh=not track.likelihood)
-    gain = RISE if value > track.typical else FALL
-    typical = track.typical + gain * (value - track.typical) if track.typical else value
+    typical = track.typical or max(value, ORDINARY)
+    typical += (RISE if value > typical else FALL) * (value - typical)
     return Track(particles, pose, estimate.sigma, velocity, stature, girth, weight, value, typical, shown)
 
 

@@ -1,0 +1,223 @@
+"""What keeps people apart and remembered: occlusion, trails, memory of bodies, likeness."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from followspot import Camera
+from followspot.messages import Header, stamped
+from followspot.people import Appearances, Boxes, Gradients
+from followspot.stage import Context
+from followspot.tracking import PREDICTED, TRACKED, Frame
+from followspot_persons.body_view import HEADING, view
+from followspot_persons.color_difference import shipped_relations
+from followspot_persons.color_model import ColorModel
+from followspot_persons.fitness import Detection, Fitness, Picture, Weights
+from followspot_persons.girth import girths_of
+from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.hsi import from_plane
+from followspot_persons.identity import same_person
+from followspot_persons.look import Look
+from followspot_persons.occlusion import covered
+from followspot_persons.pose_tracker import PoseTracker
+from followspot_persons.shape import shipped_shape, with_girth
+from followspot_persons.sightings import blended, sightings_of
+from followspot_persons.track import Track
+from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
+
+FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
+SECOND = 1_000_000_000
+
+
+def perspective(x=0.0):
+    matrix = np.array([[457.0, 0, 319.5], [0, 457.0, 239.5], [0, 0, 1]])
+    return Camera("c", "color", (640, 480), matrix, np.zeros(5), FACING, -FACING @ [x, 0, 1.2])
+
+
+def panorama():
+    f = 1396 / (2 * np.pi)
+    matrix = np.array([[f, 0, 697.5], [0, f, 129.5], [0, 0, 1]])
+    return Camera("c", "color", (1396, 260), matrix, np.zeros(5), FACING, -FACING @ [0, 0, 1.2], "cylinder")
+
+
+def standing(x, y=0.0, height=1.7, heading=np.pi):
+    return np.array([x, y, height, heading, 0.0, 0.0])
+
+
+def empty(camera):
+    pixels = camera.size[0] * camera.size[1]
+    edges = np.zeros(pixels, np.uint8)
+    return Picture(camera, edges, edges, np.zeros((pixels, 3), np.uint8))
+
+
+@pytest.mark.parametrize("camera", [perspective(), panorama()])
+def test_a_person_right_behind_another_one_is_hidden_and_one_beside_is_not(camera):
+    shape = shipped_shape()
+    picture = covered(empty(camera), shape, standing(1.5))
+    fitness = Fitness(picture, shape, Weights())
+    assert fitness.shown(standing(3.0)) < 0.1
+    assert fitness.shown(standing(3.0, 1.5)) == 1.0
+
+
+def test_a_person_on_the_seam_of_a_panorama_hides_on_both_sides_of_it():
+    shape, camera = shipped_shape(), panorama()
+    picture = covered(empty(camera), shape, standing(-1.5, 0.0))
+    mask = picture.hidden.reshape(260, 1396)
+    assert mask[:, 0].any()
+    assert mask[:, -1].any()
+    assert not mask[:, 300:1100].any()
+
+
+def test_who_is_hidden_is_neither_likely_nor_unlikely():
+    shape, camera = shipped_shape(), perspective()
+    colors = (np.full((45, 3), 0.5, np.float32), np.full((45, 3), 0.01, np.float32))
+    alone = Fitness(empty(camera), shape, Weights(), colors=colors)
+    behind = replace(alone, picture=covered(alone.picture, shape, standing(1.5)))
+    pose = standing(3.0)[None]
+    assert alone.likelihood(pose)[0] < 0.1
+    assert 0.3 < behind.likelihood(pose)[0] < 0.5
+
+
+def test_girths_compared_at_once_are_those_of_single_models():
+    shape, camera = shipped_shape(), perspective()
+    pose = np.stack([standing(2.0, 0.1, heading=a) for a in np.linspace(-3, 3, 70)])
+    together = view(camera, girths_of(shape), pose)
+    single = view(camera, with_girth(shape, 0.78), pose[:7])
+    np.testing.assert_allclose(together.edge[:7], single.edge, atol=1e-4)
+    np.testing.assert_allclose(together.surface[:7], single.surface, atol=1e-4)
+
+
+def test_a_late_detection_is_moved_and_turned_as_the_person_has_since():
+    camera, shape = perspective(), shipped_shape()
+    then, now = standing(3.0, 0.5, heading=np.pi), standing(3.0, -0.5, heading=np.pi + 0.5)
+    seen = view(camera, shape, np.stack([then, now]))
+    directions = np.arange(16) * (2 * np.pi / 16)
+    table = 4 * np.cos(directions - seen.bearing.torso[0])
+    carried = carried_detection(Detection(seen.box[0], table, table), camera, shape, then, now)
+    np.testing.assert_allclose(carried.box, seen.box[1])
+    tried = np.linspace(-np.pi, np.pi, 721)
+    best = tried[heading_log_likelihood(carried.torso, tried).argmax()]
+    assert abs(np.angle(np.exp(1j * (best - seen.bearing.torso[1])))) < np.pi / 16
+
+
+def test_a_late_pose_is_carried_along_the_trail():
+    trail = Trail()
+    for second in range(4):
+        trail = trail.longer(second * SECOND, standing(1.0 + second))
+    assert trail.at(SECOND + 1)[0] == 2.0
+    assert trail.at(-1) is None
+    carried = carried_pose(standing(2.1, heading=3.0), trail.at(SECOND), standing(4.0, heading=-3.0))
+    assert carried[0] == pytest.approx(4.1)
+    assert carried[HEADING] == pytest.approx(3.0 + (-3.0 - np.pi + 2 * np.pi) % (2 * np.pi), abs=1e-9)
+
+
+def test_two_hearings_tell_where_a_walker_is_by_now():
+    first, second = Hearing(0, standing(1.0)), Hearing(SECOND // 2, standing(1.4))
+    assert second.forecast(first, 0.5)[0] == pytest.approx(1.8)
+    assert second.forecast(None, 0.5)[0] == 1.4
+    assert Hearing(10 * SECOND, standing(1.4)).forecast(first, 0.5)[0] == 1.4
+
+
+def test_who_comes_back_has_the_body_that_was_learnt():
+    track = replace(Track.begun(standing(2.0)[None]), stature=1.85, weight=40.0, typical=0.6)
+    back = track.resumed(standing(3.0, height=1.7)[None])
+    assert (back.stature, back.weight, back.typical) == (1.85, 40.0, 0.6)
+    assert back.pose[0] == 3.0
+
+
+def looks(points, evidence=3.0):
+    return ColorModel(from_plane(points), np.full((len(points), 3), 0.01), np.full(len(points), evidence))
+
+
+def test_a_few_misplaced_features_do_not_make_another_person():
+    relations = shipped_relations()
+    clothes = relations.mean.copy()
+    clothes[21:, 0] += 0.3
+    strayed = clothes.copy()
+    strayed[[22, 30, 38]] = [-0.3, -0.2, 0.9]
+    heights = (1.75, 1.76)
+    assert same_person(looks(clothes), looks(strayed), heights, relations) > 0
+    others = relations.mean.copy()
+    others[21:, 0] -= 0.3
+    others[5:13, 2] += 0.4
+    assert same_person(looks(clothes), looks(others), heights, relations) < -1
+
+
+def test_cameras_that_know_the_place_know_the_height():
+    """Each camera takes the person for taller and farther, along its line of sight to the head."""
+    place, height = np.array([2.0, 0.0]), 1.8
+    cameras = {"a": replace(perspective(), name="a"), "b": replace(perspective(5.0), name="b")}
+    told = []
+    for name, far in (("a", 1.15), ("b", 1.15)):
+        eye = cameras[name].center
+        xy = eye[:2] + far * (place - eye[:2])
+        told.append(poses(name, xy, eye[2] + far * (height - eye[2])))
+    seen = sightings_of(told, cameras, 0.012, 0.07)
+    pose, _ = blended(seen, [0, 1], None)
+    true = cameras["a"].center[2] + (height - 1.2) * np.mean([1.15, 1.15])
+    assert pose[2] < true - 0.05
+    assert pose[2] == pytest.approx(height, abs=0.05)
+
+
+def poses(name, xy, height):
+    tracker = ready(PoseTracker, replace(perspective(), name=name))
+    tracker.people = {}
+    nobody = tracker.poses(name)
+    one = np.ones(1)
+    return replace(
+        nobody,
+        person=np.ones(1, np.int32),
+        state=np.full(1, TRACKED, np.uint8),
+        xy=xy[None],
+        height=height * one,
+        heading=0 * one,
+        pan=0 * one,
+        tilt=0 * one,
+        sigma=np.full((1, 6), 0.1),
+        confidence=0.5 * one,
+    )
+
+
+def ready(stage, camera, **params):
+    made = stage(Context(camera=camera), **params)
+    made.setup()
+    return made
+
+
+def test_a_look_passes_the_picture_on_as_it_is():
+    frame = Frame(camera="c", pixels=np.zeros((4, 4, 3), np.uint8))
+    assert ready(Look, perspective()).process(frame) is frame
+
+
+def test_who_does_not_appear_is_predicted_and_then_gone():
+    """A picture without an edge: the person whom the slow instance told of is followed for `gone` seconds."""
+    camera = perspective()
+    tracker = ready(PoseTracker, camera, particles=40)
+    pixels = np.zeros((480, 640, 3), np.uint8)
+    plain = np.zeros((480, 640), np.uint8)
+    box = np.zeros((0, 4))
+    states = []
+    for number in range(12):
+        header = Header("c", number, number * SECOND // 10)
+        frame = stamped(Frame(camera="c", pixels=pixels), header)
+        gradients = stamped(Gradients(camera="c", magnitude=plain, orientation=plain), header)
+        told = stamped(
+            Appearances(
+                camera="c",
+                person=np.ones(1, np.int32),
+                mean=np.full((1, 45, 3), 0.5),
+                variance=np.full((1, 45, 3), 0.01),
+                evidence=np.ones((1, 45)),
+                pose=standing(2.5)[None],
+                seen=np.zeros(1, np.int64),
+            ),
+            header,
+        )
+        none = np.zeros((0, 16))
+        boxes = stamped(Boxes(camera="c", box=box, score=np.zeros(0), torso=none, head=none), header)
+        states.append(tracker.process(frame, gradients, told, boxes).state.tolist())
+    assert states[0] == [PREDICTED]
+    assert states[-1] == []
