@@ -7,6 +7,7 @@ python tools/reference.py --check    fail where it is stale
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
@@ -23,6 +24,8 @@ Every stage that comes with followspot, as it describes itself: `followspot plug
 `Latest` inputs are sampled and never fire; `Joined` inputs take one message of each edge. This page is
 written by `python tools/reference.py`.
 """
+_FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
+"""Where this checkout lies: files that come with a plugin are named from the plugin on."""
 KINDS = {"plain": "{}", "latest": "Latest[{}]", "joined": "Joined[{}]"}
 
 
@@ -54,7 +57,8 @@ def _section(stage: Mapping[str, Any]) -> str:
 
 
 def _row(parameter: Mapping[str, Any]) -> str:
-    default = "required" if parameter["required"] else f"`{parameter['default']}`"
+    shown = _FOLDERS.sub("", str(parameter["default"]))
+    default = "required" if parameter["required"] else f"`{shown}`"
     cells: Iterable[str] = (
         f"`{parameter['name']}`",
         default,
