@@ -96,7 +96,10 @@ class ZenohReader:
     def matched(self) -> bool:
         """Whether the writer is there, has told where to start, and would get reports."""
         self._begin()
-        return self._writer >= 0 and reached(self._report)
+        if self._writer < 0 or not reached(self._report):
+            return False
+        self._send_report()  # an earlier one may have reached nobody
+        return True
 
     def fileno(self) -> int:
         """The bell."""

@@ -7,6 +7,7 @@ Its threads only note reports and ring a bell; all else happens in the worker's 
 from __future__ import annotations
 
 import contextlib
+import time
 from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -33,6 +34,9 @@ from followspot.transport.zenoh_terms import (
     reached,
     undeclare,
 )
+
+_REPEAT = 0.5
+"""Seconds after which a reader that does not report is told again where to start."""
 
 
 class _News(NamedTuple):
@@ -77,6 +81,9 @@ class ZenohWriter:
         self._news: deque[_News] = deque()
         self._present: dict[int, str] = {}
         self._known: dict[int, str] = {}
+        self._silent: set[int] = set()
+        """Readers that have not reported since they were told where to start."""
+        self._told_at = 0.0
         self._done: set[int] = set()
         self._gone: set[int] = set(range(len(readers))) if incarnation else set()
         self._tokens = 0
@@ -99,9 +106,11 @@ class ZenohWriter:
         return frozenset(self._gone)
 
     def matched(self) -> bool:
-        """Whether every reader is there, and would get what is sent."""
+        """Whether every reader is there, knows where to start, and would get what is sent."""
         self._notice()
-        return len(self._present) == len(self._reports) and reached(self._publisher)
+        self._tell_again()
+        present = len(self._present) == len(self._reports)
+        return present and not self._silent and reached(self._publisher)
 
     def credit(self) -> int:
         """How many messages may be sent now."""
@@ -138,6 +147,7 @@ class ZenohWriter:
         What became of the readers is left to `drain`, whose caller takes note of it.
         """
         self._waiting = True
+        self._tell_again()
         self._send_held()
         arrived = len(self._done | self._gone) == len(self._reports)
         return self._held is None and (arrived or not self._ending)
@@ -171,6 +181,7 @@ class ZenohWriter:
                 self._welcome(index, incarnation)
             elif self._present.get(index) == incarnation:
                 del self._present[index]
+                self._silent.discard(index)
                 self._gone |= {index} - self._done
 
     def _welcome(self, index: int, incarnation: str) -> None:
@@ -180,9 +191,25 @@ class ZenohWriter:
         self._present[index] = self._known[index] = incarnation
         self._gone.discard(index)
         self._reports[index] = self._messages, self._tokens
+        self._silent.add(index)
+        self._tell_start(index)
+
+    def _tell_again(self) -> None:
+        """A new link may have swallowed the first words; who does not report is told them again."""
+        if self._silent and time.monotonic() > self._told_at + _REPEAT:
+            for index in list(self._silent):
+                self._tell_start(index)
+
+    def _tell_start(self, index: int) -> None:
+        """Tell a reader which token comes next, and what was meant for it before."""
+        self._told_at = time.monotonic()
         start = START.pack(self._incarnation, self._tokens, self._messages, self._given[index])
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._session.put(f"{self._key}/start/{self._names[index]}", start)
+            self._session.put(
+                f"{self._key}/start/{self._names[index]}",
+                start,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+            )
         if self._ending and self._held is None:
             self._put(pack(Settled(END)))
 
@@ -220,6 +247,7 @@ class ZenohWriter:
         if incarnation != self._incarnation:
             return
         self._reports[index] = min(consumed, self._messages), min(taken, self._tokens)
+        self._silent.discard(index)
         if self._waiting:
             self._waiting = False
             self._bell.ring()

@@ -36,7 +36,7 @@ class Pair:
         self.stranger = self._sessions.enter_context(open_session(connect=locators(self.session)))
         self.writer = ZenohWriter(self.session, KEY, [NAME], DEPTH)
         self.reader = ZenohReader(self.session, KEY, NAME, Frame, DEPTH)
-        until(lambda: self.writer.matched() and self.reader.matched())
+        until(lambda: all([self.writer.matched(), self.reader.matched()]))
 
     def intruder(self, key: str) -> zenoh.Publisher:
         """A stranger's publisher whose samples will arrive."""
