@@ -37,7 +37,7 @@ class Hog(Stage):
             1, ge=1, description="search one frame of so many; raising it saves time", unit="1"
         )
         smallest: float = Field(
-            40.0,
+            32.0,
             ge=16,
             description="height of the smallest upper body; lowering it finds distant people, in more time",
             unit="px",
