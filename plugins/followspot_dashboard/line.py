@@ -31,13 +31,15 @@ class Line:
         self.dropped = 0
 
     def send(self, port: str, message: Message) -> None:
-        """Send a message of a port, or drop it: nobody waits for a page."""
+        """Send a message of a port, or drop it: nobody waits for a page. Raises EOFError when it is gone."""
         head = _SEPARATOR.join((port.encode(), type(message).__name__.encode(), b""))
         data = head + pack(message)
         try:
             if len(data) > MAX_PACKET:
                 raise OSError("too large")
             self._socket.send(data)
+        except (BrokenPipeError, ConnectionResetError):
+            raise EOFError("the page is gone") from None
         except OSError:
             self.dropped += 1
 

@@ -14,7 +14,7 @@ from followspot_dashboard.picture import picture_of
 
 
 class Tap(Stage):
-    """Send previews of a port to the operator's page; `followspot run --dashboard` adds one for each port.
+    """Send previews of a port to those who look on; `followspot run --dashboard` adds one for each port.
 
     Pictures are made smaller here, and only while somebody looks. Whatever the page does not take at once is
     dropped: a tap never waits.
@@ -28,6 +28,7 @@ class Tap(Stage):
         smooth: float = Field(
             0.0, ge=0, le=60, description="messages to show besides, between two pictures", unit="1/s"
         )
+        every: bool = Field(False, description="whether every message is shown, whatever its moment")
         longest: int = Field(320, ge=16, le=1920, description="longest side of a picture", unit="px")
 
     params: Params
@@ -52,9 +53,12 @@ class Tap(Stage):
                 self.close()
 
     def process(self, message: Message) -> None:
-        """Show the message, or pass it over."""
+        """Show the message, or pass it over. Raises EOFError when the page is gone."""
         gate = self.gate
         if gate is None:
+            return
+        if self.params.every:
+            self._show(message, gate)
             return
         captured = message.header.time
         moment = gate.moment(captured)

@@ -43,6 +43,10 @@ class Feed:
             for listener in self.listeners:
                 listener.set()
 
+    def newest(self, key: str) -> str | bytes | None:
+        """What a thing is now."""
+        return self.things.get(key, (0, None))[1]
+
     def since(self, number: int) -> list[str | bytes]:
         """What is newer than a change, oldest first."""
         newer = sorted((n, key) for key, (n, _) in self.things.items() if n > number)

@@ -1,25 +1,39 @@
-"""Joins the operator's page to the command line: run --dashboard."""
+"""Joins looking at runs to the command line: run --dashboard, and the command dashboard."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from followspot.plugins.hooks import PlanOptions, hookimpl
+from followspot.plugins.hooks import Command, PlanOptions, hookimpl
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
 
 HOST, PORT = "127.0.0.1", 8777
+DASHBOARD = """show a graph that runs in a browser, until it ends; the same as run --dashboard
+
+The room in 3D, the pictures of all cameras with what was found in them, and the graph with what each stage is
+doing, its rates and its ledger. Ctrl-C ends the page and nothing else.
+
+  followspot dashboard
+  followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The command dashboard."""
+    return [Command("dashboard", DASHBOARD, _configure_dashboard, _dashboard)]
 
 
 @hookimpl
 def followspot_plan_options() -> Sequence[PlanOptions]:
     """--dashboard and what belongs to it."""
-    return [PlanOptions(configure, tapped, watched)]
+    return [PlanOptions(configure, checked, watched)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -28,40 +42,64 @@ def configure(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--dashboard", action="store_true", help=f"show the run in a browser, at http://{HOST}:{PORT}/"
     )
-    group.add_argument(
+    _add_address(group)
+
+
+def checked(plan: Plan, args: argparse.Namespace) -> Plan:
+    """The plan as it is. Raises InputError where a page is asked for that cannot be."""
+    if _asked(args):
+        from followspot_page.asked import order_of
+
+        order_of(args)
+    return plan
+
+
+@contextmanager
+def watched(args: argparse.Namespace) -> Iterator[None]:
+    """The page while the run lasts, where it is asked for. Raises FollowspotError."""
+    if not _asked(args):
+        yield
+        return
+    from followspot_page.asked import order_of
+    from followspot_page.showing import shown
+
+    with shown(order_of(args)) as page:
+        print(f"the page is at {page.url}", file=sys.stderr, flush=True)
+        yield
+
+
+def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "run", nargs="?", metavar="GRAPH", help="the graph, the beginning of the run's name, or its process"
+    )
+    _add_address(parser)
+
+
+def _dashboard(args: argparse.Namespace) -> int:
+    from followspot_page.asked import order_of
+    from followspot_page.runs import run_here
+    from followspot_page.showing import shown
+
+    with shown(order_of(args, run_here(args.run).pid)) as page:
+        print(f"the page is at {page.url}", file=sys.stderr, flush=True)
+        try:
+            return page.wait()
+        except KeyboardInterrupt:
+            return 0
+
+
+def _add_address(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    parser.add_argument(
         "--dashboard-at", metavar="HOST:PORT", help="show it there instead; port 0 for any that is free"
     )
-    group.add_argument(
+    parser.add_argument(
         "--dashboard-rate", type=float, default=10.0, metavar="N", help="pictures a second (default 10)"
     )
-    group.add_argument(
+    parser.add_argument(
         "--dashboard-open",
         action="store_true",
         help="let other computers look, without a password: whoever reaches the address sees the cameras",
     )
-
-
-def tapped(plan: Plan, args: argparse.Namespace) -> Plan:
-    """The plan with taps where a page is asked for. Raises InputError."""
-    if not _asked(args):
-        return plan
-    from followspot_page.asked import tapped_as_asked
-
-    return tapped_as_asked(plan, args)
-
-
-@contextmanager
-def watched(plan: Plan, args: argparse.Namespace) -> Iterator[Callable[[Any], None] | None]:
-    """The page while the run lasts, where it is asked for. Raises FollowspotError."""
-    if not _asked(args):
-        yield None
-        return
-    from followspot_page.asked import address
-    from followspot_page.showing import shown
-
-    with shown(plan, address(args)) as (url, tell):
-        print(f"the page is at {url}", file=sys.stderr, flush=True)
-        yield tell
 
 
 def _asked(args: argparse.Namespace) -> bool:

@@ -1,4 +1,4 @@
-"""A run's status for the page: stages and edges with rates, the graph's taps left out."""
+"""A run's status for the page: stages and edges with rates."""
 
 from __future__ import annotations
 
@@ -8,30 +8,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
-import pydantic
-
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.status import RunStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import EdgeCount
 from followspot.runtime.stage_status import PathStatus, StageStatus
-from followspot_page.taps import without_taps
 
 _WINDOW = 2.0
 """Seconds over which rates are taken."""
 _NEWS, _ERROR = 20, 2000
 """Most lines of news, and characters of an error, that are shown."""
-_STATUS: pydantic.TypeAdapter[RunStatus] = pydantic.TypeAdapter(RunStatus)
-
-
-def status_from_data(data: bytes) -> RunStatus:
-    """A status as the run sent it. Raises ValueError."""
-    return _STATUS.validate_json(data)
-
-
-def status_to_data(status: RunStatus) -> bytes:
-    """The status without reports, as JSON."""
-    return _STATUS.dump_json(status, exclude={"workers": {"__all__": {"report"}}})
 
 
 class RunPicture:
@@ -61,17 +47,16 @@ class RunPicture:
         return self.status.workers if self.status else ()
 
     def stages(self) -> list[tuple[WorkerStatus, StageStatus]]:
-        """The user's stages with their workers."""
-        return [(w, stage) for w in self.workers() for stage in w.stages if without_taps(stage.stage)]
+        """All of them with their workers."""
+        return [(w, stage) for w in self.workers() for stage in w.stages]
 
     def edges(self) -> list[tuple[PlannedEdge, EdgeCount]]:
-        """The user's edges with their counts."""
-        counted = self.status.edges(self.plan) if self.status else ()
-        return [(edge, count) for edge, count in counted if without_taps(edge.to_stage)]
+        """All of them with their counts."""
+        return list(self.status.edges(self.plan)) if self.status else []
 
     def paths(self) -> list[PathStatus]:
-        """Latency from sources to the user's sinks."""
-        return [path for worker in self.workers() for path in worker.paths if without_taps(path.sink)]
+        """Latency from sources to sinks."""
+        return [path for worker in self.workers() for path in worker.paths]
 
     def data(self) -> dict[str, Any]:
         """In JSON types; rates in 1/s, load as a share of one processor."""

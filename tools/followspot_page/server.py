@@ -1,18 +1,14 @@
-"""The page's process: `python -m followspot_page.server FOLDER`, until its standard input ends.
-
-It shows what comes to it and never asks for anything, so nothing that happens here reaches the graph.
-"""
+"""The page's process: `python -m followspot_page.server ORDER`, the arguments of `serve` as JSON."""
 
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import json
 import os
 import socket
 import sys
-from collections.abc import AsyncIterator
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import uvicorn
@@ -23,26 +19,24 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from followspot.deploy.status import RunStatus
+from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
 from followspot_dashboard.gate import Gate, make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.feed import Feed, Listener, Previews
-from followspot_page.picture_of_run import RunPicture, status_from_data
+from followspot_page.follow import follow, found, look, plan_of
+from followspot_page.picture_of_run import RunPicture
 from followspot_page.scene import scene
-from followspot_page.taps import without_taps
 
 STATIC = Path(__file__).parent / "static"
-ORDER, STATUS = "order.json", "status"
 MAX_BROWSERS = 16
 MAX_HEARD = 1024
 """Longest message taken from a browser, bytes; the page has nothing to say."""
 _PATIENCE = 30.0
 """Seconds that a browser may take for one thing before it is let go."""
-_PERIOD = 0.5
-"""Seconds between two pictures of the run."""
 
 
 class Page:
@@ -56,7 +50,14 @@ class Page:
         self.targets = metrics.Targets(plan.room)
         self.previews = Previews(self.feed, plan.room, self.targets.take)
         self.browsers = 0
-        self.feed.put("scene", json.dumps({"type": "scene", **self.about()}))
+        self.show(plan)
+
+    def show(self, plan: Plan) -> None:
+        """The plan as it is now; browsers are told where it differs."""
+        self.plan = self.run.plan = plan
+        scene = json.dumps({"type": "scene", **self.about()})
+        if self.feed.newest("scene") != scene:
+            self.feed.put("scene", scene)
 
     def about(self) -> dict[str, Any]:
         """What does not change during a run."""
@@ -66,20 +67,13 @@ class Page:
             "stages": [
                 {"name": s.name, "group": s.group, "uses": s.uses, "params": dict(s.params)}
                 for s in self.plan.stages
-                if without_taps(s.name)
             ],
         }
 
-    def take_status(self, data: bytes) -> None:
-        """A status of the run; what is none is passed over."""
-        with contextlib.suppress(ValueError):
-            self.run.take(status_from_data(data))
-
-    async def tell_status(self) -> None:
-        """Show the run as it is, now and then."""
-        while True:
-            self.feed.put("run", json.dumps(self.run.data()))
-            await asyncio.sleep(_PERIOD)
+    def take_status(self, status: RunStatus) -> None:
+        """How the run is now."""
+        self.run.take(status)
+        self.feed.put("run", json.dumps(self.run.data()))
 
     async def look(self, socket: WebSocket) -> None:
         """Serve one browser until it leaves, or does not take what it is sent."""
@@ -165,37 +159,50 @@ class _Static(StaticFiles):
         return response
 
 
-async def serve(folder: Path) -> None:
-    """Serve the page of a folder until standard input ends. Raises OSError where the address is taken."""
-    order = json.loads((folder / ORDER).read_bytes())
-    page = Page(plan_from_data(order["plan"]), make_gate(folder))
-    door = _door(order["host"], order["port"], firm=order["firm"])
-    door.listen()  # so that whoever is told of the port is not refused
-    port = door.getsockname()[1]
-    app = Doorkeeper(application(page), port, frozenset({"localhost", order["host"], socket.gethostname()}))
-    server = uvicorn.Server(
-        uvicorn.Config(
-            app,
-            log_level="error",
-            ws="websockets-sansio",
-            ws_max_size=MAX_HEARD,
-            ws_ping_interval=20.0,
-            timeout_graceful_shutdown=1,
-            limit_concurrency=4 * MAX_BROWSERS,
-            lifespan="off",
-        )
-    )
-    listeners = [
-        Listener(folder / SOCKET, page.previews.take),
-        Listener(folder / STATUS, page.take_status),
-    ]
-    telling = asyncio.ensure_future(page.tell_status())
-    async with _until_input_ends(server):
-        print(port, flush=True)
-        await server.serve([door])
-    telling.cancel()
-    for listener in listeners:
+async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> None:
+    """Serve the page of a process's run until that ends, or standard input.
+
+    firm: whether another port will not do where this one is taken. Raises OSError where the address cannot
+    be had, FollowspotError where the run does not let itself be looked at.
+    """
+    with TemporaryDirectory(prefix="followspot-page-") as made:
+        folder = Path(made)
+        door = _door(host, port, firm=firm)
+        door.listen()  # who comes before the run has begun waits, and is not refused
+        print(door.getsockname()[1], flush=True)
+        over = _input_over()
+        waiting = asyncio.ensure_future(found(pid))
+        await asyncio.wait((waiting, over), return_when=asyncio.FIRST_COMPLETED)
+        if over.done():
+            waiting.cancel()
+            return
+        run = waiting.result()
+        page = Page(await plan_of(run), make_gate(folder))
+        listener = Listener(folder / SOCKET, page.previews.take)
+        await look(run, page.plan, folder, rate)
+        server = _server(page, host, door.getsockname()[1])
+        serving = asyncio.ensure_future(server.serve([door]))
+        following = asyncio.ensure_future(follow(run, page.take_status, page.show))
+        await asyncio.wait((serving, following, over), return_when=asyncio.FIRST_COMPLETED)
+        server.should_exit = True
+        await serving
+        following.cancel()
         listener.close()
+
+
+def _server(page: Page, host: str, port: int) -> uvicorn.Server:
+    names = frozenset({"localhost", host, socket.gethostname()})
+    config = uvicorn.Config(
+        Doorkeeper(application(page), port, names),
+        log_level="error",
+        ws="websockets-sansio",
+        ws_max_size=MAX_HEARD,
+        ws_ping_interval=20.0,
+        timeout_graceful_shutdown=1,
+        limit_concurrency=4 * MAX_BROWSERS,
+        lifespan="off",
+    )
+    return uvicorn.Server(config)
 
 
 def _door(host: str, port: int, *, firm: bool) -> socket.socket:
@@ -211,25 +218,26 @@ def _door(host: str, port: int, *, firm: bool) -> socket.socket:
     return door
 
 
-@contextlib.asynccontextmanager
-async def _until_input_ends(server: uvicorn.Server) -> AsyncIterator[None]:
-    """The run holds the other end: whatever ends it, ends the page."""
+def _input_over() -> asyncio.Future[None]:
+    """Done when standard input ends: whoever started the page holds the other end."""
+    loop = asyncio.get_running_loop()
+    over: asyncio.Future[None] = loop.create_future()
 
-    def ended() -> None:
+    def readable() -> None:
         if not os.read(sys.stdin.fileno(), 1):
-            server.should_exit = True
-            asyncio.get_running_loop().remove_reader(sys.stdin)
+            loop.remove_reader(sys.stdin)
+            over.set_result(None)
 
-    asyncio.get_running_loop().add_reader(sys.stdin, ended)
-    yield
+    loop.add_reader(sys.stdin, readable)
+    return over
 
 
 def main() -> int:
     """Entry of the process."""
     try:
-        asyncio.run(serve(Path(sys.argv[1])))
-    except OSError as error:
-        print(f"error {error.strerror or error}", flush=True)
+        asyncio.run(serve(**json.loads(sys.argv[1])))
+    except (OSError, FollowspotError) as error:
+        print(f"error {getattr(error, 'strerror', None) or error}", flush=True)
         return 1
     return 0
 

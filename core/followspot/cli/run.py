@@ -5,18 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
 from followspot.errors import FollowspotError
-from followspot.plugins.hooks import Command, Watcher, load_plan_options
+from followspot.plugins.hooks import Command, load_plan_options
 
 if TYPE_CHECKING:
-    from followspot.deploy.status import RunStatus
     from followspot.graph.plan import Plan
     from followspot.transport.zenoh_network import Network
 
@@ -70,12 +68,13 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     if args.detach:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
-    with closing(ProgressBar()) as bar, watching(plan, args) as tell:
+    with closing(ProgressBar()) as bar, ExitStack() as watchers:
+        for options in load_plan_options():
+            watchers.enter_context(options.watch(args))
         report = run_plan(
             plan,
             RunOptions(out, args.frames),
             None if args.quiet else bar.show,
-            tell,
             network=network,
             media=media_folder(plan, args.media),
             restart=args.restart,
@@ -96,20 +95,6 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
-
-
-@contextmanager
-def watching(plan: Plan, args: argparse.Namespace) -> Iterator[Watcher | None]:
-    """All who look on at a run, as one; None where nobody does."""
-    with ExitStack() as stack:
-        found = [stack.enter_context(options.watch(plan, args)) for options in load_plan_options()]
-        watchers = [watcher for watcher in found if watcher is not None]
-
-        def tell(status: RunStatus) -> None:
-            for watcher in watchers:
-                watcher(status)
-
-        yield tell if watchers else None
 
 
 def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:

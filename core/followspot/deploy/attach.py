@@ -14,7 +14,6 @@ from followspot.deploy.local import OnProgress
 from followspot.deploy.reach import operating, reached
 from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
-from followspot.deploy.status import OnStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
@@ -94,9 +93,9 @@ class Attachment:
         self.stopped = True
         self.coordinator.leave()
 
-    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
         """Look on to the end, or until `stop`."""
-        return self.coordinator.watch(on_progress, on_status)
+        return self.coordinator.watch(on_progress)
 
 
 @contextmanager

@@ -30,6 +30,7 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.clock import Clock
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
+from followspot.runtime.tapping import Tapping, tap
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Worker
 from followspot.transport.zenoh_network import network_from_data
@@ -154,6 +155,8 @@ class Child:
             elif order["kind"] == "ring":
                 sock = socket.socket(fileno=order["descriptors"][0])
                 self.links.renew(self.worker, order["edge"], sock)
+            elif order["kind"] == "tap":
+                self._tap(order["taps"])
             elif order["kind"] == "snapshot":
                 self._tell_states()
             elif order["kind"] == "clock":
@@ -164,6 +167,13 @@ class Child:
     def _tell_change(self, status: ChangeStatus) -> None:
         with suppress(ChannelClosed):  # it is noticed where orders are read
             self.channel.send("change", status=asdict(status))
+
+    def _tap(self, taps: list[dict[str, Any]]) -> None:
+        assert self.worker is not None
+        try:
+            tap(self.worker, [Tapping(**tapping) for tapping in taps])
+        except Exception as error:
+            self.warnings.add("taps", f"they cannot be made: {error}")
 
     def _tell_states(self) -> None:
         """What successors of the stages would need to carry on."""

@@ -13,11 +13,12 @@ from followspot.deploy.changed import Changed, changed, with_change
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
-from followspot.deploy.status import OnStatus, RunStatus
+from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
+from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions
 from followspot.runtime.worker import Progress
 
@@ -59,13 +60,13 @@ class Coordinator:
         self.stopped = True
         self._stop_asked = True
 
-    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
         """Start all workers together, run to the end, gather the report. Leaves nothing behind.
 
         Raises FollowspotError where a host refuses its part.
         """
         try:
-            return self.watch(on_progress, on_status) if self.begin() else self.watch()
+            return self.watch(on_progress if self.begin() else None)
         finally:
             for host in self.hosts:
                 host.close()
@@ -81,10 +82,10 @@ class Coordinator:
             host.start()
         return True
 
-    def watch(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
+    def watch(self, on_progress: OnProgress | None = None) -> RunReport:
         """Look on to the end of a run that has begun, or until `leave`."""
         started = time.monotonic()
-        self._attend(on_progress, on_status)
+        self._attend(on_progress)
         return self._report(time.monotonic() - started)
 
     def status(self) -> RunStatus:
@@ -114,6 +115,11 @@ class Coordinator:
                 self.plan = with_change(self.plan, stages)
             return report
 
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        """Look at ports of workers that run on this host; safe from any thread."""
+        for host in self.hosts:
+            host.tap(tappings)
+
     def leave(self) -> None:
         """Look on no longer; the run goes on. Safe in a signal handler."""
         self._leaving = True
@@ -126,12 +132,10 @@ class Coordinator:
                 return False
         return True
 
-    def _attend(self, on_progress: OnProgress | None, on_status: OnStatus | None) -> None:
+    def _attend(self, on_progress: OnProgress | None) -> None:
         """Watch until every worker has ended, or nobody can tell."""
         while not (self._leaving or all(self._over(host) for host in self.hosts)):
             self._look(on_progress)
-            if on_status is not None:
-                on_status(self.status())
             if self._stop_asked or self._failed():
                 self._end_early()
             if self._give_up_at is not None and time.monotonic() > self._give_up_at:

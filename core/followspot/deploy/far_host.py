@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -20,6 +21,7 @@ from followspot.deploy.supervision import SILENCE
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.runtime.tapping import Tapping
 
 _PERIOD = 0.2
 """Seconds between two questions for the status."""
@@ -85,6 +87,9 @@ class FarHost:
         if order.step == "take_over":
             plan = with_stages(plan_from_data(self.order.plan), order.stages)
             self.order = replace(self.order, plan=plan_to_data(plan))
+
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        """Nothing: what taps see does not travel."""
 
     def attend(self, timeout: float) -> None:
         """Wait for news. Raises HostLost where none came for too long."""

@@ -6,6 +6,7 @@ or comes later, has nothing to catch up on.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, Protocol
 
@@ -16,6 +17,7 @@ from followspot.deploy.clock_status import ClockStatus
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.runtime.tapping import Tapping
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 """absent: it died, and will be started again; over: it has ended, one way or the other."""
@@ -112,6 +114,9 @@ class Host(Protocol):
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a change; what becomes of it stands in the status. Raises FollowspotError."""
+
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        """Look at ports of the workers; where they are on another machine, nothing."""
 
     def attend(self, timeout: float) -> None:
         """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""

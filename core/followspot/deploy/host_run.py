@@ -25,6 +25,7 @@ from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.runtime.ledger import COLUMNS, Ledger
+from followspot.runtime.tapping import Tapping
 from followspot.transport.zenoh_network import Network
 
 _GRACE = 15.0
@@ -65,6 +66,7 @@ class HostRun:
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
+        self._taps: list[dict[str, Any]] = []
         self._change = HostChange()
         self._clock_warned = False
 
@@ -123,6 +125,14 @@ class HostRun:
         self._change = change
         for name, part in change.parts.items():
             self.workers[name].tell("change", order=part.to_data())
+
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        """Look at ports of the workers that are here and of those that will be; safe from any thread."""
+        taps = [asdict(tapping) for tapping in tappings]
+        self._taps += taps
+        for worker in tuple(self.workers.values()):
+            if worker.phase == "running":  # the others are told when they begin
+                worker.tell("tap", taps=taps)
 
     def attend(self, timeout: float) -> None:
         """Hear what workers say, restart those that died, kill those that hang."""
@@ -200,6 +210,8 @@ class HostRun:
     def _begin(self, worker: WorkerProcess) -> None:
         worker.phase = "running"
         worker.tell("start")
+        if self._taps:
+            worker.tell("tap", taps=self._taps)
 
     def _listen(self, worker: WorkerProcess) -> None:
         before = worker.phase

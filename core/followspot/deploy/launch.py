@@ -12,8 +12,9 @@ from followspot.deploy.host_run import HostRun
 from followspot.deploy.local import LocalRun, OnProgress
 from followspot.deploy.reachable import reachable
 from followspot.deploy.report import RunReport
-from followspot.deploy.status import OnStatus
 from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions
 from followspot.transport.zenoh_network import Network
 
@@ -26,7 +27,7 @@ class Run(Protocol):
     def stop(self) -> None:
         """End the sources; safe in a signal handler."""
 
-    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
         """Run to the end."""
 
 
@@ -34,7 +35,6 @@ def run_plan(
     plan: Plan,
     options: RunOptions,
     on_progress: OnProgress | None = None,
-    on_status: OnStatus | None = None,
     *,
     network: Network = Network(),
     media: Path = Path(),
@@ -51,27 +51,36 @@ def run_plan(
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return _changeable(Coordinator(plan, hosts, order), on_progress, on_status)
+            return _changeable(Coordinator(plan, hosts, order), on_progress)
     if len(plan.workers) == 1:
-        return _changeable(LocalRun(plan, options), on_progress, on_status)
-    return _changeable(Coordinator(plan, [HostRun("")], order), on_progress, on_status)
+        return _changeable(LocalRun(plan, options), on_progress)
+    return _changeable(Coordinator(plan, [HostRun("")], order), on_progress)
 
 
-def _changeable(
-    run: Coordinator | LocalRun, on_progress: OnProgress | None, on_status: OnStatus | None
-) -> RunReport:
-    """Execute; meanwhile other processes of the user can find the run and change it."""
+def _changeable(run: Coordinator | LocalRun, on_progress: OnProgress | None) -> RunReport:
+    """Execute; meanwhile other processes of the user can find the run, look at it and change it."""
 
     def change(words: list[str], folder: str, fresh: bool = False) -> dict[str, Any]:
         return run.change([str(word) for word in words], Path(folder), fresh=bool(fresh)).to_data()
 
-    with reachable(run.name, run.plan.graph, {"change": change}):
-        return interruptible(run, on_progress, on_status)
+    with reachable(run.name, run.plan.graph, {**_looking(run), "change": change}):
+        return interruptible(run, on_progress)
 
 
-def interruptible(
-    run: Run, on_progress: OnProgress | None = None, on_status: OnStatus | None = None
-) -> RunReport:
+def _looking(run: Coordinator | LocalRun) -> dict[str, Any]:
+    """What those who look on can ask for."""
+
+    def tap(taps: list[dict[str, Any]]) -> None:
+        run.tap([Tapping(str(t["port"]), str(t["uses"]), dict(t["params"])) for t in taps])
+
+    return {
+        "plan": lambda: plan_to_data(run.plan),
+        "status": lambda: run.status().to_data(),
+        "tap": tap,
+    }
+
+
+def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
     """Execute; Ctrl-C and SIGTERM end the sources, and outputs are complete either way.
 
     A second Ctrl-C raises KeyboardInterrupt. Call from the main thread.
@@ -84,7 +93,7 @@ def interruptible(
 
     before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        return run.execute(on_progress, on_status)
+        return run.execute(on_progress)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -13,13 +13,14 @@ from followspot.deploy.changed import Changed, changed, with_change
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
 from followspot.deploy.report import RunReport, Warnings, merge, worker_report
-from followspot.deploy.status import OnStatus, RunStatus
+from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
 from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.succession import Successor, given_up, prepared, take_over
+from followspot.runtime.tapping import Tapping, tap
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Progress
 
@@ -81,7 +82,7 @@ class LocalRun:
         self.stopped = True
         self.worker.stop()
 
-    def execute(self, on_progress: OnProgress | None = None, on_status: OnStatus | None = None) -> RunReport:
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
         """Run to the end; errors of stages stand in the report."""
         started = time.monotonic()
         error = ""
@@ -89,7 +90,7 @@ class LocalRun:
             self.links.wait_matched()
             self.worker.setup()
             started = time.monotonic()
-            with _Ticker(lambda: self._tick(on_progress, on_status)):
+            with _Ticker(lambda: self._tick(on_progress)):
                 self.worker.run()
         except FollowspotError as failure:
             error = str(failure)
@@ -99,20 +100,12 @@ class LocalRun:
             self.links.close()
         seconds = time.monotonic() - started
         report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
-        self._tick(on_progress, on_status)
+        self._tick(on_progress)
         return merge(self.plan, self.ledger, [report], seconds, stopped=self.stopped)
 
-    def _tick(self, on_progress: OnProgress | None, on_status: OnStatus | None) -> None:
+    def status(self) -> RunStatus:
+        """The run at this moment; safe from any thread."""
         progress, expected = self.worker.progress(), self.worker.expected()
-        if on_progress is not None:
-            on_progress(progress, expected)
-        if on_status is not None:
-            on_status(RunStatus(self._workers(progress, expected), self._counts(), progress.fired, expected))
-
-    def _counts(self) -> tuple[int, ...]:
-        return tuple(self.ledger.words.tolist())
-
-    def _workers(self, progress: Progress, expected: int | None) -> tuple[WorkerStatus, ...]:
         worker = WorkerStatus(
             self.plan.workers[0].name,
             "running",
@@ -122,7 +115,15 @@ class LocalRun:
             stages=stages_now(self.worker, self.warnings.last),
             paths=paths_now(self.worker),
         )
-        return (worker,)
+        return RunStatus((worker,), tuple(self.ledger.words.tolist()), progress.fired, expected)
+
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        """Look at ports; safe from any thread. Raises what a sink raises."""
+        tap(self.worker, tappings)
+
+    def _tick(self, on_progress: OnProgress | None) -> None:
+        if on_progress is not None:
+            on_progress(self.worker.progress(), self.worker.expected())
 
 
 class _Ticker:

@@ -1,9 +1,12 @@
-"""A run at one moment, for those who look on: the page, `followspot top`, metrics."""
+"""A run at one moment, for those who look on: the operator's page, `followspot top`, metrics."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
+
+import pydantic
 
 from followspot.deploy.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
@@ -27,6 +30,14 @@ class RunStatus:
             if row:  # a host that has not answered yet has none
                 yield edge, tally(row)
 
+    def to_data(self) -> Any:
+        """JSON types; without the reports of workers that have ended."""
+        return _STATUS.dump_python(self, mode="json", exclude={"workers": {"__all__": {"report"}}})
 
-OnStatus = Callable[[RunStatus], None]
-"""Called a few times a second."""
+
+def run_status_from_data(data: Any) -> RunStatus:
+    """A status that came from elsewhere. Raises ValueError."""
+    return _STATUS.validate_python(data)
+
+
+_STATUS: pydantic.TypeAdapter[RunStatus] = pydantic.TypeAdapter(RunStatus)

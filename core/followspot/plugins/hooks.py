@@ -45,11 +45,7 @@ class Command:
         return f"{self.parent} {self.name}" if self.parent else self.name
 
 
-Watcher = Callable[[Any], None]
-"""Gets a `followspot.deploy.status.RunStatus`, a few times a second, and returns at once."""
-
-
-def _nobody(_plan: Any, _args: argparse.Namespace) -> AbstractContextManager[Watcher | None]:
+def _nobody(_args: argparse.Namespace) -> AbstractContextManager[None]:
     """Nobody looks on."""
     return nullcontext()
 
@@ -59,13 +55,13 @@ class PlanOptions:
     """Options of every command that plans a graph, what they make of the plan, and who looks on at its run.
 
     configure: adds the options; change: the plan (`followspot.graph.plan.Plan`) as the options ask for it,
-    the same one where they ask for nothing; raises InputError; watch: of a plan that is about to be run: held
-    open while it runs, gives what is told the run's status a few times a second, None where nobody looks on.
+    the same one where they ask for nothing; raises InputError; watch: held open while
+    a graph runs in this process, for those who look on (`followspot.deploy.reachable`).
     """
 
     configure: Callable[[argparse.ArgumentParser], None]
     change: Callable[[Any, argparse.Namespace], Any]
-    watch: Callable[[Any, argparse.Namespace], AbstractContextManager[Watcher | None]] = _nobody
+    watch: Callable[[argparse.Namespace], AbstractContextManager[None]] = _nobody
 
 
 class Hooks:

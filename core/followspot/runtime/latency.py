@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
+from itertools import accumulate
 
 _GROWTH = math.log(1.02)
 _BINS = 1400
@@ -43,12 +45,11 @@ class LatencyHistogram:
 
     def quantile(self, share: float) -> float:
         """The latency in ms below which this share of the messages lies, to 2 %."""
-        wanted, seen = share * self.count, 0
-        for index, count in enumerate(self.bins):
-            seen += count
-            if count and seen >= wanted:
-                return math.exp((index + 0.5) * _GROWTH) / 1e6
-        return 0.0
+        if not self.count:
+            return 0.0
+        counts = list(accumulate(self.bins))
+        index = bisect_left(counts, max(1, share * counts[-1]))
+        return math.exp((index + 0.5) * _GROWTH) / 1e6
 
     def summary(self, origin: str, sink: str) -> PathLatency:
         """The path's figures."""

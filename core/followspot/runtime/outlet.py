@@ -31,6 +31,7 @@ class Outlet:
         "refused",
         "rows",
         "slack",
+        "taps",
         "type",
         "words",
         "writers",
@@ -45,6 +46,8 @@ class Outlet:
         self.rows: list[list[int]] = []
         self._living: list[tuple[PortWriter, list[int]]] = []
         """Writers with the rows of their living readers."""
+        self.taps: tuple[Callable[[Message], None], ...] = ()
+        """Called with every message; see `followspot.runtime.tapping`."""
         self.bound = -END
         self.refused: Callable[[str], None] = _nothing
         self.patient = False
@@ -92,6 +95,8 @@ class Outlet:
         if message.header is not header:
             message = stamped(message, header)
         self.bound = header.time + 1 + self.slack
+        for tap in self.taps:
+            tap(message)
         for inlet in self.inlets:
             inlet.put(message)
         for writer, rows in self._living:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 import pytest
@@ -10,8 +11,10 @@ import pytest
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot_page.hooks import configure, tapped
-from followspot_page.showing import Address, folder, shown
+from followspot_page.asked import order_of
+from followspot_page.hooks import checked, configure
+from followspot_page.showing import PageOrder, shown
+from followspot_page.taps import tappings
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
@@ -27,18 +30,19 @@ def plan() -> Plan:
     return compile_graph(GRAPH)
 
 
-def test_without_the_option_the_plan_is_as_it_was(plan: Plan) -> None:
-    assert tapped(plan, options()) is plan
-    assert tapped(plan, argparse.Namespace()) is plan  # a command that has no such option
+def test_the_plan_is_as_it_was(plan: Plan) -> None:
+    assert checked(plan, options("--dashboard")) is plan
+    assert checked(plan, options()) is plan
+    assert checked(plan, argparse.Namespace()) is plan  # a command that has no such option
 
 
-def test_taps_run_where_their_stages_do(plan: Plan) -> None:
-    seen = tapped(plan, options("--dashboard"))
-    worker = {stage.name: stage.worker for stage in seen.stages}
-    added = seen.edges[len(plan.edges) :]
-    assert {edge.from_stage.partition("/")[0] for edge in added} == {"camera", "color", "infrared", "track"}
-    assert all(worker[edge.from_stage] == worker[edge.to_stage] for edge in added)
-    assert seen.workers == plan.workers
+def test_what_is_looked_at_are_the_ports_that_can_be_shown(plan: Plan) -> None:
+    found = tappings(plan, Path("page"), rate=5.0)
+    assert {tap.port.partition("/")[0] for tap in found} == {
+        *("camera", "color", "infrared"),
+        *("track.tracks", "track.forecast"),
+    }
+    assert {tap.port for tap in found if tap.params["leads"]} == {f"camera/cam{i}.out" for i in range(6)}
 
 
 @pytest.mark.parametrize(
@@ -55,21 +59,21 @@ def test_taps_run_where_their_stages_do(plan: Plan) -> None:
 )
 def test_what_cannot_be_or_must_be_meant_is_refused(plan: Plan, given: list[str], why: str) -> None:
     with pytest.raises(InputError, match=why):
-        tapped(plan, options(*given))
+        checked(plan, options(*given))
 
 
-def test_a_page_for_everybody_is_served_where_it_is_meant(plan: Plan) -> None:
-    assert tapped(plan, options("--dashboard-at", "0.0.0.0:0", "--dashboard-open")) is not plan
+def test_a_page_for_everybody_is_served_where_it_is_meant() -> None:
+    order = order_of(options("--dashboard-at", "[::]:0", "--dashboard-open"))
+    assert order == PageOrder(os.getpid(), "::", 0, firm=True)
 
 
 def test_a_page_that_is_missing_a_package_says_which(plan: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None if name == "uvicorn" else name)
     with pytest.raises(InputError, match="needs uvicorn"):
-        tapped(plan, options("--dashboard"))
+        checked(plan, options("--dashboard"))
 
 
-def test_an_address_that_cannot_be_served_is_named_and_nothing_stays(plan: Plan) -> None:
-    elsewhere = Address("192.0.2.1", 80, firm=True)
-    with pytest.raises(FollowspotError, match=r"192\.0\.2\.1:80"), shown(plan, elsewhere):
+def test_an_address_that_cannot_be_served_is_named() -> None:
+    elsewhere = PageOrder(os.getpid(), "192.0.2.1", 80)
+    with pytest.raises(FollowspotError, match=r"192\.0\.2\.1:80"), shown(elsewhere):
         pass
-    assert not folder().exists()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import socket
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from threading import Event
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -19,9 +21,11 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.deploy.host import WorkerStatus
-from followspot.deploy.status import OnStatus, RunStatus
+from followspot.deploy.reachable import reachable
+from followspot.deploy.status import RunStatus
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, Message, stamped
 from followspot.runtime.ledger import COLUMNS
 from followspot.runtime.stage_status import PathStatus, StageStatus
@@ -29,7 +33,7 @@ from followspot.tracking import Frame, Tracks
 from followspot_dashboard.gate import WATCHED, Gate
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
-from followspot_page.showing import Address, folder, shown
+from followspot_page.showing import PageOrder, shown
 
 UPGRADE = """\
 GET /look HTTP/1.1
@@ -47,13 +51,32 @@ GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
 
 class Shown:
-    """A page that is being served, and the run's ends of its lines."""
+    """A page that is being served, and the run that it asks, as far as it is one."""
 
-    def __init__(self, url: str, tell: OnStatus, plan: Plan) -> None:
-        self.url, self.tell, self.plan = url, tell, plan
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self.status = RunStatus((), (), 0, None)
+        self.tapped = Event()
+
+    def tap(self, taps: list[dict[str, Any]]) -> None:
+        self.folder = Path(taps[0]["params"]["folder"])
+        self.tapped.set()
+
+    def verbs(self) -> dict[str, Callable[..., Any]]:
+        return {
+            "plan": lambda: plan_to_data(self.plan),
+            "status": lambda: self.status.to_data(),
+            "tap": self.tap,
+        }
+
+    def serve(self, url: str) -> None:
+        """The page is at this address."""
+        self.url = url
         self.host = urlsplit(url).netloc
-        self.line = Line(folder())
-        self.gate = Gate(folder())
+        assert self.tapped.wait(60)
+        self.line = Line(self.folder)
+        self.gate = Gate(self.folder)
+        self.get("")
 
     def get(self, path: str, **headers: str) -> tuple[int, str, Any]:
         request = urllib.request.Request(self.url + path, headers=headers)
@@ -69,9 +92,11 @@ class Shown:
 
 @pytest.fixture(scope="module")
 def page() -> Iterator[Shown]:
-    plan = compile_graph(GRAPH)
-    with shown(plan, Address("127.0.0.1", 0, firm=True)) as (url, tell):
-        yield Shown(url, tell, plan)
+    made = Shown(compile_graph(GRAPH))
+    name = f"{os.getpid():x}page"
+    with reachable(name, made.plan.graph, made.verbs()), shown(PageOrder(os.getpid())) as served:
+        made.serve(served.url)
+        yield made
 
 
 def at(ms: int, message: Message) -> Message:
@@ -202,10 +227,9 @@ def test_who_does_not_listen_holds_up_nobody_and_is_told_the_newest_only(page: S
 
 @pytest.mark.parametrize("junk", JUNK)
 def test_what_is_no_preview_is_passed_over(page: Shown, junk: bytes) -> None:
-    for name in ("previews", "status"):
-        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as stranger:
-            stranger.connect(str(folder() / name))
-            stranger.send(junk)
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as stranger:
+        stranger.connect(str(page.folder / "previews"))
+        stranger.send(junk)
     with page.look() as browser:
         next(things(browser, "scene"))
         page.line.send("track.tracks", at(1, tracks(1)))
@@ -238,7 +262,7 @@ def test_there_is_a_most_of_browsers(page: Shown) -> None:
 def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
     page.line.send("track.tracks", at(5, tracks(1)))
     with page.look() as browser:
-        page.tell(status(page.plan))
+        page.status = status(page.plan)
         run = next(run for run in things(browser, "run") if run["fired"] == 7)
     assert run["stages"][0]["error"] == "it hurts"
     assert run["edges"][0]["dropped"] == 1

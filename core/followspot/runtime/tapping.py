@@ -1,0 +1,62 @@
+"""Looking at ports of a graph that runs: sinks that are called with every message, beside the graph.
+
+A tap has no edge: it neither fires nor counts, and nothing waits for it. One that fails is taken away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from followspot.messages import Message
+from followspot.plugins.registry import load_stage
+from followspot.runtime.outlet import Outlet
+from followspot.runtime.worker import Worker
+from followspot.stage import Stage
+
+
+@dataclass(frozen=True)
+class Tapping:
+    """port: STAGE.PORT that is looked at; uses, params: the sink that gets its messages."""
+
+    port: str
+    uses: str
+    params: Mapping[str, Any]
+
+
+class Tap:
+    """One sink at one outlet; one that raises EOFError has nobody left to tell."""
+
+    def __init__(self, tapping: Tapping, outlet: Outlet, stage: Stage) -> None:
+        self.tapping = tapping
+        self._outlet = outlet
+        self._stage = stage
+
+    def __call__(self, message: Message) -> None:
+        """Hand the message to the sink; whatever it raises ends there."""
+        try:
+            self._stage.process(message)
+        except Exception as error:
+            self._outlet.taps = tuple(tap for tap in self._outlet.taps if tap is not self)
+            self._stage.close()
+            if not isinstance(error, EOFError):
+                self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
+
+
+def tap(worker: Worker, tappings: Iterable[Tapping]) -> None:
+    """Look at those of the ports that the worker has, once; safe from any thread. Raises what sinks raise."""
+    outlets = {
+        f"{cell.name}.{port}": (cell, outlet) for cell in worker.cells for port, outlet in cell.outlets
+    }
+    for tapping in tappings:
+        cell, outlet = outlets.get(tapping.port, (None, None))
+        if cell is None or outlet is None or tapping in _tappings(outlet):
+            continue
+        stage = load_stage(tapping.uses)(cell.stage.context, **tapping.params)
+        stage.setup()
+        outlet.taps = (*outlet.taps, Tap(tapping, outlet, stage))
+
+
+def _tappings(outlet: Outlet) -> list[Tapping]:
+    return [tap.tapping for tap in outlet.taps if isinstance(tap, Tap)]

@@ -1,0 +1,79 @@
+"""A tap sees every message of a port, and nothing that befalls it reaches the graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+
+from followspot import Message, Stage
+from followspot.deploy.local import LocalRun
+from followspot.graph.compile import compile_graph
+from followspot.runtime import tapping
+from followspot.runtime.tapping import Tapping
+from followspot.runtime.wiring import RunOptions
+
+STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
+GRAPH = """\
+graph: count
+stages:
+  count: {uses: ticks.count, with: {count: 30}}
+  write: {uses: ticks.write, in: {number: count}}
+"""
+
+
+class Seen(Stage):
+    """Remembers what it sees; raises at the fifth if it is told so."""
+
+    seen: ClassVar[list[int]] = []
+    closed: ClassVar[list[str]] = []
+    raises: ClassVar[type[Exception] | None] = None
+
+    def process(self, message: Message) -> None:
+        self.seen.append(message.header.seq)
+        if self.raises is not None and len(self.seen) == 5:
+            raise self.raises("enough")
+
+    def close(self) -> None:
+        self.closed.append(self.context.name)
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> LocalRun:
+    path = tmp_path / "count.yaml"
+    path.write_text(GRAPH)
+    made = LocalRun(compile_graph(path, plugin_files=[STAGES]), RunOptions(tmp_path))
+    monkeypatch.setattr(tapping, "load_stage", lambda name: Seen)
+    for name, value in (("seen", []), ("closed", []), ("raises", None)):
+        monkeypatch.setattr(Seen, name, value)
+    return made
+
+
+def test_a_tap_sees_every_message_and_stands_in_no_ledger(run: LocalRun) -> None:
+    run.tap([Tapping("count.out", "seen", {}), Tapping("elsewhere.out", "seen", {})])
+    report = run.execute()
+    assert Seen.seen == list(range(30))
+    assert report.ok
+    assert [edge.name for edge, _ in report.edges] == ["count.out -> write.number"]
+
+
+def test_the_same_tap_is_made_once(run: LocalRun) -> None:
+    for _ in range(3):
+        run.tap([Tapping("count.out", "seen", {})])
+    run.execute()
+    assert len(Seen.seen) == 30
+
+
+@pytest.mark.parametrize(("error", "warnings"), [(ZeroDivisionError, 1), (EOFError, 0)])
+def test_a_tap_that_fails_is_taken_away_and_the_graph_goes_on(
+    run: LocalRun, monkeypatch: pytest.MonkeyPatch, error: type[Exception], warnings: int
+) -> None:
+    monkeypatch.setattr(Seen, "raises", error)
+    run.tap([Tapping("count.out", "seen", {})])
+    report = run.execute()
+    assert report.ok
+    assert report.frames == 30
+    assert len(Seen.seen) == 5
+    assert Seen.closed == ["count"]
+    assert len(report.warnings) == warnings
