@@ -18,7 +18,7 @@ from followspot.deploy.host_clock import HostClock, reference
 from followspot.deploy.links import uses_zenoh
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
-from followspot.deploy.supervision import Pulse, back_off
+from followspot.deploy.supervision import BackOff, Pulse
 from followspot.deploy.worker_process import WorkerProcess
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -66,6 +66,7 @@ class HostRun:
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
+        self._back_off = BackOff()
         self._taps: list[dict[str, Any]] = []
         self._change = HostChange()
         self._clock_warned = False
@@ -244,7 +245,7 @@ class HostRun:
         if not (self.order.restart and self._running) or self._stopping or self._ending:
             self._give_up(worker, error="" if self._stopping and self.order.restart else why)
             return
-        wait = back_off(worker.incarnation)
+        wait = self._back_off.wait(worker.name, time.monotonic())
         worker.phase = "absent"
         self._restart_at[worker.name] = time.monotonic() + wait
         self._tell_news(f"{why}; it is started again in {wait:.1f} s")
