@@ -12,7 +12,7 @@ from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.appearance import NANOSECOND, pictured
 from followspot_persons.association import box_distance, matched
-from followspot_persons.body_view import HEADING, view
+from followspot_persons.body_view import HEADING, HEIGHT, view
 from followspot_persons.condensation import Search, scattered
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.girth import girths_of
@@ -27,6 +27,8 @@ SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Of particles about a pose that the slow instance told: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
+HEEDING = 0.2
+"""Share of the height of a pose of the slow instance, which knows the box, in the person's height."""
 STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
 """What the sigma of an older pose grows by: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
 NEAR = 0.6
@@ -151,7 +153,8 @@ class PoseTracker(Stage):
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
             particles = np.concatenate([track.particles[joining:], self.strewn(told, joining)])
-            self.people[number] = replace(known, track=replace(track, particles=particles))
+            stature = track.stature + HEEDING * (float(pose[HEIGHT]) - track.stature)
+            self.people[number] = replace(known, track=replace(track, particles=particles, stature=stature))
 
     def begun(self, number: int, before: Hearing | None, now: int) -> Track:
         """The track of somebody whom the slow instance has just told of, not for the first time perhaps."""
