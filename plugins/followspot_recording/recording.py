@@ -18,6 +18,7 @@ from followspot_recording.records import (
     Channel,
     Chunk,
     ChunkSpan,
+    Contents,
     Damaged,
     Recorded,
     parse,
@@ -29,7 +30,8 @@ from followspot_recording.topics import ENCODING, port_of
 
 CACHED = 64 << 20
 """Bytes of chunks that are kept for the other ports of a process, which read the same ones."""
-_Key = tuple[str, int, int]
+_File = tuple[str, int, int]
+"""Path, time of the last change, size."""
 
 
 class Recording:
@@ -42,12 +44,15 @@ class Recording:
             self._file = self.path.open("rb")
         except OSError as error:
             raise FollowspotError(f"{path} cannot be read: {error.strerror}") from None
+        about = self.path.stat()
+        self._key = str(self.path.absolute()), about.st_mtime_ns, about.st_size
         try:
-            self._contents = read_contents(self._file, str(path))
+            self._contents = _known.get(self._key) or read_contents(self._file, str(path))
         except FollowspotError:
             self._file.close()
             raise
-        self._key = str(self.path.absolute()), self.path.stat().st_mtime_ns
+        _known.clear()
+        _known[self._key] = self._contents
 
     def __enter__(self) -> Self:
         return self
@@ -134,14 +139,14 @@ class Recording:
 
     def _chunk(self, span: ChunkSpan) -> Chunk | None:
         """The chunk, None where it or one before it is damaged."""
-        damage = _damaged.get(self._key)
-        if damage is None or span.offset < damage[0]:
+        contents = self._contents
+        if span.offset < contents.good:
             try:
-                return _cached((*self._key, span.offset), self, span)
+                return _cached((self._key, span.offset), self, span)
             except Damaged as error:
-                damage = _damaged[self._key] = span.offset, str(error)
-        size = self.path.stat().st_size
-        self._contents.problem = f"{damage[1]} at byte {damage[0]} of {size}; read up to there"
+                size = self._key[2]
+                contents.good = span.offset
+                contents.problem = f"{error} at byte {span.offset} of {size}; read up to there"
         return None
 
     def read(self, span: ChunkSpan) -> Chunk:
@@ -149,13 +154,13 @@ class Recording:
         return read_chunk(self._file, span)
 
 
-_chunks: OrderedDict[_Key, Chunk] = OrderedDict()
+_chunks: OrderedDict[tuple[_File, int], Chunk] = OrderedDict()
 """The chunks that were read last, for all recordings of this process."""
-_damaged: dict[tuple[str, int], tuple[int, str]] = {}
-"""Where a file turned out to be damaged, and how: all its ports end there."""
+_known: dict[_File, Contents] = {}
+"""What the recording that was opened last holds; without an index that takes long to find out."""
 
 
-def _cached(key: _Key, recording: Recording, span: ChunkSpan) -> Chunk:
+def _cached(key: tuple[_File, int], recording: Recording, span: ChunkSpan) -> Chunk:
     chunk = _chunks.get(key)
     if chunk is None:
         chunk = _chunks[key] = recording.read(span)

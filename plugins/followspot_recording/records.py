@@ -24,6 +24,8 @@ HEAD = struct.Struct("<BQ")
 """Of every record: what it is, and how many bytes follow."""
 MAX_CHUNK = MAX_PACKED + (64 << 20)
 """Largest chunk, bytes, before and after compression: the largest message and what stood before it."""
+MAX_FILE = 1 << 62
+"""Beyond the end of any file."""
 MAX_RECORD = 64 << 20
 """Largest other record, bytes."""
 _MESSAGE = struct.Struct("<HIQQ")
@@ -63,13 +65,18 @@ class ChunkSpan(Span):
 
 @dataclass
 class Contents:
-    """What a file holds. problem: why it is not whole, and where it ends; empty where it is."""
+    """What a file holds.
+
+    problem: why it is not whole, and where it ends; empty where it is; good: byte up to which chunks are
+    good, as far as is known.
+    """
 
     channels: dict[int, Channel] = field(default_factory=dict)
     chunks: list[ChunkSpan] = field(default_factory=list)
     attachments: dict[str, Span] = field(default_factory=dict)
     metadata: dict[str, Span] = field(default_factory=dict)
     problem: str = ""
+    good: int = MAX_FILE
 
 
 class Recorded(NamedTuple):
