@@ -20,8 +20,10 @@ BOX_SIGMA = 0.08
 """Error of the size of a detected box, of its size."""
 PLACE_SIGMA = 0.03
 """Error of its middle, of its height."""
-NEAREST, FARTHEST = 0.6, 12.0
-"""Distances of people, m."""
+NEAREST = 0.6
+"""Distance of people from a camera, m."""
+SMALLEST = 12.0
+"""Height of an upper body from which on somebody can be followed, px."""
 
 
 def spawned(
@@ -40,7 +42,7 @@ def spawned(
     stature = STATURE + STATURE_SIGMA * rng.standard_normal(count)
     apart = np.maximum(top[:, 2] - low[:, 2], 1e-3)
     by_size = stature * (1 - shape.waist) / apart
-    distance = np.clip(by_size, NEAREST, FARTHEST)
+    distance = np.clip(by_size, NEAREST, farthest(camera, shape))
     pose = np.zeros((count, 6))
     pose[:, :2] = camera.center[:2] + distance[:, None] * top[:, :2]
     pose[:, HEIGHT] = camera.center[2] + distance * top[:, 2]
@@ -51,6 +53,11 @@ def spawned(
     pose[:, PAN] = (head - torso + np.pi) % (2 * np.pi) - np.pi
     pose[:, TILT] = 0.1 * rng.standard_normal(count)
     return limited(pose)
+
+
+def farthest(camera: Camera, shape: ShapeModel) -> float:
+    """Distance at which the upper body of an adult is `SMALLEST` px high, m; a long lens sees farther."""
+    return float(camera.matrix[1, 1]) * STATURE * (1 - shape.waist) / SMALLEST
 
 
 def _slopes(camera: Camera, column: Array, row: Array) -> Array:

@@ -25,6 +25,7 @@ from followspot_persons.occlusion import covered
 from followspot_persons.pose_tracker import PoseTracker
 from followspot_persons.shape import shipped_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
+from followspot_persons.spawning import farthest, spawned
 from followspot_persons.track import Track
 from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
 
@@ -126,6 +127,18 @@ def test_who_comes_back_has_the_body_that_was_learnt():
     back = track.resumed(standing(3.0, height=1.7)[None])
     assert (back.stature, back.weight, back.typical) == (1.85, 40.0, 0.6)
     assert back.pose[0] == 3.0
+
+
+def test_a_long_lens_sees_people_farther_away():
+    short = perspective()
+    long = replace(short, matrix=short.matrix * np.array([[3.0, 1, 1], [1, 3, 1], [1, 1, 1]]))
+    shape, none = shipped_shape(), np.zeros(0)
+    for camera, away in ((short, 20.0), (long, 60.0)):
+        box = view(camera, shape, standing(away)[None]).box[0]
+        rng = np.random.default_rng(1)
+        places = spawned(camera, shape, Detection(box, none, none), 200, rng)
+        assert np.median(places[:, 0]) == pytest.approx(away, rel=0.1)
+        assert places[:, 0].max() <= farthest(camera, shape) * 1.01
 
 
 def looks(points, evidence=3.0):
