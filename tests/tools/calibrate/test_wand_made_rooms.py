@@ -55,7 +55,7 @@ def test_unknown_intrinsics_are_found_too(cameras, missing, outliers):
 )
 @settings(max_examples=5, deadline=None)
 def test_any_room_is_found_within_noise(cameras, missing, outliers, seed):
-    room = made_room(cameras, 500, missing=missing, outliers=outliers, noise=NOISE, seed=seed)
+    room = made_room(cameras, 300, missing=missing, outliers=outliers, noise=NOISE, seed=seed)
     assert differences(solve(room.sightings, room.cameras, "known"), room)[0].max() < 2 * KNOWN_MM
 
 
@@ -69,7 +69,7 @@ def test_cameras_without_a_common_view_are_linked_in_a_chain():
 
 
 def test_auto_keeps_good_intrinsics_and_mends_bad_ones():
-    room = made_room(5, 400, noise=NOISE)
+    room = made_room(5, 250, noise=NOISE)
     assert solve(room.sightings, room.cameras, "auto").intrinsics == "known"
     bad = [replace(c, distortion=np.zeros(5)) for c in room.cameras]
     mended = solve(room.sightings, bad, "auto")
@@ -117,7 +117,7 @@ def test_two_groups_tied_by_one_camera_need_three_views():
 
 
 def test_a_camera_full_of_reflections_is_named():
-    room = made_room(5, 400, noise=NOISE)
+    room = made_room(5, 250, noise=NOISE)
     pixel = room.sightings.pixel.copy()
     pixel[::3, 2] = np.random.default_rng(0).uniform([0, 0], [640, 480], pixel[::3, 2].shape)
     told = warnings_of(solve(replace(room.sightings, pixel=pixel), room.cameras, "known"))

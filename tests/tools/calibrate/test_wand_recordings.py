@@ -33,14 +33,14 @@ def test_the_old_toolbox_is_beaten_on_its_own_recording():
 
 @needs_shared
 def test_nine_cameras_and_a_ball_agree_with_their_authors():
-    """selfcal-ball-9cam, every 8th frame: median under 3.1 px, shape within 1 % of the authors'."""
+    """selfcal-ball-9cam, every 20th frame: median under 3.1 px, shape within 1 % of the authors'."""
     folder = DATA / "selfcal-ball-9cam"
     rough = json.loads((folder / "intrinsics_initial.json").read_text())
     poses = json.loads((folder / "reference_calibration_unscaled.json").read_text())["reference_poses"]
     cameras = [nine(number, rough[str(number)]) for number in range(9)]
     authors = np.array([nine(number, poses[str(number)]).center for number in range(9)])
     sightings = read_points(folder / "single_ball.npz", cameras, confidence=0.5)
-    solved = solve(sightings.rows(slice(None, None, 8)), cameras, "auto")
+    solved = solve(sightings.rows(slice(None, None, 20)), cameras, "auto")
     assert solved.intrinsics == "refined"
     assert np.nanmedian(solved.settled.distance) < 3.1
     assert solved.settled.used.sum() > 0.9 * solved.sightings.seen.sum()
