@@ -4,8 +4,8 @@
     python tools/fuzz.py --share 0.01         a hundredth of that
     python tools/fuzz.py --only graph room --seed 7
 
-Each target runs in a process of its own with bounded memory; an input that takes longer than ten seconds or
-kills the process is a crash. Inputs follow from the seed, so a crash comes again: --only TARGET --at NUMBER.
+Each target runs in a process of its own with bounded memory; an input that takes more than ten seconds of
+work or kills the process is a crash. Inputs follow from the seed, so a crash comes again (--only, --at).
 Exit code 1 where anything but a refusal was seen.
 """
 
@@ -18,6 +18,7 @@ import mmap
 import os
 import random
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -52,7 +53,7 @@ MODULES = {
     "fuzz_pictures": ("video", "images"),
 }
 LONGEST_S = 10.0
-"""For one input."""
+"""Of work for one input; one that only waits has twelve times as long."""
 MEMORY = 2 << 30
 """Bytes of address space that a target may take beyond what it has at the start."""
 _MOST_CRASHES = 20
@@ -71,11 +72,13 @@ def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Ou
     outcome = Outcome()
     start = _memory_mb()
     _limit_memory()
+    faulthandler.register(signal.SIGPROF, chain=True)
     for number in range(first, last):
         place[0] = number
         made = aim.make(random.Random(f"{name}:{seed}:{number}"))
-        faulthandler.dump_traceback_later(LONGEST_S, exit=True)
-        began = time.perf_counter()
+        faulthandler.dump_traceback_later(LONGEST_S * 12, exit=True)
+        signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
+        began = time.process_time()
         try:
             aim.take(made)
             outcome.accepted += 1
@@ -86,8 +89,9 @@ def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Ou
             text = f"{number}: {type(error).__name__}: {str(error)[:200]} at {where.filename}:{where.lineno}"
             if len(outcome.crashes) < _MOST_CRASHES:
                 outcome.crashes.append(text)
-        outcome.slowest_s = max(outcome.slowest_s, time.perf_counter() - began)
+        outcome.slowest_s = max(outcome.slowest_s, time.process_time() - began)
         outcome.inputs += 1
+    signal.setitimer(signal.ITIMER_PROF, 0)
     faulthandler.cancel_dump_traceback_later()
     outcome.peak_mb = _memory_mb() - start
     return outcome

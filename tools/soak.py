@@ -1,0 +1,184 @@
+"""Faults at random against a live run on several hosts: does everything come back, and is it counted?
+
+    python tools/soak.py                          200 faults
+    python tools/soak.py --faults 8 --seed 3      a short one
+    python tools/soak.py --only "link down" "worker killed"
+
+Three hosts and a router are network namespaces on this machine, so root is needed. Two hosts send beats, a
+third source ends like a camera file, and a stage at the desk joins them. After each fault both hosts must be
+heard again within --within seconds. At the end every message must be accounted for, memory must be where it
+was, and nothing may be left behind. Exit code 1 where a promise was broken.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from soak_show import FAULTS, SIDES, Hosts, Show, children
+
+BOTH = {0, 1}
+_FOREVER = 60.0
+"""Seconds after which nothing is expected to come back any more."""
+_GROWTH = 0.05
+"""Share by which memory may have grown after many faults."""
+_MANY = 50
+_DRAIN = 0.3
+"""Seconds after a fault in which what was under way before may still be heard."""
+_CALM = 0.5
+"""Seconds between a recovery and the next fault."""
+
+
+def recovered(show: Show, over: float, since: float) -> float | None:
+    """Seconds from `over` until both hosts were heard after `since`, monotonic times; None where never."""
+    while time.monotonic() - over < _FOREVER and show.run.poll() is None:
+        if show.heard(since) >= BOTH:
+            return time.monotonic() - over
+        time.sleep(0.02)
+    return None
+
+
+def pause(show: Show, begun: float, ended: float) -> float:
+    """Longest time, s, between the fault and the recovery in which nothing came out: all waited for one."""
+    text = (show.out / "beats.csv").read_text(errors="replace").splitlines()
+    times = [float(line.partition(",")[0]) for line in text[-5000:] if "," in line]
+    times = [begun, *(when for when in times if begun < when < ended)]
+    return max((b - a for a, b in pairwise(times)), default=ended - begun)
+
+
+def memory(show: Show) -> int:
+    """Bytes that all processes of the show take, shared ones counted once."""
+    hosts = [show.run.pid, *(agent.process.pid for agent in show.agents.values())]
+    total = 0
+    for pid in [*hosts, *(child for host in hosts for child in children(host))]:
+        try:
+            text = Path(f"/proc/{pid}/smaps_rollup").read_text()
+        except OSError:
+            continue
+        total += next(int(line.split()[1]) << 10 for line in text.splitlines() if line.startswith("Pss:"))
+    return total
+
+
+def soak(show: Show, faults: int, kinds: list[str], tell: Callable[[str], None]) -> list[dict[str, Any]]:
+    """Inflict the faults one after the other; what became of each."""
+    seen: list[dict[str, Any]] = []
+    for number in range(faults):
+        kind = kinds[number % len(kinds)] if number < len(kinds) else show.chance.choice(kinds)
+        begun = time.monotonic()
+        FAULTS[kind](show)
+        over = time.monotonic()
+        back = recovered(show, over, over + _DRAIN)
+        seen.append({"fault": kind, "back_s": back, "pause_s": pause(show, begun, time.monotonic())})
+        tell(f"{number + 1}/{faults} {kind}: " + ("never back" if back is None else f"{back:.1f} s"))
+        if back is None:
+            break
+        time.sleep(_CALM)
+        seen[-1]["memory"] = memory(show)
+    return seen
+
+
+def left_over(hosts: Hosts) -> list[str]:
+    """Processes that are still in the namespaces of the hosts, and shared memory that has a name."""
+    shared = Path("/dev/shm").iterdir()
+    found = [str(path) for path in shared if "followspot" in path.name or "zenoh" in path.name]
+    for name in hosts.names:
+        words = ["ip", "netns", "pids", hosts.space(name)]
+        pids = subprocess.run(words, capture_output=True, text=True, check=False).stdout.split()
+        found += [f"{name}: {Path(f'/proc/{pid}/cmdline').read_text()[:80]}" for pid in pids]
+    return found
+
+
+def summary_of(show: Show) -> dict[str, Any]:
+    """End the run as Ctrl-C does; what it reports."""
+    show.run.send_signal(signal.SIGINT)
+    stdout, stderr = show.run.communicate(timeout=90)
+    if not stdout.strip():
+        return {"ok": False, "errors": [stderr[-2000:]], "edges": []}
+    found: dict[str, Any] = json.loads(stdout.splitlines()[-1])
+    return found
+
+
+def report(seen: list[dict[str, Any]], within: float) -> dict[str, Any]:
+    """Each kind of fault: how often, medians and the worst, s."""
+    table = {}
+    for kind in dict.fromkeys(entry["fault"] for entry in seen):
+        of_kind = [entry for entry in seen if entry["fault"] == kind]
+        backs = [_FOREVER if entry["back_s"] is None else entry["back_s"] for entry in of_kind]
+        pauses = [entry["pause_s"] for entry in of_kind]
+        table[kind] = {
+            "count": len(backs),
+            "pause_s": round(statistics.median(pauses), 2),
+            "back_s": round(statistics.median(backs), 2),
+            "worst_s": round(max(backs), 2),
+            "late": sum(back > within for back in backs),
+        }
+    return table
+
+
+def growth(seen: list[dict[str, Any]]) -> float:
+    """Memory in the last third of the time over that in the first, minus one: medians."""
+    sizes = [entry["memory"] for entry in seen if "memory" in entry]
+    third = max(1, len(sizes) // 3)
+    return statistics.median(sizes[-third:]) / statistics.median(sizes[:third]) - 1 if sizes else 0.0
+
+
+def played(args: argparse.Namespace) -> dict[str, Any]:
+    """The whole show; what is to be printed."""
+    started = time.monotonic()
+    names = ["desk", *SIDES, "middle"]
+    with tempfile.TemporaryDirectory() as folder, Hosts(Path(folder), names) as hosts:
+        show = Show(hosts, random.Random(args.seed))
+        try:
+            if recovered(show, time.monotonic(), 0.0) is None:
+                raise SystemExit("the run did not begin")
+            time.sleep(1.0)
+            seen = soak(show, args.faults, args.only, lambda line: print(line, file=sys.stderr, flush=True))
+            summary = summary_of(show)
+            show.end()
+            left = left_over(hosts)
+        finally:
+            show.close()
+    return {
+        "faults": len(seen),
+        "seconds": round(time.monotonic() - started, 1),
+        "kinds": report(seen, args.within),
+        "ok": summary["ok"],
+        "errors": summary.get("errors", []),
+        "unaccounted": {e["from"]: e["in_flight"] for e in summary["edges"] if e["in_flight"]},
+        "edges": summary["edges"],
+        "memory_growth": round(growth(seen), 3),
+        "left_over": left,
+    }
+
+
+def main() -> int:
+    """Entry."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=raw)
+    parser.add_argument("--faults", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--within", type=float, default=5.0, help="seconds that a recovery may take")
+    parser.add_argument("--only", nargs="+", choices=list(FAULTS), default=list(FAULTS), metavar="FAULT")
+    parser.add_argument("--json", action="store_true", help="print one JSON object")
+    args = parser.parse_args()
+    found = played(args)
+    print(json.dumps(found) if args.json else json.dumps(found, indent=1))
+    late = sum(kind["late"] for kind in found["kinds"].values())
+    grown = found["memory_growth"] > _GROWTH and found["faults"] >= _MANY
+    broken = late or grown or not found["ok"] or found["unaccounted"] or found["left_over"]
+    return int(bool(broken))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
