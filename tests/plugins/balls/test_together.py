@@ -56,7 +56,7 @@ def looked_for(places: Array, rng: np.random.Generator) -> Forecast:
 
 
 @pytest.mark.parametrize(("kind", "room"), [(ColorBlobs, COLOR), (IrBlobs, INFRARED)])
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), same=st.booleans())
 @example(seed=804361, same=False)
 def test_together_is_what_each_gives_alone(
