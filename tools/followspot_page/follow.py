@@ -14,8 +14,7 @@ from followspot.deploy.reachable import RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
-from followspot.plugins.registry import use_plugin_files
+from followspot_page.runs import plan_here
 from followspot_page.taps import tappings
 
 _GLANCE = 0.1
@@ -39,9 +38,7 @@ async def found(pid: int) -> RunHere:
 
 async def plan_of(run: RunHere) -> Plan:
     """The plan as it is now. Raises FollowspotError."""
-    plan = plan_from_data(await asyncio.to_thread(run.ask, "plan", _PATIENCE))
-    use_plugin_files(plan.plugin_files)
-    return plan
+    return await asyncio.to_thread(plan_here, run)
 
 
 async def look(run: RunHere, plan: Plan, folder: Path, rate: float) -> None:

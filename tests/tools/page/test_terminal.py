@@ -1,0 +1,123 @@
+"""`followspot top` and `followspot echo` on a run that answers as runs do."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from followspot.cli.main import build_parser
+from followspot.deploy.host import WorkerStatus
+from followspot.deploy.reachable import reachable
+from followspot.deploy.status import RunStatus
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.ship import plan_to_data
+from followspot.messages import Header, stamped
+from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.tracking import Blobs, Frame, Tracks
+from followspot_dashboard.line import Line
+from followspot_dashboard.picture import picture_of
+
+GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
+NAME = f"{os.getpid():x}terminal"
+"""Of the run; other runs may be on this machine."""
+
+
+@pytest.fixture(scope="module")
+def run() -> Iterator[str]:
+    plan = compile_graph(GRAPH)
+    counts = [0] * (COLUMNS * len(plan.edges))
+    counts[:7] = [10, 6, 1, 1, 1, 0, 0]
+    waiting = StageStatus(
+        "fuse", "getting", ("a.out -> fuse.x", "b.out -> fuse.x"), 6, 1, 2, 9.0, "it\nhurts"
+    )
+    blocked = StageStatus("verify", "sending", ("verify.out -> triangulate.pairs",))
+    worker = WorkerStatus(
+        "main", "running", 7, stages=(waiting, blocked), paths=(PathStatus("camera", "save", 1.5, 9.0),)
+    )
+    status = RunStatus((worker,), tuple(counts), 7, 100, ("a worker is back",))
+
+    def tap(taps: list[dict[str, Any]]) -> None:
+        for wanted in taps:
+            line = Line(Path(wanted["params"]["folder"]))
+            for message in sent(wanted["port"]):
+                line.send(wanted["port"], message)
+            line.close()
+
+    verbs: dict[str, Callable[..., Any]] = {
+        "plan": lambda: plan_to_data(plan),
+        "status": lambda: status.to_data(),
+        "tap": tap,
+    }
+    with reachable(NAME, plan.graph, verbs):
+        yield NAME
+
+
+def sent(port: str) -> Iterator[Any]:
+    """Two messages of a port."""
+    for seq in range(2):
+        header = Header("camera/cam0", seq, seq * 10**7)
+        if port.startswith("camera/"):
+            frame = stamped(Frame("cam0", np.zeros((24, 32, 3), "u1")), header)
+            yield picture_of(frame, 320)
+        elif port == "track.tracks":
+            place = np.array([[1.0, np.nan, 0.5]])
+            row = np.zeros(1, "i4")
+            yield stamped(Tracks(row, np.ones(1, "u1"), place, place, place), header)
+        else:
+            yield stamped(Blobs.empty(), header)
+
+
+def said(*line: str) -> int:
+    args: argparse.Namespace = build_parser().parse_args(line)
+    code: int = args.run_command(args)
+    return code
+
+
+def test_top_tells_once_what_everything_is_doing(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert said("top", run) == 0
+    text = capsys.readouterr().out
+    assert text.startswith(f"glowballs ({run[:8]}): 7 of 100 frames")
+    fuse = next(line for line in text.splitlines() if line.startswith("  fuse "))
+    assert fuse.split()[1:5] == ["main", "getting", "a.out", "+1"]
+    verify = next(line for line in text.splitlines() if line.startswith("  verify "))
+    assert verify.split()[3] == "triangulate.pairs"
+    assert "fuse: it" in text
+    assert "a worker is back" in text
+
+
+def test_top_in_json_is_one_object(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert said("top", run, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["run"], found["fired"], found["edges"][0]["late"]) == (run, 7, 1)
+
+
+def test_echo_prints_messages_until_the_run_ends(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert said("echo", "track", "--run", run, "--json") == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    tracks = [line for line in lines if line["port"] == "track.tracks"]
+    assert [line["seq"] for line in tracks] == [0, 1]
+    assert tracks[0]["xyz"] == [[1.0, None, 0.5]]
+
+
+def test_echo_ends_after_so_many_and_takes_all_cameras(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert said("echo", "camera.out", "--run", run, "-n", "7") == 0
+    text = capsys.readouterr().out
+    assert text.count("Picture") == 7
+    assert "width 32" in text
+    assert len({line.split()[0] for line in text.splitlines() if "Picture" in line}) > 3
+
+
+def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:
+    with pytest.raises(FollowspotError, match='did you mean "track"'):
+        said("echo", "trak", "--run", run)
+    with pytest.raises(FollowspotError, match=r"runs on this machine: .*glowballs"):
+        said("echo", "track", "--run", "nobody")
