@@ -39,7 +39,7 @@ def test_a_host_whose_clock_is_an_hour_off_sees_with_the_others(tmp_path: Path) 
     try:
         process = start(graph, out, "--placement", str(tmp_path / "hosts.yaml"), *connect)
         files = [out / "left.csv", out / "right.csv"]
-        assert wait_until(lambda: all(file.exists() and file.stat().st_size > 500 for file in files))
+        assert wait_until(lambda: all(file.exists() and file.stat().st_size > 500 for file in files), 90.0)
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
     finally:

@@ -6,20 +6,23 @@ import json
 import os
 import signal
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+import running
 from hosts import near_agent
-from running import COMMAND, STAGES, Finished, balanced, children, finish, start, wait_until, write_graph
+from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
 
 from followspot.deploy.change import change
 from followspot.errors import FollowspotError
 
+PATIENCE = 90.0
+"""Seconds that bound a failure on a busy machine."""
 REPLAY = """
-a:    {uses: ticks.count, with: {count: 600}}
+a:    {uses: ticks.count, with: {count: 1200}}
 b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.003}}
 save: {uses: ticks.write, in: {number: b}}
 """
@@ -28,6 +31,10 @@ a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
 b:    {uses: ticks.tally, in: {number: a}}
 save: {uses: ticks.write, in: {number: b}}
 """
+
+
+def wait_until(condition: Callable[[], object]) -> bool:
+    return running.wait_until(condition, PATIENCE)
 
 
 class Going:
@@ -77,12 +84,12 @@ def test_a_replay_that_is_changed_loses_nothing(tmp_path: Path, placement: tuple
     assert finished.code == 0, finished.errors
     assert [stage.uses for stage in report.stages] == ["ticks.swapped"]
     rows = [line.split(",") for line in finished.lines()]
-    assert [int(row[0]) for row in rows] == list(range(600)), "every frame has its row"
+    assert [int(row[0]) for row in rows] == list(range(1200)), "every frame has its row"
     terms = [int(row[2]) - int(row[0]) for row in rows]
     assert terms == sorted(terms)
     assert set(terms) == {1, 1000, 5000}
     counts = {(e["to"], e["sent"], e["delivered"]) for e in finished.summary["edges"]}
-    assert counts == {("b.number", 600, 600), ("save.number", 600, 600)}, "as without a change"
+    assert counts == {("b.number", 1200, 1200), ("save.number", 1200, 1200)}, "as without a change"
     assert "while it ran: b: term = 1000" in finished.summary["notes"]
 
 

@@ -10,7 +10,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from followspot.cli import agent, attach, certs, check, graph, plugins, router, run, swap
+from followspot.cli import agent, attach, certs, check, graph, move, plugins, router, run, swap
 from followspot.errors import FollowspotError, InputError
 from followspot.plugins.hooks import Command
 
@@ -23,6 +23,7 @@ CORE = (
     router.COMMAND,
     attach.COMMAND,
     *swap.COMMANDS,
+    move.COMMAND,
     *certs.COMMANDS,
 )
 """Commands of the core, in the order of `followspot --help`."""

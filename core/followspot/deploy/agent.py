@@ -14,6 +14,7 @@ from followspot.deploy.change_order import change_from_data
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_clock import HostClock, read_clock
 from followspot.deploy.host_run import HostRun
+from followspot.deploy.move_order import move_from_data
 from followspot.deploy.parcel import unpacked, unpacked_stages
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
@@ -144,6 +145,8 @@ class Agent:
             "wind_down": lambda run: self._part(run).run.wind_down(),
             "status": lambda run: self._part(run).run.status().to_data(),
             "change": self.change,
+            "move": self.move,
+            "states": lambda run: self._part(run).run.states(),
             "clock": lambda: read_clock(self.options.clock_offset),
             "close": self.close,
             "knows": lambda run: run in self.parts,
@@ -200,6 +203,19 @@ class Agent:
             part.order = replace(part.order, plan=plan_to_data(plan))
             names = ", ".join(stage.name for stage in order.stages)
             self.tell(f"run {run[:8]} of {part.graph}: changed {names}")
+
+    def move(self, run: str, move: Any) -> None:
+        """One step of a move of stages to or from here. Raises FollowspotError, ValueError."""
+        part = self._part(run)
+        order = move_from_data(move)
+        if strangers := set(order.leaving) - set(part.run.workers):
+            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {run[:8]} is not here")
+        if order.plan is not None:
+            part.order = replace(part.order, plan=order.plan)
+            name, media = self.options.name, self.options.media
+            order = replace(order, plan=unpacked(order.plan, name, media, self.options.plugin_files))
+            self.tell(f"run {run[:8]} of {part.graph}: stages moved")
+        part.run.move(order)
 
     def close(self, run: str) -> None:
         """Forget a run; what still lives is killed."""

@@ -1,11 +1,11 @@
-"""Change a graph that runs: `followspot swap`, `followspot set`, and whoever else wants to."""
+"""Change a graph that runs: `followspot swap`, `set` and `move`, and whoever else wants to."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.deploy.changed import Changed
+from followspot.deploy.changed import Changed, Moved
 from followspot.deploy.reachable import RunHere, runs_here
 from followspot.errors import FollowspotError, InputError
 from followspot.transport.zenoh_network import Network
@@ -28,7 +28,7 @@ def change(
 
     Raises FollowspotError with the reason where it cannot be; then everything goes on as it was.
     """
-    here = runs_here()
+    here = runs_here(wanted)
     run = chosen_here(here, wanted)
     if run is not None:
         answer = run.ask("change", words=list(words), folder=str(folder.absolute()), fresh=fresh)
@@ -41,6 +41,28 @@ def change(
         try:
             return attachment.coordinator.change(words, folder, fresh=fresh)
         except InputError as error:  # one answer, wherever the run is
+            raise FollowspotError(str(error)) from None
+
+
+def move(wanted: str | None, stages: Sequence[str], place: str, *, network: Network | None = None) -> Moved:
+    """Bring stages of a live run to another worker or host that takes part in it.
+
+    wanted, network: as for `change`. Workers whose stages or kinds of edges change begin anew with the state
+    of their stages, and what is under way to and from them is lost and counted. Raises FollowspotError with
+    the reason where it cannot be.
+    """
+    here = runs_here(wanted)
+    run = chosen_here(here, wanted)
+    if run is not None:
+        return Moved.from_data(run.ask("move", stages=list(stages), place=place))
+    if network is None:
+        raise FollowspotError(_none(wanted, here))
+    from followspot.deploy.attach import attached
+
+    with attached(network, wanted) as attachment:
+        try:
+            return attachment.coordinator.move(stages, place)
+        except InputError as error:
             raise FollowspotError(str(error)) from None
 
 

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from followspot.graph.change import with_stages
+from followspot.graph.move import anew
 from followspot.graph.plan import Plan, PlannedStage
 
 
@@ -42,6 +43,45 @@ class Changed:
     def from_data(data: dict[str, Any]) -> Changed:
         """From JSON types. Raises KeyError, TypeError."""
         return Changed(data["run"], data["graph"], tuple(ChangedStage(**stage) for stage in data["stages"]))
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A run whose stages have moved; stages: which, to which worker on which host; anew: who began anew."""
+
+    run: str
+    graph: str
+    stages: tuple[str, ...]
+    worker: str = ""
+    host: str = ""
+    anew: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """One line."""
+        place = f"worker {self.worker}" + (f" on {self.host}" if self.host else "")
+        return f"{', '.join(self.stages)}: to {place}; workers that began anew: {', '.join(self.anew)}"
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+    @staticmethod
+    def of(run: str, old: Plan, new: Plan) -> Moved:
+        """What differs between two plans."""
+        before = {stage.name: stage.worker for stage in old.stages}
+        gone = [stage for stage in new.stages if stage.worker != before[stage.name]]
+        if not gone:
+            return Moved(run, old.graph, ())
+        hosts = {worker.name: worker.host for worker in new.workers}
+        worker = gone[0].worker
+        names = tuple(stage.name for stage in gone)
+        return Moved(run, old.graph, names, worker, hosts[worker], tuple(sorted(anew(old, new) & set(hosts))))
+
+    @staticmethod
+    def from_data(data: dict[str, Any]) -> Moved:
+        """From JSON types. Raises KeyError, TypeError."""
+        return Moved(**{**data, "stages": tuple(data["stages"]), "anew": tuple(data["anew"])})
 
 
 def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:

@@ -161,6 +161,9 @@ class Child:
                 self._tell_states()
             elif order["kind"] == "clock":
                 self.clock.captured, self.clock.steady = order["correction"]
+            elif order["kind"] == "leave":
+                self._tell_states()
+                raise ChannelClosed("this worker's stages go elsewhere")
             elif order["kind"] == "change":
                 self.change.obey(change_from_data(order["order"]))
 

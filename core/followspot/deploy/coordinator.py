@@ -5,17 +5,20 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 
 from followspot.deploy.change_hosts import change_hosts
-from followspot.deploy.changed import Changed, changed, with_change
+from followspot.deploy.changed import Changed, Moved, changed, with_change
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
+from followspot.deploy.move_hosts import move_hosts
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
+from followspot.graph.move import moved
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.runtime.tapping import Tapping
@@ -106,14 +109,32 @@ class Coordinator:
         InputError, or FollowspotError where a successor cannot be built or cannot carry on: the old ones do.
         """
         with self._one_change:
-            if not all(host.status().workers for host in self.hosts):
-                raise FollowspotError("the run has not begun yet; try again in a moment")
+            self._check_begun()
             stages = changed_stages(self.plan, words, folder)
             report = changed(self.name, self.plan, stages)
             if stages:
                 change_hosts(self.plan, self.hosts, stages, fresh=fresh)
                 self.plan = with_change(self.plan, stages)
             return report
+
+    def move(self, names: Sequence[str], place: str) -> Moved:
+        """Bring stages of a live run to another worker or host; safe beside the thread that watches.
+
+        Workers whose stages or kinds of edges change begin anew, with the state of their stages; what is
+        under way to and from them is lost, and counted. Raises InputError, FollowspotError.
+        """
+        with self._one_change:
+            self._check_begun()
+            new = moved(self.plan, names, place)
+            report = Moved.of(self.name, self.plan, new)
+            if report.stages:
+                move_hosts(self.plan, new, self.hosts)
+                self.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
+            return report
+
+    def _check_begun(self) -> None:
+        if not all(host.status().workers for host in self.hosts):
+            raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
         """Look at ports of workers that run on this host; safe from any thread."""

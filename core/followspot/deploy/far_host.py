@@ -15,6 +15,7 @@ import zenoh
 
 from followspot.deploy.change_order import ChangeOrder
 from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
+from followspot.deploy.move_order import MoveOrder
 from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE
@@ -87,6 +88,18 @@ class FarHost:
         if order.step == "take_over":
             plan = with_stages(plan_from_data(self.order.plan), order.stages)
             self.order = replace(self.order, plan=plan_to_data(plan))
+
+    def move(self, order: MoveOrder) -> None:
+        """One step of a move; an agent that is started anew begins with the stages as they are then."""
+        assert self.order is not None
+        if order.plan is not None:
+            plan = packed(plan_from_data(order.plan), self.name, self._media)
+            order, self.order = replace(order, plan=plan), replace(self.order, plan=plan)
+        self._ask("move", _PREPARING, run=self.run, move=order.to_data())
+
+    def states(self) -> dict[str, Any]:
+        """What the stages there last told of their state."""
+        return dict(self._ask("states", _PREPARING, run=self.run))
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
         """Nothing: what taps see does not travel."""

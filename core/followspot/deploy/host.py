@@ -14,6 +14,7 @@ import pydantic
 
 from followspot.deploy.change_order import ChangeOrder, ChangeStatus
 from followspot.deploy.clock_status import ClockStatus
+from followspot.deploy.move_order import MoveOrder
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus
@@ -114,6 +115,12 @@ class Host(Protocol):
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a change; what becomes of it stands in the status. Raises FollowspotError."""
+
+    def move(self, order: MoveOrder) -> None:
+        """One step of a move. Raises FollowspotError."""
+
+    def states(self) -> dict[str, Any]:
+        """What the stages here last told of their state, by stage. Raises FollowspotError."""
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
         """Look at ports of the workers; where they are on another machine, nothing."""

@@ -6,6 +6,7 @@ import mmap
 import os
 import selectors
 import time
+from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -16,12 +17,14 @@ from followspot.deploy.change_order import ChangeOrder, ChangeStatus
 from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.host_clock import HostClock, reference
 from followspot.deploy.links import uses_zenoh
+from followspot.deploy.move_order import MoveOrder
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
 from followspot.deploy.supervision import BackOff, Pulse
 from followspot.deploy.worker_process import WorkerProcess
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
+from followspot.graph.move import host_workers
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.runtime.ledger import COLUMNS, Ledger
@@ -62,7 +65,11 @@ class HostRun:
         self._selector = selectors.DefaultSelector()
         self._running = self._stopping = self._ending = False
         self._restart_at: dict[str, float] = {}
-        self._states: dict[str, dict[str, Any]] = {}
+        self._states: dict[str, Any] = {}
+        """What each stage last told of its state."""
+        self._moves: deque[MoveOrder] = deque()
+        self._left: set[str] = set()
+        """Workers that have left their place, or are about to, until the run is rearranged."""
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
@@ -106,7 +113,7 @@ class HostRun:
         self._kill_at = time.monotonic() + _GRACE
         for worker in self.workers.values():
             worker.tell("stop")
-        for name in list(self._restart_at):
+        for name in (*self._restart_at, *self._left):
             self._give_up(self.workers[name], error="")
 
     def wind_down(self) -> None:
@@ -127,6 +134,14 @@ class HostRun:
         for name, part in change.parts.items():
             self.workers[name].tell("change", order=part.to_data())
 
+    def move(self, order: MoveOrder) -> None:
+        """One step of a move; done when the host is attended next."""
+        self._moves.append(order)
+
+    def states(self) -> dict[str, Any]:
+        """What the stages here last told of their state."""
+        return dict(self._states)
+
     def tap(self, tappings: Sequence[Tapping]) -> None:
         """Look at ports of the workers that are here and of those that will be; safe from any thread."""
         taps = [asdict(tapping) for tapping in tappings]
@@ -139,6 +154,8 @@ class HostRun:
         """Hear what workers say, restart those that died, kill those that hang."""
         for key, _ in self._selector.select(timeout):
             self._listen(key.data)
+        while self._moves:
+            self._rearrange(self._moves.popleft())
         self._attend_clock()
         now = time.monotonic()
         if self.order.restart and self._running and not self._stopping:
@@ -177,7 +194,8 @@ class HostRun:
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:
             self.rings.renew(name)
-        self._hand_over(self.rings.take(name, of=name))
+        self._hand_over(self.rings.take(name))
+        mine = [stage for stage in self.plan.stages if stage.worker == name]
         worker.tell(
             "plan",
             (self._ledger_fd,),
@@ -189,7 +207,7 @@ class HostRun:
             network=asdict(self.network.for_worker(self._peers())),
             incarnation=incarnation,
             restart=self.order.restart and not self._ending,
-            states=self._states.get(name, {}),
+            states={s.name: self._states[s.name] for s in mine if s.name in self._states},
             clock=self.clock.correction(),
         )
         if uses_zenoh(self.plan, name) and not (self.hub or self.network.router):
@@ -197,11 +215,8 @@ class HostRun:
                 self._listen(worker)
 
     def _hand_over(self, ends: Iterable[RingEnd]) -> None:
-        """Give ends to their workers; one that is being started again will bring its own."""
+        """Give ends to their workers."""
         for end in ends:
-            if end.of not in ("", end.worker) and self.workers[end.worker].phase != "running":
-                end.socket.close()
-                continue
             with end.socket:
                 self.workers[end.worker].tell("ring", (end.socket.fileno(),), edge=end.edge, side=end.side)
 
@@ -219,14 +234,15 @@ class HostRun:
         channel = worker.channel.fileno()
         for message in worker.listen():
             if message["kind"] == "state":
-                self._states.setdefault(worker.name, {})[message["stage"]] = message["state"]
+                self._states[message["stage"]] = message["state"]
             elif message["kind"] == "change":
                 self._changed(worker.name, ChangeStatus(**message["status"]))
         if not worker.open:
             self._selector.unregister(channel)
         if before == "starting" and worker.phase == "ready" and self._running:
             self._begin(worker)
-            self._hand_over(self.rings.take(of=worker.name))
+            running = [other.name for other in self.workers.values() if other.phase == "running"]
+            self._hand_over(self.rings.join(worker.name, running))
             self._tell_news(f"worker {worker.name} is back")
         if worker.phase not in ("over", "absent") and not worker.busy:
             self._ended(worker)
@@ -245,8 +261,10 @@ class HostRun:
         if not (self.order.restart and self._running) or self._stopping or self._ending:
             self._give_up(worker, error="" if self._stopping and self.order.restart else why)
             return
-        wait = self._back_off.wait(worker.name, time.monotonic())
         worker.phase = "absent"
+        if worker.name in self._left:
+            return
+        wait = self._back_off.wait(worker.name, time.monotonic())
         self._restart_at[worker.name] = time.monotonic() + wait
         self._tell_news(f"{why}; it is started again in {wait:.1f} s")
 
@@ -285,6 +303,23 @@ class HostRun:
                 if worker.phase == "running":
                     worker.tell("snapshot")
 
+    def _rearrange(self, order: MoveOrder) -> None:
+        """Let workers leave, or let all take the places that a plan gives them."""
+        self._left.update(order.leaving)
+        for name in order.leaving:
+            self.workers[name].tell("leave")
+        if order.plan is None:
+            return
+        self._plan_data, self.plan = order.plan, plan_from_data(order.plan)
+        self._states.update(order.states)
+        mine = [worker.name for worker in host_workers(self.plan, self.name)]
+        self.rings.rearrange(self.plan, set(mine))
+        later = 1 + max((worker.incarnation for worker in self.workers.values()), default=0)
+        self.workers = {name: worker for name, worker in self.workers.items() if name in mine}
+        for name in [name for name in mine if name in self._left or name not in self.workers]:
+            self._spawn(name, later, again=True)
+        self._left.clear()
+
     def _changed(self, worker: str, answer: ChangeStatus) -> None:
         """A worker's answer; who is started again from now on gets the stages that have taken over."""
         if self._change.heard(worker, answer):
@@ -292,7 +327,7 @@ class HostRun:
             self.plan = with_stages(self.plan, stages)
             self._plan_data = plan_to_data(self.plan)
             for stage in stages:
-                self._states.get(worker, {}).pop(stage.name, None)
+                self._states.pop(stage.name, None)
 
     def _tell_news(self, line: str) -> None:
         self.news.append(line)

@@ -63,7 +63,10 @@ def _changeable(run: Coordinator | LocalRun, on_progress: OnProgress | None) -> 
     def change(words: list[str], folder: str, fresh: bool = False) -> dict[str, Any]:
         return run.change([str(word) for word in words], Path(folder), fresh=bool(fresh)).to_data()
 
-    with reachable(run.name, run.plan.graph, {**_looking(run), "change": change}):
+    def move(stages: list[str], place: str) -> dict[str, Any]:
+        return run.move([str(stage) for stage in stages], str(place)).to_data()
+
+    with reachable(run.name, run.plan.graph, {**_looking(run), "change": change, "move": move}):
         return interruptible(run, on_progress)
 
 

@@ -9,13 +9,14 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 
-from followspot.deploy.changed import Changed, changed, with_change
+from followspot.deploy.changed import Changed, Moved, changed, with_change
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
 from followspot.deploy.report import RunReport, Warnings, merge, worker_report
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
+from followspot.graph.move import moved
 from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
@@ -65,6 +66,13 @@ class LocalRun:
             done.result()
             self.plan = with_change(self.plan, stages)
             return report
+
+    def move(self, names: Sequence[str], place: str) -> Moved:
+        """There is no other place. Raises InputError, FollowspotError."""
+        found = Moved.of(self.name, self.plan, moved(self.plan, names, place))
+        if found.stages:
+            raise FollowspotError("this run has one worker")
+        return found
 
     def _take_over(self, successors: Sequence[Successor], fresh: bool, done: Future[None]) -> None:
         """In the worker's thread, between two firings."""

@@ -58,10 +58,7 @@ def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedS
 
     Raises FollowspotError where a stage reads a file from elsewhere.
     """
-    return tuple(
-        _with_inputs(s, lambda p, n=s.name: _name_below(p, media, n) if Path(p).is_absolute() else p)  # type: ignore[misc]
-        for s in stages
-    )
+    return tuple(_with_inputs(s, lambda p, n=s.name: _name_below(p, media, n)) for s in stages)  # type: ignore[misc]
 
 
 def unpacked_stages(stages: Sequence[PlannedStage], media: Path | None) -> tuple[PlannedStage, ...]:
@@ -88,6 +85,9 @@ def _check_outputs(stage: PlannedStage) -> None:
 
 
 def _name_below(path: str, media: Path, stage: str) -> str:
+    """The name of a file below `media`; one that a host gave before is such a name."""
+    if not Path(path).is_absolute():
+        return path
     try:
         return Path(path).resolve().relative_to(media.resolve()).as_posix()
     except ValueError:

@@ -1,6 +1,7 @@
-"""How other processes of the same user find a run on this machine: a private socket that knows a few verbs.
+"""How other processes of the same user find a run on this machine: a socket that knows a few verbs.
 
-One line of JSON there, one back. The folder is the user's own, so nobody else gets in.
+One line of JSON there, one back. The socket has an abstract name: no file, so a kill leaves nothing behind.
+Both sides look whose process the other one is, so nobody else gets in or answers in a run's place.
 """
 
 from __future__ import annotations
@@ -8,23 +9,27 @@ from __future__ import annotations
 import json
 import os
 import socket
-import stat
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from struct import Struct
 from typing import Any
 
 from followspot.errors import FollowspotError
 
-MAX_LINE = 1 << 20
-"""Longest request or answer, bytes."""
+MAX_REQUEST = 1 << 20
+"""Longest request, bytes."""
+_MAX_ANSWER = 64 << 20
 _PATIENCE = 5.0
 """Seconds for a request to arrive once its sender is there, and for a run to say who it is."""
-_SUFFIX = ".sock"
+_SOCKETS = Path("/proc/net/unix")
+_TELLING = 8
+"""Letters of a run's name that tell it from others."""
+_PEER = Struct("3i")
+"""Process, user and group at the other end."""
 
 Verbs = Mapping[str, Callable[..., Any]]
 """What can be asked: functions of JSON types that return JSON types; each call has a thread of its own."""
@@ -52,7 +57,7 @@ def reachable(run: str, graph: str, verbs: Verbs) -> Iterator[None]:
     """While the block runs, other processes can ask this one. Where they cannot, standard error says why."""
     about = {"describe": lambda: {"run": run, "graph": graph, "pid": os.getpid()}}
     try:
-        server = _Server(f"{run[:16]}{_SUFFIX}", {**about, **verbs})
+        server = _Server(f"{_own()}{os.getpid()}-{run[:16]}", {**about, **verbs})
     except OSError as error:
         sys.stderr.write(f"followspot: nobody can change this run: {error}\n")
         yield
@@ -63,22 +68,22 @@ def reachable(run: str, graph: str, verbs: Verbs) -> Iterator[None]:
         server.close()
 
 
-def runs_here() -> list[RunHere]:
-    """The user's runs on this machine, in the order of their names; what dead ones left is removed."""
+def runs_here(wanted: str | None = None) -> list[RunHere]:
+    """The user's runs on this machine, in the order of their names.
+
+    wanted: a process id or the beginning of a run's name: where there is such a run, no other is asked.
+    """
     try:
-        names = sorted(name for name in os.listdir(_folder()) if name.endswith(_SUFFIX))  # noqa: PTH208
+        words = {line.rpartition(" ")[2] for line in _SOCKETS.read_text(errors="replace").splitlines()}
     except OSError:
         return []
     found = []
-    for name in names:
-        try:
+    names = sorted(word[1:] for word in words if word.startswith(f"@{_own()}"))
+    meant = [name for name in names if wanted and _is(wanted, name)]
+    for name in meant or names:
+        with suppress(OSError, FollowspotError, KeyError, TypeError, ValueError):  # it has just ended
             about = _asked(name, "describe", _PATIENCE)
             found.append(RunHere(str(about["run"]), str(about["graph"]), int(about["pid"]), name))
-        except ConnectionRefusedError:
-            with suppress(OSError):
-                (_folder() / name).unlink()
-        except (OSError, FollowspotError, KeyError):
-            continue  # it has just ended
     return found
 
 
@@ -88,24 +93,21 @@ class _Server:
     def __init__(self, name: str, verbs: Verbs) -> None:
         """Raises OSError."""
         self._verbs = verbs
-        self._name = name
         self._socket = socket.socket(socket.AF_UNIX)
         try:
-            with _within(name) as path:
-                self._socket.bind(path)
-                os.chmod(path, 0o600)  # noqa: PTH101
+            self._socket.bind(f"\0{name}")
             self._socket.listen()
         except OSError:
             self._socket.close()
             raise
-        threading.Thread(target=self._serve, name="control", daemon=True).start()
+        self._thread = threading.Thread(target=self._serve, name="control", daemon=True)
+        self._thread.start()
 
     def close(self) -> None:
-        """Answer no more, and leave nothing behind."""
-        with suppress(OSError):
-            (_folder() / self._name).unlink()
+        """Answer no more."""
         with suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
+        self._thread.join(_PATIENCE)
         self._socket.close()
 
     def _serve(self) -> None:
@@ -114,12 +116,15 @@ class _Server:
                 asker, _ = self._socket.accept()
             except OSError:
                 return
-            threading.Thread(target=self._answer, args=(asker,), daemon=True).start()
+            if _same_user(asker):
+                threading.Thread(target=self._answer, args=(asker,), daemon=True).start()
+            else:
+                asker.close()
 
     def _answer(self, asker: socket.socket) -> None:
         with asker, suppress(OSError):
             asker.settimeout(_PATIENCE)
-            asker.sendall(json.dumps(self._said(_line(asker))).encode() + b"\n")
+            asker.sendall(json.dumps(self._said(_line(asker, MAX_REQUEST))).encode() + b"\n")
 
     def _said(self, line: bytes) -> dict[str, Any]:
         try:
@@ -132,11 +137,12 @@ class _Server:
 def _asked(name: str, verb: str, timeout: float | None, **data: Any) -> Any:
     with socket.socket(socket.AF_UNIX) as ours:
         ours.settimeout(timeout)
-        with _within(name) as path:
-            ours.connect(path)
+        ours.connect(f"\0{name}")
+        if not _same_user(ours):
+            raise PermissionError("it is a process of somebody else")
         ours.sendall(json.dumps({"verb": verb, **data}).encode() + b"\n")
         try:
-            said = json.loads(_line(ours))
+            said = json.loads(_line(ours, _MAX_ANSWER))
         except ValueError as error:
             raise ConnectionError(f"it ended without an answer: {error}") from None
     if "refused" in said:
@@ -144,10 +150,10 @@ def _asked(name: str, verb: str, timeout: float | None, **data: Any) -> Any:
     return said["answer"]
 
 
-def _line(end: socket.socket) -> bytes:
+def _line(end: socket.socket, most: int) -> bytes:
     """One line, or what came before the end or the limit."""
     data = bytearray()
-    while not data.endswith(b"\n") and len(data) <= MAX_LINE:
+    while not data.endswith(b"\n") and len(data) <= most:
         more = end.recv(1 << 16)
         if not more:
             break
@@ -155,23 +161,16 @@ def _line(end: socket.socket) -> bytes:
     return bytes(data)
 
 
-def _folder() -> Path:
-    """The user's own folder for sockets. Raises OSError where it is somebody else's."""
-    own = f"followspot-{os.getuid()}"
-    given = os.environ.get("XDG_RUNTIME_DIR", "")
-    folder = Path(given if given and Path(given).is_dir() else tempfile.gettempdir()) / own
-    folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o077:
-        raise PermissionError(f"{folder} is not a private folder of this user")
-    return folder
+def _same_user(end: socket.socket) -> bool:
+    _, user, _ = _PEER.unpack(end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size))
+    return bool(user == os.getuid())
 
 
-@contextmanager
-def _within(name: str) -> Iterator[str]:
-    """A short path to a file of the folder: paths of sockets have at most 107 bytes."""
-    fd = os.open(_folder(), os.O_PATH | os.O_DIRECTORY | os.O_CLOEXEC)
-    try:
-        yield f"/proc/self/fd/{fd}/{name}"
-    finally:
-        os.close(fd)
+def _is(wanted: str, name: str) -> bool:
+    pid, _, run = name.removeprefix(_own()).partition("-")
+    return wanted == pid or (len(wanted) >= _TELLING and run.startswith(wanted[:16]))
+
+
+def _own() -> str:
+    """What the names of this user's sockets begin with."""
+    return f"followspot-{os.getuid()}-"

@@ -1,0 +1,54 @@
+"""`followspot move`: stages go to another worker or host while the graph runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from followspot.cli.agent_options import add_network_options, network_of
+from followspot.plugins.hooks import Command
+
+
+def _configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "words",
+        nargs="+",
+        metavar="[GRAPH] STAGE PLACE",
+        help="the graph, or the beginning of the run's name, where several run; a stage of the graph file or "
+        "one of its instances; a worker or a host of the run",
+    )
+    parser.add_argument("--json", action="store_true", help="print what was moved as one JSON object")
+    add_network_options(parser)
+
+
+def _run(args: argparse.Namespace) -> int:
+    from followspot.deploy.change import move
+    from followspot.errors import InputError, Mistake
+    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+
+    if len(args.words) not in (2, 3):
+        raise InputError([Mistake(None, "what is to go where?", "for example: camera/cam3 pc-right")])
+    *wanted, stage, place = args.words
+    moved = move(wanted[0] if wanted else None, [stage], place, network=network_of(args, LOOPBACK, AGENT))
+    if args.json:
+        print(json.dumps(moved.to_data()))
+    else:
+        print(
+            f"run {moved.run[:8]} of {moved.graph}\n  {moved.text if moved.stages else 'it is there already'}"
+        )
+    return 0
+
+
+COMMAND = Command(
+    "move",
+    """bring a stage of a live run to another worker or host of the run
+
+  followspot move glowballs camera/cam3 pc-right
+  followspot move fuse main                                  the only run there is
+
+The worker that it leaves, the one that takes it, and others whose edges to it change their kind begin anew,
+with the state of their stages. Joins go on without them for a moment; what was under way is counted as lost.
+""",
+    _configure,
+    _run,
+)

@@ -1,0 +1,76 @@
+"""Stages that go to another place of a plan whose run goes on: edges of other kinds, and who begins anew."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedWorker
+
+
+def moved(plan: Plan, names: Sequence[str], place: str) -> Plan:
+    """The plan with these stages in another worker. Raises InputError.
+
+    names: stages of the graph file or instances of them; place: a worker, or a host, where the first worker
+    takes them.
+    """
+    known = {name for stage in plan.stages for name in (stage.group, stage.name)}
+    mistakes = [
+        Mistake(None, f'the graph has no stage "{name}"', did_you_mean(name, known, "stages"))
+        for name in names
+        if name not in known
+    ]
+    worker = next((w.name for w in plan.workers if place in (w.name, w.host)), None)
+    if worker is None:
+        places = {name for w in plan.workers for name in (w.name, w.host) if name}
+        remedy = did_you_mean(place, places, "workers and hosts")
+        mistakes.append(Mistake(None, f'the run has no worker or host "{place}"', remedy))
+    if not plan.live:
+        remedy = "stop it and run it with another --placement"
+        mistakes.append(Mistake(None, "stages move in live runs only: a replay would lose messages", remedy))
+    if mistakes or worker is None:
+        raise InputError(mistakes)
+    going = {stage.name for stage in plan.stages if {stage.name, stage.group} & set(names)}
+    return _arranged(plan, going, worker)
+
+
+def anew(old: Plan, new: Plan) -> set[str]:
+    """The workers, of either plan, that must begin anew: their stages or the kinds of their edges differ."""
+    homes, later = _homes(old), _homes(new)
+    hosts = {w.name: w.host for w in (*old.workers, *new.workers)}
+    found = {w for name in homes if homes[name] != later[name] for w in (homes[name], later[name])}
+    for before, after in zip(old.edges, new.edges, strict=True):
+        keys = [hosts[home[before.from_stage]] for home in (homes, later)]
+        if before.kind != after.kind or (after.kind == "zenoh" and keys[0] != keys[1]):
+            found |= {home[end] for home in (homes, later) for end in (before.from_stage, before.to_stage)}
+    return found
+
+
+def _arranged(plan: Plan, going: Collection[str], worker: str) -> Plan:
+    """The plan with these instances in this worker; workers without stages are gone."""
+    stages = tuple(replace(s, worker=worker) if s.name in going else s for s in plan.stages)
+    kept = {stage.worker for stage in stages}
+    workers = tuple(w for w in plan.workers if w.name in kept)
+    homes = {stage.name: stage.worker for stage in stages}
+    hosts = {w.name: w.host for w in workers}
+    edges = tuple(
+        _edge(edge, homes, hosts) if {edge.from_stage, edge.to_stage} & set(going) else edge
+        for edge in plan.edges
+    )
+    return replace(plan, stages=stages, workers=workers, edges=edges)
+
+
+def _edge(edge: PlannedEdge, homes: Mapping[str, str], hosts: Mapping[str, str]) -> PlannedEdge:
+    start, end = homes[edge.from_stage], homes[edge.to_stage]
+    kind: EdgeKind = "zenoh" if hosts[start] != hosts[end] else "reference" if start == end else "ring"
+    return replace(edge, kind=kind, codec=edge.codec if kind == "zenoh" else "raw")
+
+
+def _homes(plan: Plan) -> dict[str, str]:
+    return {stage.name: stage.worker for stage in plan.stages}
+
+
+def host_workers(plan: Plan, host: str) -> list[PlannedWorker]:
+    """The workers of a host, "" for the operator's own."""
+    return [worker for worker in plan.workers if worker.host == host]
