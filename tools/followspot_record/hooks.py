@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from followspot.cli.graph_options import add_change_options, add_graph_options
 from followspot.cli.run import add_run_options
 from followspot.errors import InputError, Mistake
-from followspot.plugins.hooks import Command, PlanOptions, hookimpl
+from followspot.plugins.hooks import Command, PlanOptions, hookimpl, load_plan_options
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -27,7 +27,8 @@ still needed is computed anew. The summary and the outputs are those of a run.
 
   followspot replay show.mcap
   followspot replay show.mcap --graph graphs/glowballs.yaml --set fuse.uses=balls.mean
-  followspot replay show.mcap --ports color,infrared --speed 1 --from 10 --to 20 --loop
+  followspot replay show.mcap --ports color,infrared --from 10 --to 20
+  followspot replay show.mcap --speed 1 --loop --dashboard
 """
 VERIFY = """run a recorded graph again on its recorded sources and compare every recorded port, byte for byte
 
@@ -102,7 +103,8 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--to", dest="stop", type=float, metavar="S", help="end S seconds after its start")
     parser.add_argument("--loop", action="store_true", help="begin again at the end, until Ctrl-C")
     add_change_options(parser)
-    configure_recording(parser)
+    for options in load_plan_options():
+        options.configure(parser)
     add_run_options(parser)
 
 

@@ -16,10 +16,10 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.load import Loaded
 from followspot.graph.plan import Plan
+from followspot.plugins.hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_record.embedded import recorded_plan
-from followspot_record.hooks import recorded
 from followspot_record.played import Clip, played, replay_of
 from followspot_record.ports import chosen, output_ports
 from followspot_recording.recording import Recording
@@ -42,7 +42,9 @@ def replay_command(args: argparse.Namespace) -> int:
             plan, {port: replay_of(recording, port) for port in _ports(plan, recording, more)}, clip
         )
     _check_live(plan)
-    return execute(recorded(plan, args), args)
+    for options in load_plan_options():
+        plan = options.change(plan, args)
+    return execute(plan, args)
 
 
 def source_ports(plan: Plan) -> tuple[str, ...]:
