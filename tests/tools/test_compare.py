@@ -29,6 +29,7 @@ from followspot_compare.variants import read_variants
 ROOT = Path(__file__).parents[2]
 RECORDED = str(ROOT / "graphs/experiments/recorded.yaml")
 SIMULATED = str(ROOT / "graphs/rooms/simulated.yaml")
+PANORAMA = str(ROOT / "graphs/rooms/simulated_panorama.yaml")
 DOCUMENT = ROOT / "docs/experiments.md"
 
 
@@ -291,7 +292,7 @@ def test_every_command_of_the_document_is_understood_and_its_variants_can_be_pla
     for path in re.findall(r"graphs/\S+\.(?:yaml|py)", line):
         assert Path(path).is_file()
     if line.startswith("followspot compare "):
-        args.rooms = [SIMULATED]
+        args.rooms = [PANORAMA if "persons.yaml" in line else SIMULATED]
         assert plan_scenes(read_variants(args.graphs, args.variants), args)
 
 
