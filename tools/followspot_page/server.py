@@ -17,15 +17,19 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
+from followspot.deploy.changed import Changed
+from followspot.deploy.reachable import RunHere
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot_dashboard.gate import Gate, make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
-from followspot_page.access import HEADERS, Doorkeeper
+from followspot_page.access import HEADERS, Doorkeeper, is_loopback
+from followspot_page.browser import Browser
+from followspot_page.changing import forms, words_of
 from followspot_page.feed import Feed, Listener, Previews
 from followspot_page.follow import follow, found, look, plan_of
 from followspot_page.picture_of_run import RunPicture
@@ -34,9 +38,9 @@ from followspot_page.scene import scene
 STATIC = Path(__file__).parent / "static"
 MAX_BROWSERS = 16
 MAX_HEARD = 1024
-"""Longest message taken from a browser, bytes; the page has nothing to say."""
-_PATIENCE = 30.0
-"""Seconds that a browser may take for one thing before it is let go."""
+"""Longest message taken from a browser, bytes: a change."""
+_PATIENCE = 60.0
+"""Seconds that a change may take: a stage is built beside the one that works."""
 
 
 class Page:
@@ -44,6 +48,8 @@ class Page:
 
     def __init__(self, plan: Plan, gate: Gate) -> None:
         self.plan = plan
+        self.ask: RunHere | None = None
+        """The run that may be changed from here; None where the page only shows."""
         self.gate = gate
         self.feed = Feed()
         self.run = RunPicture(plan)
@@ -68,7 +74,24 @@ class Page:
                 {"name": s.name, "group": s.group, "uses": s.uses, "params": dict(s.params)}
                 for s in self.plan.stages
             ],
+            "forms": forms(self.plan) if self.ask else {},
         }
+
+    async def allow_changes(self, run: RunHere) -> None:
+        """Let browsers ask for changes, as soon as it is known which there can be."""
+        await asyncio.to_thread(forms, self.plan)  # imports every stage that could take another's place
+        self.ask = run
+        self.show(self.plan)
+
+    async def change(self, text: str) -> str:
+        """What a browser asks for. Raises FollowspotError where it may not be, or cannot."""
+        if self.ask is None:
+            raise FollowspotError("this page only shows: it is open to other computers")
+        words = words_of(text, self.plan)
+        given = {"words": words, "folder": str(Path.cwd())}
+        answer = Changed.from_data(await asyncio.to_thread(self.ask.ask, "change", _PATIENCE, **given))
+        self.show(await plan_of(self.ask))
+        return "; ".join(stage.text for stage in answer.stages) or "it is so already"
 
     def take_status(self, status: RunStatus) -> None:
         """How the run is now."""
@@ -82,47 +105,14 @@ class Page:
             return
         await socket.accept()
         self._count(1)
-        leaving = asyncio.ensure_future(_left(socket))
         try:
-            await self._send_all(socket, leaving)
-        except (WebSocketDisconnect, RuntimeError, TimeoutError):
-            return  # it has left while it was sent something, or does not listen
+            await Browser(socket, self.feed, self.change).serve()
         finally:
             self._count(-1)
-            leaving.cancel()
-
-    async def _send_all(self, socket: WebSocket, leaving: asyncio.Future[None]) -> None:
-        """Send the newest of each thing, as fast as the browser takes it and no faster."""
-        changed = asyncio.Event()
-        changed.set()
-        sent = 0
-        self.feed.listeners.add(changed)
-        try:
-            while not leaving.done():
-                waiting = asyncio.ensure_future(changed.wait())
-                await asyncio.wait((waiting, leaving), return_when=asyncio.FIRST_COMPLETED)
-                waiting.cancel()
-                changed.clear()
-                number = self.feed.number
-                for payload in self.feed.since(sent):
-                    async with asyncio.timeout(_PATIENCE):
-                        if isinstance(payload, str):
-                            await socket.send_text(payload)
-                        else:
-                            await socket.send_bytes(payload)
-                sent = number
-        finally:
-            self.feed.listeners.discard(changed)
 
     def _count(self, change: int) -> None:
         self.browsers += change
         self.gate.watched = self.browsers > 0
-
-
-async def _left(socket: WebSocket) -> None:
-    """Done when a browser has left; what it says until then is not listened to."""
-    while (await socket.receive())["type"] != "websocket.disconnect":
-        continue
 
 
 def application(page: Page) -> Starlette:
@@ -183,6 +173,8 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         server = _server(page, host, door.getsockname()[1])
         serving = asyncio.ensure_future(server.serve([door]))
         following = asyncio.ensure_future(follow(run, page.take_status, page.show))
+        if is_loopback(host):
+            await page.allow_changes(run)
         await asyncio.wait((serving, following, over), return_when=asyncio.FIRST_COMPLETED)
         server.should_exit = True
         await serving

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import os
 import re
@@ -23,6 +24,7 @@ from websockets.sync.client import ClientConnection, connect
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.reachable import reachable
 from followspot.deploy.status import RunStatus
+from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
@@ -30,9 +32,10 @@ from followspot.messages import Header, Message, stamped
 from followspot.runtime.ledger import COLUMNS
 from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.tracking import Frame, Tracks
-from followspot_dashboard.gate import WATCHED, Gate
+from followspot_dashboard.gate import WATCHED, Gate, make_gate
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
+from followspot_page.server import Page
 from followspot_page.showing import PageOrder, shown
 
 UPGRADE = """\
@@ -57,6 +60,7 @@ class Shown:
         self.plan = plan
         self.status = RunStatus((), (), 0, None)
         self.tapped = Event()
+        self.asked: list[list[str]] = []
 
     def tap(self, taps: list[dict[str, Any]]) -> None:
         self.folder = Path(taps[0]["params"]["folder"])
@@ -67,7 +71,15 @@ class Shown:
             "plan": lambda: plan_to_data(self.plan),
             "status": lambda: self.status.to_data(),
             "tap": self.tap,
+            "change": self.change,
         }
+
+    def change(self, words: list[str], folder: str) -> dict[str, Any]:
+        if words == ["fuse.steps=-1"]:
+            raise FollowspotError("steps must be at least 1")
+        self.asked.append(words)
+        done = {"stage": words[0], "before": "", "uses": "", "params": {}}
+        return {"run": "it", "graph": "glowballs", "stages": [done]}
 
     def serve(self, url: str) -> None:
         """The page is at this address."""
@@ -244,11 +256,50 @@ def test_a_browser_that_says_too_much_is_let_go(page: Shown) -> None:
     assert page.get("")[0] == 200
 
 
-def test_what_a_browser_says_changes_nothing(page: Shown) -> None:
+def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> None:
+    with page.look(f"http://{page.host}") as browser:
+        scene = next(scene for scene in things(browser, "scene") if scene["forms"])
+        assert set(scene["forms"]) == {
+            "color",
+            "infrared",
+            "verify",
+            "triangulate",
+            "fuse",
+            "bridge",
+            "track",
+        }
+        fuse = scene["forms"]["fuse"]
+        assert {"balls.mean_shift", "balls.mean", "balls.bundle"} <= set(fuse["alternatives"])
+        assert not {"sinks.csv", "dashboard.tap", "balls.kalman"} & set(fuse["alternatives"])
+        for change in ({"key": "steps", "value": "50"}, {"key": "", "value": "balls.mean"}):
+            browser.send(json.dumps({"stage": "fuse", **change}))
+            assert next(things(browser, "answer"))["ok"]
+        browser.send(json.dumps({"stage": "fuse", "key": "steps", "value": "-1"}))
+        answer = next(things(browser, "answer"))
+    assert (answer["ok"], answer["text"]) == (False, "steps must be at least 1")
+    assert page.asked == [["fuse.steps=50"], ["fuse=balls.mean"]]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        '{"type": "stop"}',
+        "[" * 900,
+        '{"stage": "save", "key": "path", "value": "/etc/passwd"}',
+        '{"stage": "camera", "key": "frames", "value": "1"}',
+        '{"stage": "fuse", "key": "", "value": "sinks.csv"}',
+        '{"stage": "fuse", "key": "uses", "value": "balls.mean"}',
+        '{"stage": ["fuse"], "key": "steps", "value": "1"}',
+        '{"stage": "nobody", "key": "steps", "value": "1"}',
+    ],
+)
+def test_nothing_else_can_be_asked_for(page: Shown, said: str) -> None:
+    before = list(page.asked)
     with page.look() as browser:
-        browser.send('{"type": "stop"}')
-        browser.send(b"\0\1\2")
-        assert next(things(browser, "run"))
+        next(scene for scene in things(browser, "scene") if scene["forms"])
+        browser.send(said)
+        assert not next(things(browser, "answer"))["ok"]
+    assert page.asked == before
 
 
 def test_there_is_a_most_of_browsers(page: Shown) -> None:
@@ -279,3 +330,10 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
     assert samples['followspot_path_latency_seconds{from="camera",to="save",quantile="0.95"}'] == "0.009"
     for line in text.splitlines():
         assert re.fullmatch(f"{HELP}|{SAMPLE}", line), line
+
+
+def test_a_page_that_is_open_to_other_computers_only_shows(page: Shown, tmp_path: Path) -> None:
+    open_page = Page(page.plan, make_gate(tmp_path))  # never told that changes are allowed
+    assert open_page.about()["forms"] == {}
+    with pytest.raises(FollowspotError, match="only shows"):
+        asyncio.run(open_page.change('{"stage": "fuse", "key": "steps", "value": "50"}'))

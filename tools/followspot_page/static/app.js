@@ -10,7 +10,8 @@ const $ = (id) => document.getElementById(id);
 
 const views = new Views();
 const tiles = new Tiles($("tiles"), views);
-const pipeline = new Pipeline($("groups"), $("detail"));
+let socket = null;
+const pipeline = new Pipeline($("groups"), $("detail"), (change) => socket.send(JSON.stringify(change)));
 const legend = new Legend($("legend"));
 const room = Room.on($("view"));
 $("flat").hidden = room !== null;
@@ -26,13 +27,19 @@ function span(p50, p95) {
   return `${(p50 / scale).toFixed(digits)} / ${(p95 / scale).toFixed(digits)} ${unit}`;
 }
 
+let shown = "";
 const takers = {
+  answer(answer) {
+    pipeline.answer(answer);
+  },
   scene(scene) {
     document.title = `${scene.graph} · followspot`;
     $("graph").textContent = scene.graph;
     $("room").textContent = scene.room.name;
+    pipeline.show(scene.stages, scene.forms);
+    if (JSON.stringify(scene.room) === shown) return; // only stages or parameters are others
+    shown = JSON.stringify(scene.room);
     tiles.show(scene.room);
-    pipeline.show(scene.stages);
     legend.show(scene.room.targets);
     room?.show(scene.room);
   },
@@ -61,7 +68,7 @@ const takers = {
 };
 
 function connect(again) {
-  const socket = new WebSocket(`ws://${location.host}/look`);
+  socket = new WebSocket(`ws://${location.host}/look`);
   socket.binaryType = "arraybuffer";
   socket.onopen = () => again && location.reload(); // it may be another run, of another room
   socket.onmessage = ({ data }) => {

@@ -1,4 +1,7 @@
 // The running graph: one card for each stage of the graph file, its instances and edges on demand.
+import { Form } from "./form.js";
+import { make } from "./make.js";
+
 const WORST = ["absent", "sending", "processing", "getting", "over"];
 const LOSSES = ["dropped", "late", "unmatched", "invalid", "lost"];
 
@@ -6,23 +9,21 @@ const groupOf = (stage) => stage.split("/")[0];
 const number = (value) => (value >= 100 ? value.toFixed(0) : value.toFixed(1));
 const lossOf = (edge) => LOSSES.reduce((sum, name) => sum + edge[name], 0);
 
-function make(tag, text = "", attributes = {}) {
-  const element = document.createElement(tag);
-  element.textContent = text;
-  return Object.assign(element, attributes);
-}
-
 export class Pipeline {
-  constructor(list, detail) {
+  constructor(list, detail, send) {
     this.list = list;
     this.detail = detail;
+    this.send = send;
+    this.form = null;
+    this.figures = make("div");
     this.cards = new Map();
     this.open = null;
     this.run = null;
     addEventListener("keydown", ({ key }) => key === "Escape" && this.show_detail(null));
   }
 
-  show(stages) {
+  show(stages, forms) {
+    this.forms = forms;
     this.about = new Map(stages.map((stage) => [stage.name, stage]));
     this.cards = new Map();
     for (const { name, group } of stages) {
@@ -31,6 +32,8 @@ export class Pipeline {
       this.cards.set(group, card);
     }
     this.list.replaceChildren(...[...this.cards.values()].map((card) => card.item));
+    if (this.run) this.update(this.run);
+    this.show_detail(this.cards.has(this.open) ? this.open : null);
   }
 
   update(run) {
@@ -51,26 +54,36 @@ export class Pipeline {
     this.open = group;
     for (const card of this.cards.values()) card.button.setAttribute("aria-expanded", card.group === group);
     this.detail.hidden = group === null;
-    if (group && this.run) this.tell();
+    if (group === null) return;
+    const about = this.about.get(this.cards.get(group).members[0]);
+    const said = this.form?.group === group ? this.form.made : null;
+    this.form = { group, made: this.forms[group] ? new Form(group, about, this.forms[group], this.send) : null };
+    if (said && this.form.made) this.form.made.say(said.answer.textContent, said.answer.dataset.ok);
+    const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
+    this.detail.replaceChildren(
+      make("h2", `${group} · ${about.uses}`),
+      this.form.made?.element ?? make("p", params.join("   ") || "no parameters"),
+      this.figures,
+    );
+    this.tell();
+  }
+
+  answer({ text, ok }) {
+    this.form?.made?.say(text, ok);
   }
 
   tell() {
+    if (!this.run) return;
     const stages = this.run.stages.filter(({ stage }) => groupOf(stage) === this.open);
     const ends = (end) => groupOf(end.slice(0, end.lastIndexOf("."))) === this.open;
     const edges = this.run.edges.filter(({ from, to }) => ends(from) || ends(to));
-    const about = this.about.get(stages[0]?.stage ?? this.cards.get(this.open).members[0]);
-    const params = Object.entries(about.params).map(([key, value]) => `${key} ${JSON.stringify(value)}`);
     const errors = stages.filter(({ error }) => error).map(({ stage, error }) => `${stage}: ${error}`);
-    const scrolled = this.detail.scrollTop;
-    this.detail.replaceChildren(
-      make("h2", `${this.open} · ${about.uses}`),
-      make("p", params.join("   ") || "no parameters"),
+    this.figures.replaceChildren(
       ...errors.slice(0, 3).map((text) => make("pre", text)),
       stageTable(stages),
       make("h2", "edges"),
       edgeTable(edges),
     );
-    this.detail.scrollTop = scrolled;
   }
 }
 

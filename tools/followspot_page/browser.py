@@ -1,0 +1,77 @@
+"""One browser that looks on: it is sent the newest of each thing, and may ask for changes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections import deque
+from collections.abc import Awaitable, Callable
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from followspot.errors import FollowspotError
+from followspot_page.feed import Feed
+
+Change = Callable[[str], Awaitable[str]]
+"""Does what a browser asks for and says what was done. Raises FollowspotError where it cannot be."""
+_PATIENCE = 30.0
+"""Seconds that a browser may take for one thing before it is let go."""
+_WAITING = 8
+"""Answers that are kept for a browser that does not take them."""
+
+
+class Browser:
+    """Serves one WebSocket."""
+
+    def __init__(self, socket: WebSocket, feed: Feed, change: Change) -> None:
+        self._socket = socket
+        self._feed = feed
+        self._change = change
+        self._changed = asyncio.Event()
+        self._answers: deque[str] = deque(maxlen=_WAITING)
+
+    async def serve(self) -> None:
+        """Until the browser leaves, or does not take what it is sent."""
+        self._feed.listeners.add(self._changed)
+        hearing = asyncio.ensure_future(self._hear())
+        sending = asyncio.ensure_future(self._send())
+        try:
+            await asyncio.wait((hearing, sending), return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            self._feed.listeners.discard(self._changed)
+            for task in (hearing, sending):
+                task.cancel()
+            await asyncio.gather(hearing, sending, return_exceptions=True)
+
+    async def _hear(self) -> None:
+        """Do what the browser asks for, one thing after the other, until it leaves."""
+        while (said := await self._socket.receive())["type"] != "websocket.disconnect":
+            try:
+                answer = {"text": await self._change(said.get("text") or ""), "ok": True}
+            except FollowspotError as error:
+                answer = {"text": str(error), "ok": False}
+            self._answers.append(json.dumps({"type": "answer", **answer}))
+            self._changed.set()
+
+    async def _send(self) -> None:
+        """The newest of each thing, as fast as the browser takes it and no faster."""
+        sent = 0
+        try:
+            while True:
+                number = self._feed.number
+                newer = [*self._answers, *self._feed.since(sent)]
+                self._answers.clear()
+                for payload in newer:
+                    async with asyncio.timeout(_PATIENCE):
+                        await self._put(payload)
+                sent = number
+                await self._changed.wait()
+                self._changed.clear()
+        except (WebSocketDisconnect, RuntimeError, TimeoutError):
+            return  # it has left while it was sent something, or does not listen
+
+    async def _put(self, payload: str | bytes) -> None:
+        if isinstance(payload, str):
+            await self._socket.send_text(payload)
+        else:
+            await self._socket.send_bytes(payload)
