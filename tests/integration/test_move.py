@@ -1,13 +1,14 @@
-"""Stages of live runs that go to another worker or host: their state goes with them, all is accounted for."""
+"""Stages of live runs that go to another worker or host, also where clocks differ: all is accounted for."""
 
 from __future__ import annotations
 
 import signal
+import time
 from pathlib import Path
 
 import pytest
 from hosts import near_agent
-from running import balanced, finish, start, wait_until, write_graph
+from running import Finished, balanced, finish, start, wait_until, write_graph
 
 from followspot.deploy.change import move
 from followspot.errors import FollowspotError
@@ -23,14 +24,20 @@ workers:
   one: {stages: [a, b]}
   two: {stages: [save]}
 """
+FAR_STAGES = """
+b:    {uses: ticks.tally, in: {number: a}}
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+save: {uses: ticks.write, in: {number: b}}
+"""
 FAR = """
 placement: far
 workers:
-  left:  {host: pc-left, stages: [a]}
-  right: {host: pc-right, stages: [b]}
+  left:  {host: pc-left, stages: [b]}
+  right: {host: pc-right, stages: [a]}
   main:  {stages: [save]}
 """
 PORTS = {"pc-left": 17471, "pc-right": 17472}
+HOUR_MS = 3_600_000
 PATIENCE = 90.0
 
 
@@ -64,17 +71,20 @@ def test_a_stage_goes_to_another_worker_with_its_state_and_back(tmp_path: Path) 
     assert kinds == {"b.number": "ring", "save.number": "reference"}
 
 
-def test_a_stage_goes_to_another_host_with_its_state(tmp_path: Path) -> None:
+def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(FAR)
     connect = [word for port in PORTS.values() for word in ("--connect", f"tcp/127.0.0.1:{port}")]
-    agents = [near_agent(name, tmp_path, port) for name, port in PORTS.items()]
+    agents = [
+        near_agent("pc-left", tmp_path, PORTS["pc-left"]),
+        near_agent("pc-right", tmp_path, PORTS["pc-right"], "--clock-offset", str(HOUR_MS)),
+    ]
     out = tmp_path / "out"
     try:
         placement = ("--placement", str(tmp_path / "far.yaml"))
-        process = start(write_graph(tmp_path, STAGES), out, *placement, *connect)
+        process = start(write_graph(tmp_path, FAR_STAGES), out, *placement, *connect)
         assert wait_until(lambda: len(values(out)) > 50, PATIENCE)
-        report = move(str(process.pid), ["b"], "pc-left")
-        assert (report.worker, report.host) == ("left", "pc-left")
+        report = move(str(process.pid), ["b"], "pc-right")
+        assert (report.worker, report.host) == ("right", "pc-right")
         assert wait_until(lambda: values(out)[:1] > [50] and len(values(out)) > 10, PATIENCE), "it counts on"
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
@@ -86,3 +96,17 @@ def test_a_stage_goes_to_another_host_with_its_state(tmp_path: Path) -> None:
     assert balanced(finished.summary)
     kinds = {edge["to"]: edge["kind"] for edge in finished.summary["edges"]}
     assert kinds == {"b.number": "reference", "save.number": "zenoh"}
+    check_clocks(finished)
+
+
+def check_clocks(finished: Finished) -> None:
+    """Times are those of the left host, the summary tells by how much the right one is off, and warns."""
+    times = [int(line.split(",")[1]) for line in finished.lines()]
+    assert times == sorted(times)
+    assert abs(times[0] - time.time_ns()) < 600e9, "not an hour off"
+    clocks = {clock["host"]: clock for clock in finished.summary["clocks"]}
+    assert set(clocks) == {"pc-right", ""}
+    assert clocks["pc-right"]["offset_ms"] == pytest.approx(-HOUR_MS, abs=1000)
+    assert clocks[""]["offset_ms"] == pytest.approx(0, abs=1000)
+    warnings = [line for line in finished.summary["warnings"] if "clock" in line]
+    assert any(line.startswith("pc-right: its clock is 3") and "ahead of" in line for line in warnings)

@@ -57,6 +57,7 @@ class Coordinator:
         """Hosts that do not answer, and what is known of that."""
         self._news: list[str] = []
         self._one_change = Lock()
+        self._beginning = False
 
     def stop(self) -> None:
         """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
@@ -76,6 +77,7 @@ class Coordinator:
 
     def begin(self) -> bool:
         """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
+        self._beginning = True
         for host in self.hosts:
             host.prepare(self.order)
         if not self._all_ready():
@@ -83,6 +85,7 @@ class Coordinator:
             return False
         for host in self.hosts:
             host.start()
+        self._beginning = False
         return True
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
@@ -133,7 +136,7 @@ class Coordinator:
             return report
 
     def _check_begun(self) -> None:
-        if not all(host.status().workers for host in self.hosts):
+        if self._beginning:
             raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
