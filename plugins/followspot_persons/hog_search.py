@@ -71,6 +71,8 @@ def proposals(
     """Upper bodies that the detector `hog` sees: boxes (N, 4) px, and its scores (N,)."""
     boxes, scores = [np.empty((0, 4))], [np.empty(0)]
     for level in searched:
+        if int(level.top) >= len(pixels):  # a smaller picture than the camera's
+            continue
         picture, scale, origin = _scaled(pixels, level, full_turn(camera))
         if picture.shape[0] < HEIGHT or picture.shape[1] < WIDTH:
             continue
