@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 import time
-from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from followspot.deploy.clock_filter import ClockFilter, Exchange
@@ -50,7 +49,8 @@ class HostClock:
             return
         self._reference = host
         for _ in range(_FIRST):
-            self._compare(self._asker)
+            if not self._compare(self._asker):
+                break  # it may be busy beginning a run that goes by our clock
         threading.Thread(target=self._keep_comparing, args=(self._asker,), name="clock", daemon=True).start()
 
     def correction(self) -> tuple[int, int]:
@@ -80,16 +80,20 @@ class HostClock:
         while not self._over.wait(_PERIOD):
             self._compare(asker)
 
-    def _compare(self, asker: Asker) -> None:
+    def _compare(self, asker: Asker) -> bool:
+        """Ask once; whether there was an answer."""
         import zenoh  # only where there are other hosts
 
-        with suppress(FollowspotError, zenoh.ZError, KeyError, TypeError, ValueError):
-            wall, sent = time.time_ns() + self.known, time.monotonic_ns()
+        wall, sent = time.time_ns() + self.known, time.monotonic_ns()
+        try:
             read = asker.ask(self._reference, "clock", _TIMEOUT)
-            round_trip = time.monotonic_ns() - sent
-            half = round_trip // 2
-            steady = int(read["steady"]) - (sent + half)
-            self._filter.add(Exchange(int(read["captured"]) - (wall + half), steady, round_trip))
+            captured, steady = int(read["captured"]), int(read["steady"])
+        except (FollowspotError, zenoh.ZError, KeyError, TypeError, ValueError):
+            return False
+        round_trip = time.monotonic_ns() - sent
+        half = round_trip // 2
+        self._filter.add(Exchange(captured - (wall + half), steady - (sent + half), round_trip))
+        return True
 
 
 def read_clock(known: int) -> dict[str, int]:
