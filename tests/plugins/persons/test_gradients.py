@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -49,6 +49,7 @@ def test_orientation_does_not_tell_light_from_dark():
     assert np.array_equal(a.orientation, b.orientation)
 
 
+@settings(deadline=None)
 @given(arrays(np.uint8, (3, 3, 3)))
 def test_edges_are_the_roberts_cross_of_the_strongest_channel(pixels):
     picture = pixels.astype(float)
@@ -69,6 +70,7 @@ def test_half_of_the_full_magnitude_stands_at_the_parameter():
     assert (np.diff(table.astype(int)) >= 0).all()
 
 
+@settings(deadline=None)
 @given(arrays(np.uint16, (9, 11)), st.integers(1, 20))
 def test_spreading_takes_the_strongest_faded_gradient_in_reach(packed, reach):
     result = spread(packed.copy(), reach)

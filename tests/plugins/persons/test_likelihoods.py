@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot_persons.color_likelihood import (
@@ -140,6 +140,7 @@ def test_cues_combine_by_the_gamma_operation_of_equation_7():
     np.testing.assert_allclose(said, 0.7 * np.array(products) + 0.3 * np.array(means), rtol=1e-9)
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=4), st.floats(0, 1))
 def test_the_combination_lies_between_geometric_and_arithmetic_mean(values, gamma):
     said = gamma_operation([np.array([v]) for v in values], [1.0] * len(values), gamma)[0]

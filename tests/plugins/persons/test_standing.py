@@ -33,6 +33,7 @@ def upper_body(view, x, y, height):
 
 
 @pytest.mark.parametrize("model", ["pinhole", "cylinder"])
+@settings(deadline=None)
 @given(x=st.floats(1, 8), side=st.floats(-0.3, 0.3), height=st.floats(1.0, 2.2), high=st.floats(0.5, 3))
 def test_distance_and_height_follow_from_head_and_waist(model, x, side, height, high):
     view = camera(model, high)
@@ -82,7 +83,7 @@ def test_a_camera_that_was_never_placed_searches_everywhere():
 
 
 @pytest.mark.parametrize("model", ["pinhole", "cylinder"])
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(x=st.floats(1.2, 5), side=st.floats(-0.3, 0.3), height=st.floats(1.2, 2.1))
 def test_every_person_has_a_level_that_holds_the_whole_window(model, x, side, height):
     view = camera(model)

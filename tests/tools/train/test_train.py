@@ -17,7 +17,7 @@ from followspot_train.pictures import Background, Person, Pictures, read_folder
 RNG = np.random.default_rng(0)
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(st.integers(0, 1000))
 def test_weights_minimise_the_squared_hinge(seed):
     """At the minimum the gradient w - 2 C sum(sign x max(0, 1 - sign w x)) vanishes."""
