@@ -56,7 +56,7 @@ def _sixteen() -> Case:
     names = [f"film{number}" for number in range(_PER_HOST * len(FAR))]
     stages = [f"  {name}: {{uses: bench_hosts_stages.film, with: {json.dumps(_SLOW)}}}" for name in names]
     feeds = ", ".join(f"{{from: {name}, codec: jpeg}}" for name in names)
-    look = f"  look: {{uses: bench_hosts_stages.lookatall, in: {{frames: [{feeds}]}}, tolerance: 0.016}}"
+    look = f"  look: {{uses: bench_hosts_stages.look_at_all, in: {{frames: [{feeds}]}}, tolerance: 0.016}}"
     workers = [
         f"  {host}: {{host: {host}, stages: [{', '.join(names[i * _PER_HOST : (i + 1) * _PER_HOST])}]}}"
         for i, host in enumerate(FAR)
@@ -131,8 +131,9 @@ def main() -> int:
             hosts.agent(name, "--plugin", STAGES)
         for number in range(args.rounds):
             for name in args.only:
-                print(f"round {number + 1}: {name}", file=sys.stderr, flush=True)
                 seen[name].append(play(hosts, CASES[name], Path(made)))
+                one = ", ".join(f"{key} {value:.2f}" for key, value in seen[name][-1].items())
+                print(f"round {number + 1}: {name}: {one}", file=sys.stderr, flush=True)
     found: dict[str, Any] = {
         name: {key: round(statistics.median(one[key] for one in rounds), 3) for key in rounds[0]}
         for name, rounds in seen.items()
