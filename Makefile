@@ -19,8 +19,8 @@ $(VENV)/dev: $(VENV)/demo
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
 
-test: $(VENV)/dev  ## all tests, a file on each core; threads of BLAS would only wait for each other
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder
+test: $(VENV)/dev  ## all tests, a file on each core; neither threads of BLAS nor deadlines on a busy machine
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
 
 $(VENV)/docs: $(VENV)/demo
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
