@@ -52,8 +52,12 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
             line = process.stderr.readline()
             found = re.search(r"http://\S+/", line)
             assert found, line
-            threading.Thread(target=process.stderr.read, daemon=True).start()
+            rest: list[str] = []
+            reading = threading.Thread(target=lambda: rest.extend(process.stderr or ()), daemon=True)
+            reading.start()
             yield process, found[0]
+            reading.join(timeout=60)
+            assert rest == []  # nothing is complained of
         finally:
             process.kill()
 

@@ -78,7 +78,7 @@ class WorkerProcess:
         if kind == "progress":
             self.fired, self.time = message["fired"], message["time"]
         elif kind == "stages":
-            self.stages = tuple(StageStatus(**stage) for stage in message["stages"])
+            self.stages = tuple(StageStatus(**{**s, "on": tuple(s["on"])}) for s in message["stages"])
             self.paths = tuple(PathStatus(**path) for path in message["paths"])
         elif kind == "ready":
             self.phase, self.expected = "ready", message["expected"]
