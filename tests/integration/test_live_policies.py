@@ -8,7 +8,7 @@ import pytest
 from running import balanced, run, write_graph
 
 SLOW = """
-camera: {{uses: ticks.live, with: {{count: 400, period: 0.0005}}}}
+camera: {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}
 fast:   {{uses: ticks.write, in: {{number: camera}}}}
 slow:   {{uses: ticks.hold, in: {{number: {feed}}}, with: {{lines: 150}}}}
 late:   {{uses: ticks.write, in: {{number: slow}}, with: {{path: late.csv}}}}
@@ -29,10 +29,9 @@ def test_a_slow_reader_never_holds_up_the_fast_branch(tmp_path: Path, policy: st
     assert balanced(finished.summary)
     fast, slow = finished.values("ticks.csv"), finished.values("late.csv")
     assert len(fast) >= 150, "it would have been held up"
-    first, *after = slow
+    _, *after = slow  # the first is the one that was held
     waited = [value for value in after if value < fast[140]]
     assert len(waited) <= 2, f"too old after the number that was held: {waited} of {slow[:12]}"
     counts = finished.edge("camera.", "slow.")
     assert counts["dropped"] >= 100
     assert counts["delivered"] == len(slow)
-    assert first == fast[0]
