@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rooms import made_room
 
@@ -22,6 +22,7 @@ transforms = st.builds(
 )
 
 
+@settings(deadline=None)
 @given(transforms, st.integers(3, 8))
 def test_a_similarity_is_recovered_from_its_points(true, count):
     points = np.random.default_rng(count).normal(size=(count, 3))
@@ -31,6 +32,7 @@ def test_a_similarity_is_recovered_from_its_points(true, count):
     assert found.points(points) == pytest.approx(true.points(points), abs=1e-7)
 
 
+@settings(deadline=None)
 @given(transforms)
 def test_a_moved_camera_sees_the_moved_points_where_it_saw_them(transform):
     room = made_room(cameras=2, rows=10)
