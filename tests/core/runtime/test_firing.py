@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot.messages import Header, Message, stamped
@@ -128,6 +128,7 @@ def test_overdue_join_fires_with_what_is_there_and_counts_the_rest_as_late() -> 
     assert bench.ledger.count(1).late == 1
 
 
+@settings(deadline=None)
 @given(
     times=st.lists(
         st.lists(st.integers(0, 40), unique=True, max_size=12).map(sorted), min_size=2, max_size=4

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot.runtime.latency import LatencyHistogram
@@ -22,12 +22,14 @@ def test_what_is_not_accounted_for_is_in_flight() -> None:
     assert ledger.count(0).balanced
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 1000), min_size=COLUMNS, max_size=COLUMNS))
 def test_sent_is_always_the_sum_of_the_rest(row: list[int]) -> None:
     c = tally(row)
     assert c.sent == c.delivered + c.dropped + c.late + c.unmatched + c.invalid + c.in_flight
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(1, 10**10), min_size=1, max_size=200), st.sampled_from([0.5, 0.95]))
 def test_quantiles_are_within_two_percent(values: list[int], share: float) -> None:
     histogram = LatencyHistogram()

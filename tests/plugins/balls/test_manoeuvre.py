@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.plugins.balls.scene import make_room, positions_at
 
@@ -33,6 +33,7 @@ def squared_distance(motion: Motion, place: Array) -> float:
     return float(innovation @ np.linalg.solve(motion.covariance[1, :3, :3] + NOISE, innovation))
 
 
+@settings(deadline=None)
 @given(st.tuples(*[st.floats(-1, 1)] * 3))
 def test_an_improbable_measurement_becomes_one_of_one_sigma(place: tuple[float, ...]) -> None:
     motion, measured = flying(), np.array(place)
