@@ -10,7 +10,7 @@ import pytest
 from hosts import near_agent
 from running import Finished, balanced, finish, start, wait_until, write_graph
 
-from followspot.deploy.change import move
+from followspot.deploy.changes.change import move
 from followspot.errors import FollowspotError
 
 STAGES = """

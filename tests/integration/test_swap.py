@@ -16,7 +16,7 @@ import running
 from hosts import near_agent
 from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
 
-from followspot.deploy.change import change
+from followspot.deploy.changes.change import change
 from followspot.errors import FollowspotError
 
 PATIENCE = 90.0

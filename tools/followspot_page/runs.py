@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
-from followspot.deploy.change import chosen_here
+from followspot.deploy.changes.change import chosen_here
 from followspot.deploy.reachable import RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError

@@ -19,7 +19,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket
 
-from followspot.deploy.changed import Changed
+from followspot.deploy.changes.changed import Changed
 from followspot.deploy.reachable import RunHere
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError

@@ -22,7 +22,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.change import move
+    from followspot.deploy.changes.change import move
     from followspot.errors import InputError, Mistake
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
 

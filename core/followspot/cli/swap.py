@@ -33,7 +33,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.change import change
+    from followspot.deploy.changes.change import change
     from followspot.errors import InputError, Mistake
     from followspot.plugins.registry import use_plugin_files
     from followspot.transport.zenoh_network import AGENT, LOOPBACK

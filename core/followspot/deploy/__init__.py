@@ -2,5 +2,6 @@
 
 Entry: `launch.run_plan`. A `Coordinator` speaks with each host's part of a run (`host.Host`), which is near
 (`HostRun`) or far. Edges between processes are made here (`links`); what goes on inside a worker is
-`followspot.runtime`.
+`followspot.runtime`. `changes` swaps, sets and moves stages of a run; `clocks` compares those of its hosts;
+`security` says who may.
 """

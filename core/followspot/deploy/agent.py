@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.change_order import change_from_data
+from followspot.deploy.changes.move_order import move_from_data
+from followspot.deploy.changes.order import change_from_data
+from followspot.deploy.clocks.host import HostClock, read_clock
 from followspot.deploy.host import RunOrder, order_from_data
-from followspot.deploy.host_clock import HostClock, read_clock
 from followspot.deploy.host_run import HostRun
-from followspot.deploy.move_order import move_from_data
 from followspot.deploy.parcel import unpacked, unpacked_stages
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError

@@ -18,8 +18,8 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.change_order import ChangeStatus, change_from_data
-from followspot.deploy.change_worker import WorkerChange
+from followspot.deploy.changes.on_worker import WorkerChange
+from followspot.deploy.changes.order import ChangeStatus, change_from_data
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.links import EdgeLinks, uses_zenoh
 from followspot.deploy.report import Warnings, worker_report

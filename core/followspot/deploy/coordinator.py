@@ -9,11 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 
-from followspot.deploy.change_hosts import change_hosts
-from followspot.deploy.changed import Changed, Moved, changed, with_change
+from followspot.deploy.changes.changed import Changed, Moved, changed, with_change
+from followspot.deploy.changes.move import move_hosts
+from followspot.deploy.changes.on_hosts import change_hosts
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
-from followspot.deploy.move_hosts import move_hosts
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError

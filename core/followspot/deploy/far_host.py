@@ -13,9 +13,9 @@ from typing import Any
 
 import zenoh
 
-from followspot.deploy.change_order import ChangeOrder
+from followspot.deploy.changes.move_order import MoveOrder
+from followspot.deploy.changes.order import ChangeOrder
 from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
-from followspot.deploy.move_order import MoveOrder
 from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE

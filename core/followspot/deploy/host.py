@@ -12,9 +12,9 @@ from typing import Any, Literal, Protocol
 
 import pydantic
 
-from followspot.deploy.change_order import ChangeOrder, ChangeStatus
-from followspot.deploy.clock_status import ClockStatus
-from followspot.deploy.move_order import MoveOrder
+from followspot.deploy.changes.move_order import MoveOrder
+from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
+from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus

@@ -12,12 +12,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.change_host import HostChange
-from followspot.deploy.change_order import ChangeOrder, ChangeStatus
+from followspot.deploy.changes.move_order import MoveOrder
+from followspot.deploy.changes.on_host import HostChange
+from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
+from followspot.deploy.clocks.host import HostClock, reference
 from followspot.deploy.host import HostStatus, RunOrder
-from followspot.deploy.host_clock import HostClock, reference
 from followspot.deploy.links import uses_zenoh
-from followspot.deploy.move_order import MoveOrder
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
 from followspot.deploy.supervision import BackOff, Pulse

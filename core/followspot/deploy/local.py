@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from pathlib import Path
 
-from followspot.deploy.changed import Changed, Moved, changed, with_change
+from followspot.deploy.changes.changed import Changed, Moved, changed, with_change
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
 from followspot.deploy.report import RunReport, Warnings, merge, worker_report

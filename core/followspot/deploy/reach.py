@@ -9,9 +9,9 @@ from pathlib import Path
 
 import zenoh
 
+from followspot.deploy.clocks.host import HostClock
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import Host
-from followspot.deploy.host_clock import HostClock
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.requests import Asker, agents
 from followspot.errors import InputError, Mistake

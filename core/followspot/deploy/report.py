@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.deploy.clock_status import ClockStatus
+from followspot.deploy.clocks.status import ClockStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.latency import PathLatency
 from followspot.runtime.ledger import COLUMNS, EdgeCount, Ledger

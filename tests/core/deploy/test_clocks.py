@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from followspot.deploy.clock_filter import ClockFilter, Exchange
-from followspot.deploy.clock_status import LIMIT_MS, ClockStatus
-from followspot.deploy.host_clock import HostClock
+from followspot.deploy.clocks.filter import ClockFilter, Exchange
+from followspot.deploy.clocks.host import HostClock
+from followspot.deploy.clocks.status import LIMIT_MS, ClockStatus
 from followspot.deploy.security.admission import Admission, Asked, Refused, seal
 from followspot.runtime.clock import Clock
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 
-from followspot.deploy.change_order import ChangeOrder, ChangePhase, ChangeStatus, Step
+from followspot.deploy.changes.order import ChangeOrder, ChangePhase, ChangeStatus, Step
 from followspot.graph.plan import Plan
 
 _ABANDONED = 60.0

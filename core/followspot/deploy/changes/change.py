@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.deploy.changed import Changed, Moved
+from followspot.deploy.changes.changed import Changed, Moved
 from followspot.deploy.reachable import RunHere, runs_here
 from followspot.errors import FollowspotError, InputError
 from followspot.transport.zenoh_network import Network

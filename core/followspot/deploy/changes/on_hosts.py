@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from uuid import uuid4
 
-from followspot.deploy.change_order import ChangeOrder, ChangePhase, Step
+from followspot.deploy.changes.order import ChangeOrder, ChangePhase, Step
 from followspot.deploy.host import Host
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedStage

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Sequence
 
-from followspot.deploy.change_order import ChangeOrder, ChangeStatus
+from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.runtime.succession import Successor, given_up, prepared, take_over
 from followspot.runtime.worker import Worker

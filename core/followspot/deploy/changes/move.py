@@ -6,8 +6,8 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.host import Host
-from followspot.deploy.move_order import MoveOrder
 from followspot.errors import FollowspotError
 from followspot.graph.move import anew, host_workers
 from followspot.graph.plan import Plan

@@ -6,8 +6,8 @@ import threading
 import time
 from typing import TYPE_CHECKING
 
-from followspot.deploy.clock_filter import ClockFilter, Exchange
-from followspot.deploy.clock_status import ClockStatus
+from followspot.deploy.clocks.filter import ClockFilter, Exchange
+from followspot.deploy.clocks.status import ClockStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 

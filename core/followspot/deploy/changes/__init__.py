@@ -1,0 +1,1 @@
+"""A run that changes while it goes on: stages swapped or moved, parameters set."""
