@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test lint docs clean
+.PHONY: demo test thorough lint docs clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/demo: pyproject.toml
@@ -19,8 +19,14 @@ $(VENV)/dev: $(VENV)/demo
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
 
-test: $(VENV)/dev  ## all tests, a file on each core; neither threads of BLAS nor deadlines on a busy machine
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
+# A file on each core; neither threads of BLAS, which would wait for each other, nor deadlines on a busy machine.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
+
+test: $(VENV)/dev  ## the tests
+	@$(PYTEST) -m 'not thorough'
+
+thorough: $(VENV)/dev  ## those that say the same of more fusions, placements and edges
+	@$(PYTEST) -m thorough
 
 $(VENV)/docs: $(VENV)/demo
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'

@@ -110,6 +110,7 @@ def track(room: Path, out: Path, fusion: str) -> dict[str, Any]:
     return {name: target for name, target in summary["targets"].items() if target["frames"] > 0}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("fusion", FUSIONS)
 @pytest.mark.parametrize("sequence", SEQUENCES)
 def test_tracking_is_within_1_3_times_the_error_with_the_true_calibration(

@@ -62,6 +62,7 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
             process.kill()
 
 
+@pytest.mark.thorough
 def test_a_run_in_many_processes_that_is_looked_at_is_the_same_and_the_page_ends_with_it(
     tmp_path: Path, room_for_sockets: Path, unseen_tracks: bytes, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,7 +47,7 @@ def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
     assert len(values) == finished.summary["frames"], "what was in flight was finished"
 
 
-@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+@pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("victim", ["a", "b", "save"])
 def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, victim: str, edges: str) -> None:
     before = leftovers()

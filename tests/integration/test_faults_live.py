@@ -61,7 +61,7 @@ class Live:
         return finished
 
 
-@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+@pytest.mark.parametrize("edges", [pytest.param("ring", marks=pytest.mark.thorough), "zenoh"])
 def test_a_camera_that_is_killed_comes_back_and_the_rest_goes_on(tmp_path: Path, edges: str) -> None:
     run = Live(tmp_path, "--edges", edges)
     first = run.workers()
@@ -87,7 +87,7 @@ def joined(out: Path, after: int) -> bool:
     return any(value < 1_000_000 for value in values) or any(b - a > 1 for a, b in pairwise(values))
 
 
-@pytest.mark.parametrize("edges", ["ring", "zenoh"])
+@pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
 def test_the_worker_that_joins_is_killed_and_tracks_go_on(tmp_path: Path, edges: str) -> None:
     run = Live(tmp_path, "--edges", edges)
     os.kill(run.victim("main"), signal.SIGKILL)

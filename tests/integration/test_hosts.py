@@ -71,6 +71,7 @@ def tracks_on_three_hosts(
     return (out / "tracks.csv").read_bytes()
 
 
+@pytest.mark.thorough
 def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
     hosts: Hosts, tmp_path: Path
 ) -> None:

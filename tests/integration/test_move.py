@@ -71,6 +71,7 @@ def test_a_stage_goes_to_another_worker_with_its_state_and_back(tmp_path: Path) 
     assert kinds == {"b.number": "ring", "save.number": "reference"}
 
 
+@pytest.mark.thorough
 def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(FAR)
     connect = [word for port in PORTS.values() for word in ("--connect", f"tcp/127.0.0.1:{port}")]

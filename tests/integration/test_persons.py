@@ -69,6 +69,7 @@ def test_a_person_in_a_panorama_is_followed_the_same_with_the_slow_instance_in_a
     assert (tmp_path / "two/poses.csv").read_text().splitlines()[: len(alone)] == alone
 
 
+@pytest.mark.thorough
 @needs_recordings
 def test_three_cameras_tell_where_two_people_are_to_within_centimetres(tmp_path: Path) -> None:
     room = room_of(tmp_path, "d_m_c1", "d_m_c2", "d_m_c3")

@@ -30,7 +30,7 @@ WAYS = [
     ("--placement", "two.yaml"),
     ("--edges", "ring"),
     ("--edges", "zenoh"),
-    ("--placement", "stage", "--edges", "zenoh"),
+    pytest.param(("--placement", "stage", "--edges", "zenoh"), marks=pytest.mark.thorough),
 ]
 
 
