@@ -92,6 +92,7 @@ def of_left(value: int) -> bool:
     return value < 1_000_000
 
 
+@pytest.mark.thorough
 def test_an_agent_that_is_killed_and_started_again_takes_its_part_up(room: Room) -> None:
     process = room.begin()
     out = room.folder / "out"

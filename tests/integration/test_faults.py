@@ -31,7 +31,11 @@ def running(out: Path) -> bool:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("options", PLACEMENTS, ids=["one", "stages", "zenoh"])
+@pytest.mark.parametrize(
+    "options",
+    [*PLACEMENTS[:2], pytest.param(PLACEMENTS[2], marks=pytest.mark.thorough)],
+    ids=["one", "stages", "zenoh"],
+)
 def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
     tmp_path: Path, options: tuple[str, ...], number: signal.Signals
 ) -> None:

@@ -46,6 +46,7 @@ def ended(process: subprocess.Popen[str], out: Path) -> Finished:
     return finished
 
 
+@pytest.mark.thorough
 def test_a_host_that_is_cut_off_is_absent_until_its_cable_is_plugged_in_again(hosts: Hosts) -> None:
     hosts.agent("pc-left", "--plugin", STAGES)
     process = run(hosts, "--connect", hosts.endpoint("pc-left"))
