@@ -8,9 +8,8 @@ from typing import Any, ClassVar, TypeVar
 
 from followspot import Field, InputPath, Message, Stage, StageParams, at
 from followspot.errors import FollowspotError
-from followspot.messages import InvalidMessage
-from followspot.wire import unpack
 from followspot_recording.contract import contract_of, type_name
+from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 
 M = TypeVar("M", bound=Message)
@@ -68,7 +67,7 @@ class Replay(Stage):
         later, round_seqs = 0, 0
         while True:
             last = None
-            for message in self._decoded(recording, kind, start, stop):
+            for message in decoded(recording, self.port, kind, start, stop):
                 header = message.header
                 moment, number = header.time + later, header.seq + round_seqs
                 if given.speed:
@@ -81,17 +80,6 @@ class Replay(Stage):
             round_seqs = last + 1
         if recording.problem:
             self.context.warn(recording.problem)
-
-    def _decoded(self, recording: Recording, kind: type[M], start: int, stop: int) -> Iterator[M]:
-        for recorded in recording.messages(self.port, start, stop):
-            try:
-                message = unpack(bytes(recorded.data), kind)
-            except InvalidMessage as error:
-                raise FollowspotError(
-                    f"{recording.path}: message {recorded.seq} of {self.port} is none: {error}"
-                ) from None
-            assert isinstance(message, kind)
-            yield message
 
     def _check(self, recording: Recording, kind: type[Message]) -> None:
         """Whether the port holds messages of this type. Raises FollowspotError."""

@@ -6,20 +6,19 @@ import argparse
 import importlib.util
 import json
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 from followspot import Room
-from followspot.errors import FollowspotError, InputError, Mistake
-from followspot.messages import InvalidMessage, Message
+from followspot.errors import InputError, Mistake
+from followspot.messages import Message
 from followspot.people import Gradients
 from followspot.tracking import Frame
-from followspot.wire import unpack
 from followspot_record.embedded import plan_of_recording
 from followspot_record.formats import FORMATS, Port
 from followspot_record.ports import chosen
 from followspot_record.record import PLAN
 from followspot_recording.contract import contract_of, message_type, type_name
+from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 from followspot_recording.records import Channel
 from followspot_recording.replays import REPLAYS
@@ -49,7 +48,7 @@ def export_command(args: argparse.Namespace) -> int:
         for name in names:
             kind = type_of(recording.ports[name])
             path = folder / f"{name.replace('/', '.')}.{form.suffix}"
-            counts[str(path)] = form.write(path, Port(name, kind, messages(recording, name, kind), room))
+            counts[str(path)] = form.write(path, Port(name, kind, decoded(recording, name, kind), room))
             if not args.json:
                 print(f"{path}  {counts[str(path)]}")
         problem = recording.problem
@@ -71,16 +70,3 @@ def type_of(channel: Channel) -> type[Message]:
     """The installed message type where it is the recorded one, else one like it. Raises ContractError."""
     known = next((kind for kind in REPLAYS.values() if type_name(kind) == channel.schema), None)
     return known if known and contract_of(known) == channel.contract else message_type(channel.contract)
-
-
-def messages(recording: Recording, port: str, kind: type[Message]) -> Iterator[Message]:
-    """The messages of a port. Raises FollowspotError where one is none."""
-    for recorded in recording.messages(port):
-        try:
-            message = unpack(bytes(recorded.data), kind)
-        except InvalidMessage as error:
-            raise FollowspotError(
-                f"{recording.path}: message {recorded.seq} of {port} is none: {error}"
-            ) from None
-        assert isinstance(message, Message)
-        yield message
