@@ -7,7 +7,7 @@ import importlib.util
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from followspot.cli.graph_options import add_change_options, add_graph_options
+from followspot.cli.graph_options import add_change_options, add_graph_options, add_plugin_option
 from followspot.cli.run import add_run_options
 from followspot.errors import InputError, Mistake
 from followspot.plugins.hooks import Command, PlanOptions, hookimpl, load_plan_options
@@ -111,14 +111,7 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
 def configure_verify(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="load the stages of a Python file, as when it was recorded; repeatable",
-    )
+    add_plugin_option(parser, "load the stages of a Python file, as when it was recorded; repeatable")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
     parser.add_argument("--quiet", action="store_true", help="no progress")
 

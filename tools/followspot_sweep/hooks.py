@@ -6,7 +6,7 @@ import argparse
 import os
 from collections.abc import Sequence
 
-from followspot.cli.graph_options import frame_count
+from followspot.cli.graph_options import add_plugin_option, frame_count
 from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """run a graph over a grid of parameters, several runs at a time, and tell which values are best
@@ -46,14 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="room file instead of the graph's own; repeatable: every point runs in every room",
     )
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="use the stages of a Python file; repeatable",
-    )
+    add_plugin_option(parser, "use the stages of a Python file; repeatable")
     parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument(

@@ -34,6 +34,13 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
         options.configure(parser)
 
 
+def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:
+    """--plugin; meaning: what it is for in this command."""
+    parser.add_argument(
+        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help=meaning
+    )
+
+
 def add_change_options(parser: argparse.ArgumentParser) -> None:
     """--set, --plugin, --seed."""
     parser.add_argument(
@@ -44,14 +51,7 @@ def add_change_options(parser: argparse.ArgumentParser) -> None:
         metavar="STAGE.KEY=VALUE",
         help="override a parameter, or what a stage uses: --set fuse.uses=balls.mean; repeatable",
     )
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="load the stages of a Python file; repeatable",
-    )
+    add_plugin_option(parser, "load the stages of a Python file; repeatable")
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
 
 

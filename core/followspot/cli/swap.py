@@ -7,6 +7,7 @@ import json
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command
 
 
@@ -21,14 +22,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--fresh", action="store_true", help="begin without the state of the stages that are replaced"
     )
     parser.add_argument("--json", action="store_true", help="print what was changed as one JSON object")
-    parser.add_argument(
-        "--plugin",
-        dest="plugin_files",
-        action="append",
-        default=[],
-        metavar="FILE.py",
-        help="a file that agents have loaded, for runs under agents; repeatable",
-    )
+    add_plugin_option(parser, "a file that agents have loaded, for runs under agents; repeatable")
     add_network_options(parser)
 
 
