@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import ipaddress
 from collections.abc import Awaitable, Callable, MutableMapping
 from typing import Any
 from urllib.parse import urlsplit
 
 from starlette.responses import PlainTextResponse
+
+from followspot_page.address import is_address
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[Any]]
@@ -62,17 +63,3 @@ class Doorkeeper:
         except ValueError:
             return False
         return port == self.port and (name in self.names or is_address(name))
-
-
-def is_address(name: str) -> bool:
-    """Whether a name is an address."""
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
-
-
-def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches a host."""
-    return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)

@@ -7,8 +7,7 @@ import importlib.util
 import os
 
 from followspot.errors import InputError, Mistake
-from followspot_page.access import is_loopback
-from followspot_page.hooks import HOST, PORT
+from followspot_page.address import HOST, PORT, is_loopback, read_address
 from followspot_page.showing import PageOrder
 
 NEEDED = ("starlette", "uvicorn", "websockets")
@@ -27,19 +26,12 @@ def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
     if not 0 < args.dashboard_rate <= MAX_RATE:
         text = f"--dashboard-rate: {args.dashboard_rate:g} pictures a second cannot be"
         raise InputError([Mistake(None, text, f"more than 0, at most {MAX_RATE:g}")])
-    host, port = (HOST, PORT) if args.dashboard_at is None else _address(args.dashboard_at)
+    host, port = (
+        (HOST, PORT) if args.dashboard_at is None else read_address("--dashboard-at", args.dashboard_at)
+    )
     if not (is_loopback(host) or args.dashboard_open):
         text = f"--dashboard-at: other computers reach {host}, and the page asks nobody for a password"
         remedy = "say --dashboard-open if whoever reaches that address may see the cameras"
         raise InputError([Mistake(None, text, remedy)])
     firm = args.dashboard_at is not None
     return PageOrder(os.getpid() if pid is None else pid, host, port, firm, args.dashboard_rate)
-
-
-def _address(text: str) -> tuple[str, int]:
-    host, colon, port = text.rpartition(":")
-    host = host.strip("[]")
-    if not (colon and host and port.isdecimal() and int(port) < 1 << 16):
-        remedy = f"for example {HOST}:{PORT}, or 0.0.0.0:{PORT}"
-        raise InputError([Mistake(None, f"--dashboard-at: {text!r} is no HOST:PORT", remedy)])
-    return host, int(port)

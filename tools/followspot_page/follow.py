@@ -14,8 +14,8 @@ from followspot.deploy.reachable import RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot_page.runs import plan_here
 from followspot_page.taps import tappings
+from followspot_watch.runs import plan_here
 
 _GLANCE = 0.1
 """Seconds between two looks for a run that has not begun."""

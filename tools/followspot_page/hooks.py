@@ -1,4 +1,4 @@
-"""Joins looking at runs to the command line: run --dashboard, and the commands dashboard, top, echo."""
+"""Joins the operator's page to the command line: run --dashboard, and the command dashboard."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from followspot.cli.agent_options import add_network_options
 from followspot.plugins.hooks import Command, PlanOptions, hookimpl
+from followspot_page.address import HOST, PORT
+from followspot_watch.run_option import RUN
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
 
-_RUN = "the graph, the beginning of the run's name, or its process, where several run"
-HOST, PORT = "127.0.0.1", 8777
 DASHBOARD = """show a graph that runs in a browser, until it ends; the same as run --dashboard
 
 The room in 3D, the pictures of all cameras with what was found in them, and the graph with what each stage is
@@ -24,33 +23,12 @@ doing, its rates and its ledger. Ctrl-C ends the page and nothing else.
   followspot dashboard
   followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
 """
-TOP = """what each stage and edge of a run is doing: state, on whom it waits, rate, ledger, latency, errors
-
-On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with --json, it prints once.
-
-  followspot top
-  followspot top glowballs --json
-  followspot top glowballs --connect tls/pc-left:7450 --certificates certs
-"""
-ECHO = """print the messages of a port of a graph that runs on this machine
-
-Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures only
-the size is told.
-
-  followspot echo track.tracks
-  followspot echo color/cam0 -n 3
-  followspot echo infrared --run glowballs --json
-"""
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands dashboard, top, echo."""
-    return [
-        Command("dashboard", DASHBOARD, _configure_dashboard, _dashboard),
-        Command("top", TOP, _configure_top, _top),
-        Command("echo", ECHO, _configure_echo, _echo),
-    ]
+    """The command dashboard."""
+    return [Command("dashboard", DASHBOARD, _configure_dashboard, _dashboard)]
 
 
 @hookimpl
@@ -92,30 +70,14 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
 
 
 def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="GRAPH", help=_RUN)
+    parser.add_argument("run", nargs="?", metavar="GRAPH", help=RUN)
     _add_address(parser)
-
-
-def _configure_top(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="GRAPH", help=_RUN)
-    parser.add_argument("--json", action="store_true", help="print one JSON object and end")
-    parser.add_argument(
-        "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
-    )
-    add_network_options(parser)
-
-
-def _configure_echo(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("port", metavar="STAGE[.PORT]", help="which port; of all cameras where none is named")
-    parser.add_argument("--run", metavar="GRAPH", help=_RUN)
-    parser.add_argument("-n", dest="number", type=_count, default=0, metavar="N", help="end after N messages")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
 
 
 def _dashboard(args: argparse.Namespace) -> int:
     from followspot_page.asked import order_of
-    from followspot_page.runs import run_here
     from followspot_page.showing import shown
+    from followspot_watch.runs import run_here
 
     with shown(order_of(args, run_here(args.run).pid)) as page:
         print(f"the page is at {page.url}", file=sys.stderr, flush=True)
@@ -123,26 +85,6 @@ def _dashboard(args: argparse.Namespace) -> int:
             return page.wait()
         except KeyboardInterrupt:
             return 0
-
-
-def _top(args: argparse.Namespace) -> int:
-    from followspot_page.top import top
-
-    return top(args)
-
-
-def _echo(args: argparse.Namespace) -> int:
-    from followspot_page.echo import echo
-
-    return echo(args)
-
-
-def _count(text: str) -> int:
-    """A number of messages. Raises argparse.ArgumentTypeError."""
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("at least 1")
-    return number
 
 
 def _add_address(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:

@@ -10,7 +10,7 @@ from followspot.graph.plan import PlannedEdge
 from followspot.messages import Message
 from followspot.room import Room
 from followspot.tracking import STATES, Tracks
-from followspot_page.picture_of_run import RunPicture
+from followspot_watch.picture_of_run import RunPicture
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 _OUTCOMES = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")

@@ -27,13 +27,14 @@ from followspot.graph.plan import Plan
 from followspot_dashboard.gate import Gate, make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
-from followspot_page.access import HEADERS, Doorkeeper, is_loopback
+from followspot_page.access import HEADERS, Doorkeeper
+from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
 from followspot_page.changing import forms, words_of
 from followspot_page.feed import Feed, Listener, Previews
 from followspot_page.follow import follow, found, look, plan_of
-from followspot_page.picture_of_run import RunPicture
 from followspot_page.scene import scene
+from followspot_watch.picture_of_run import RunPicture
 
 STATIC = Path(__file__).parent / "static"
 MAX_BROWSERS = 16

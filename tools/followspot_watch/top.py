@@ -12,8 +12,8 @@ from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.errors import FollowspotError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
-from followspot_page.picture_of_run import RunPicture
-from followspot_page.runs import looking
+from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.runs import looking
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""

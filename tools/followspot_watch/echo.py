@@ -25,9 +25,9 @@ from followspot.wire import unpack
 from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET, read
 from followspot_dashboard.picture import Picture
-from followspot_page.runs import plan_here, run_here
-from followspot_page.taps import TAP
+from followspot_watch.runs import plan_here, run_here
 
+TAP = "dashboard.tap"
 _BUFFER = 1 << 18
 _PATIENCE = 10.0
 _ROWS = 6

@@ -1,0 +1,73 @@
+"""Joins looking at runs from a terminal to the command line: the commands top and echo."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+
+from followspot.cli.agent_options import add_network_options
+from followspot.plugins.hooks import Command, hookimpl
+from followspot_watch.run_option import RUN
+
+TOP = """what each stage and edge of a run is doing: state, on whom it waits, rate, ledger, latency, errors
+
+On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with --json, it prints once.
+
+  followspot top
+  followspot top glowballs --json
+  followspot top glowballs --connect tls/pc-left:7450 --certificates certs
+"""
+ECHO = """print the messages of a port of a graph that runs on this machine
+
+Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures only
+the size is told.
+
+  followspot echo track.tracks
+  followspot echo color/cam0 -n 3
+  followspot echo infrared --run glowballs --json
+"""
+
+
+@hookimpl
+def followspot_commands() -> Sequence[Command]:
+    """The commands top, echo."""
+    return [
+        Command("top", TOP, _configure_top, _top),
+        Command("echo", ECHO, _configure_echo, _echo),
+    ]
+
+
+def _configure_top(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run", nargs="?", metavar="GRAPH", help=RUN)
+    parser.add_argument("--json", action="store_true", help="print one JSON object and end")
+    parser.add_argument(
+        "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
+    )
+    add_network_options(parser)
+
+
+def _configure_echo(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("port", metavar="STAGE[.PORT]", help="which port; of all cameras where none is named")
+    parser.add_argument("--run", metavar="GRAPH", help=RUN)
+    parser.add_argument("-n", dest="number", type=_count, default=0, metavar="N", help="end after N messages")
+    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+
+
+def _top(args: argparse.Namespace) -> int:
+    from followspot_watch.top import top
+
+    return top(args)
+
+
+def _echo(args: argparse.Namespace) -> int:
+    from followspot_watch.echo import echo
+
+    return echo(args)
+
+
+def _count(text: str) -> int:
+    """A number of messages. Raises argparse.ArgumentTypeError."""
+    number = int(text)
+    if number < 1:
+        raise argparse.ArgumentTypeError("at least 1")
+    return number
