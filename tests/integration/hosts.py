@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 from collections.abc import Sequence
 from functools import cache
@@ -31,6 +32,13 @@ def namespaces_are_permitted() -> bool:
 def ip(*words: str, inside: str | None = None) -> None:
     prefix = ["ip", "-n", inside] if inside else ["ip"]
     subprocess.run([*prefix, *words], check=True, capture_output=True)
+
+
+def free_port() -> int:
+    """A port of loopback that nobody uses now."""
+    with socket.socket() as sock:
+        sock.bind(("127.0.0.1", 0))
+        return int(sock.getsockname()[1])
 
 
 class Hosts:
@@ -132,6 +140,11 @@ class Agent:
             self.lines.append(line.strip())
         self.folder = folder
 
+    @property
+    def endpoint(self) -> str:
+        """Where it listens."""
+        return self.lines[-1].rpartition(" ")[2]
+
     def signal(self, number: signal.Signals) -> None:
         self.process.send_signal(number)
 
@@ -141,9 +154,9 @@ class Agent:
         return self.process.returncode
 
 
-def near_agent(name: str, folder: Path, port: int, *options: str | Path) -> Agent:
-    """An agent of this very host, reached at a port of loopback."""
-    words = ["agent", "--name", name, "--listen", f"tcp/127.0.0.1:{port}", "--plugin", STAGES, *options]
+def near_agent(name: str, folder: Path, *options: str | Path, at: str = "tcp/127.0.0.1:0") -> Agent:
+    """An agent of this very host, reached through loopback; at: where, by default at a port that is free."""
+    words = ["agent", "--name", name, "--listen", at, "--plugin", STAGES, *options]
     process = subprocess.Popen(
         [*COMMAND, *map(str, words)], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder
     )

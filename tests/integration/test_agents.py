@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hosts import Agent, near_agent
+from hosts import Agent, free_port, near_agent
 from running import COMMAND, Finished, balanced, children, finish, start, wait_until, write_graph
 
 LIVE = """
@@ -27,8 +27,7 @@ workers:
   left:  {host: pc-left, stages: [a, more]}
   right: {host: pc-right, stages: [b, less]}
 """
-PORTS = {"pc-left": 17450, "pc-right": 17451}
-CONNECT = [word for port in PORTS.values() for word in ("--connect", f"tcp/127.0.0.1:{port}")]
+HOSTS = ("pc-left", "pc-right")
 
 
 class Room:
@@ -39,16 +38,18 @@ class Room:
         self.graph = write_graph(folder, LIVE)
         (folder / "hosts.yaml").write_text(PLACEMENT)
         self.agents: dict[str, Agent] = {}
+        self.endpoints = {name: f"tcp/127.0.0.1:{free_port()}" for name in HOSTS}
+        self.connect = [word for endpoint in self.endpoints.values() for word in ("--connect", endpoint)]
 
     def agent(self, name: str) -> Agent:
         home = self.folder / name
         home.mkdir(exist_ok=True)
-        self.agents[name] = near_agent(name, home, PORTS[name])
+        self.agents[name] = near_agent(name, home, at=self.endpoints[name])
         return self.agents[name]
 
     def begin(self, *options: str) -> subprocess.Popen[str]:
         placement = ("--placement", str(self.folder / "hosts.yaml"))
-        return start(self.graph, self.folder / "out", *placement, *CONNECT, *options)
+        return start(self.graph, self.folder / "out", *placement, *self.connect, *options)
 
     def close(self) -> None:
         for agent in self.agents.values():
@@ -117,7 +118,7 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv"))))
     (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
     grows(written)
-    looking = subprocess.Popen([*COMMAND, "attach", *CONNECT], stderr=subprocess.PIPE, text=True)
+    looking = subprocess.Popen([*COMMAND, "attach", *room.connect], stderr=subprocess.PIPE, text=True)
     assert looking.stderr is not None
     assert run[:8] in looking.stderr.readline()
     looking.kill()
@@ -127,12 +128,12 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     subprocess.run(["kill", "-9", str(worker)], check=True)
     grows(written, lambda value: not of_left(value))
     grows(written, of_left, 5)
-    done = command("attach", "graph", "--stop", "--json", *CONNECT)
+    done = command("attach", "graph", "--stop", "--json", *room.connect)
     assert done.returncode == 0, done.stderr + done.stdout
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
     assert any("worker left is back" in line for line in summary["warnings"])
-    gone = command("attach", "graph", *CONNECT)
+    gone = command("attach", "graph", *room.connect)
     assert gone.returncode == 1
     assert "there is no run graph" in gone.stderr
 
@@ -146,11 +147,11 @@ def test_a_host_without_an_agent_is_named_with_the_command_to_start_it(tmp_path:
 
 
 def test_an_agent_beyond_loopback_needs_consent_and_says_what_it_means(tmp_path: Path) -> None:
-    refused = command("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:17459")
+    refused = command("agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0")
     assert refused.returncode == 1
     assert "open to other hosts without protection" in refused.stderr
     process = subprocess.Popen(
-        [*COMMAND, "agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:17459", "--insecure"],
+        [*COMMAND, "agent", "--name", "pc-left", "--listen", "tcp/0.0.0.0:0", "--insecure"],
         stderr=subprocess.PIPE,
         text=True,
     )

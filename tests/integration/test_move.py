@@ -36,7 +36,6 @@ workers:
   right: {host: pc-right, stages: [a]}
   main:  {stages: [save]}
 """
-PORTS = {"pc-left": 17471, "pc-right": 17472}
 HOUR_MS = 3_600_000
 PATIENCE = 90.0
 
@@ -74,11 +73,11 @@ def test_a_stage_goes_to_another_worker_with_its_state_and_back(tmp_path: Path) 
 @pytest.mark.thorough
 def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(FAR)
-    connect = [word for port in PORTS.values() for word in ("--connect", f"tcp/127.0.0.1:{port}")]
     agents = [
-        near_agent("pc-left", tmp_path, PORTS["pc-left"]),
-        near_agent("pc-right", tmp_path, PORTS["pc-right"], "--clock-offset", str(HOUR_MS)),
+        near_agent("pc-left", tmp_path),
+        near_agent("pc-right", tmp_path, "--clock-offset", str(HOUR_MS)),
     ]
+    connect = [word for agent in agents for word in ("--connect", agent.endpoint)]
     out = tmp_path / "out"
     try:
         placement = ("--placement", str(tmp_path / "far.yaml"))

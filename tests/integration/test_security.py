@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
 import subprocess
 import sys
 import time
@@ -14,6 +13,7 @@ from pathlib import Path
 
 import pytest
 import zenoh
+from hosts import free_port
 
 from followspot.deploy.requests import Answers, Asker
 from followspot.deploy.security.admission import seal
@@ -42,12 +42,6 @@ def certs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, role in HOSTS.items():
         foreign.add(name, role)  # type: ignore[arg-type]
     return folder
-
-
-def free_port() -> int:
-    with socket.socket() as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
 
 
 @contextmanager

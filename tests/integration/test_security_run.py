@@ -7,9 +7,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from hosts import Agent
+from hosts import Agent, free_port
 from running import COMMAND, balanced
-from test_security import free_port
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"

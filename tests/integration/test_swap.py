@@ -137,8 +137,8 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
 
 
 def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) -> None:
-    agent = near_agent("pc-left", tmp_path, 17452)
-    connect = ("--connect", "tcp/127.0.0.1:17452")
+    agent = near_agent("pc-left", tmp_path)
+    connect = ("--connect", agent.endpoint)
     graph = write_graph(tmp_path, LIVE, "faraway")
     try:
         operator = start(graph, tmp_path, "--host", "pc-left", "--detach", *connect)
