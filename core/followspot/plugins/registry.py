@@ -5,10 +5,11 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from importlib.metadata import Distribution, EntryPoint, distributions, version
+from importlib.metadata import Distribution, EntryPoint, entry_points, version
+from itertools import groupby
 from types import MappingProxyType
 from typing import Literal
 
@@ -69,20 +70,18 @@ def use_plugin_files(paths: Sequence[str]) -> None:
 @cache
 def catalogue() -> Mapping[str, StageEntry]:
     """All installed stages by name; nothing is imported."""
-    return read_catalogue(list(distributions()))
+    installed = entry_points()
+    groups = [group for group in installed.groups if group.startswith(_OTHER_GROUPS)]
+    return read_catalogue(entry for group in groups for entry in installed.select(group=group))
 
 
-def read_catalogue(installed: Sequence[Distribution]) -> Mapping[str, StageEntry]:
-    """The stages that distributions offer, each with its state; of one installed twice the first counts."""
+def read_catalogue(entries: Iterable[EntryPoint]) -> Mapping[str, StageEntry]:
+    """The stages that distributions offer, each with its state; entries stand together by distribution."""
     found: dict[str, StageEntry] = {}
-    seen: set[str] = set()
-    for distribution in installed:
-        if distribution.name in seen:
-            continue
-        seen.add(distribution.name)
-        for entry in distribution.entry_points:
-            if entry.group.startswith(_OTHER_GROUPS):
-                _add(found, _entry(entry, distribution))
+    for distribution, offered in groupby(entries, key=lambda entry: entry.dist):
+        if distribution is not None:
+            for stage in _stages(distribution, offered):
+                _add(found, stage)
     return MappingProxyType(dict(sorted(found.items())))
 
 
@@ -125,28 +124,34 @@ def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
         )
 
 
-def _entry(entry: EntryPoint, distribution: Distribution) -> StageEntry:
-    found = StageEntry(entry.name, entry.value, distribution.name, distribution.version)
+def _stages(distribution: Distribution, entries: Iterable[EntryPoint]) -> Iterator[StageEntry]:
+    """What one distribution offers; its metadata is parsed once, for every process start waits for this."""
+    name, release, unfit = distribution.name, distribution.version, _unfit(distribution)
+    for entry in entries:
+        state, problem = _judged(entry, name, unfit)
+        yield StageEntry(entry.name, entry.value, name, release, state, problem)
+
+
+def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[State, str]:
+    """State and problem of an entry; unfit: why its whole distribution is outdated, empty where it is not."""
     if _VALUE.fullmatch(entry.value) is None:
-        problem = f"{distribution.name} registers {entry.value!r} where package.module:Class belongs"
-        return replace(found, state="broken", problem=problem)
-    outdated = _outdated(entry, distribution)
-    if outdated:
-        return replace(found, state="outdated", problem=outdated)
+        return "broken", f"{distribution} registers {entry.value!r} where package.module:Class belongs"
+    if entry.group != GROUP:
+        speaks = f"{distribution} speaks {entry.group}, this followspot {GROUP}"
+        return "outdated", f"{speaks}; upgrade the older of the two"
+    if unfit:
+        return "outdated", unfit
     package = entry.module.partition(".")[0]
     if importlib.util.find_spec(package) is None:
-        missing = f"package {package} of {distribution.name} is missing; reinstall {distribution.name}"
-        return replace(found, state="half-installed", problem=missing)
-    return found
+        return "half-installed", f"package {package} of {distribution} is missing; reinstall {distribution}"
+    return "ok", ""
 
 
-def _outdated(entry: EntryPoint, distribution: Distribution) -> str:
-    """Why a plugin is of another time than this followspot; empty where it is not."""
-    if entry.group != GROUP:
-        return (
-            f"{distribution.name} speaks {entry.group}, this followspot {GROUP}; upgrade the older of the two"
-        )
+def _unfit(distribution: Distribution) -> str:
+    """Why a distribution is of another time than this followspot; empty where it is not."""
     for text in distribution.requires or ():
+        if not text.startswith("followspot"):
+            continue
         try:
             requirement = Requirement(text)
         except InvalidRequirement:

@@ -4,25 +4,36 @@ from __future__ import annotations
 
 import sys
 import zlib
-from collections.abc import Iterator
-from importlib.metadata import distributions
+from collections.abc import Iterator, Mapping
+from importlib.metadata import PathDistribution, distributions
 from pathlib import Path
 
 import pytest
 from tests.core.plugins.packages import STAGE, install
 
 from followspot.plugins import registry
-from followspot.plugins.registry import PluginError, catalogue, examined, load_stage, read_catalogue
+from followspot.plugins.registry import (
+    PluginError,
+    StageEntry,
+    catalogue,
+    examined,
+    load_stage,
+    read_catalogue,
+)
 
 V1 = "[followspot.plugins.v1]\n"
 
 
+def stages(site: Path) -> Mapping[str, StageEntry]:
+    return read_catalogue(entry for d in distributions(path=[str(site)]) for entry in d.entry_points)
+
+
 def states(site: Path) -> dict[str, str]:
-    return {name: e.state for name, e in read_catalogue(list(distributions(path=[str(site)]))).items()}
+    return {name: stage.state for name, stage in stages(site).items()}
 
 
 def problem(site: Path, name: str) -> str:
-    text = read_catalogue(list(distributions(path=[str(site)])))[name].problem
+    text = stages(site)[name].problem
     assert "\n" not in text
     return text
 
@@ -74,6 +85,25 @@ def test_a_name_that_two_packages_offer_is_a_duplicate_and_names_both(site: Path
     assert "keys and more-keys" in problem(site, "keys.piano") or "more-keys and keys" in problem(
         site, "keys.piano"
     )
+
+
+class Counted(PathDistribution):
+    """Knows how often its metadata were read."""
+
+    read = 0
+
+    def read_text(self, filename: object) -> str | None:
+        self.read += filename == "METADATA"
+        return super().read_text(filename)  # type: ignore[arg-type]
+
+
+def test_many_stages_of_a_package_cost_no_more_readings_of_its_metadata_than_one(site: Path) -> None:
+    entries = "".join(f"keys.piano{i} = keys:Piano\n" for i in range(20))
+    needs = ["numpy>=1", "pydantic>=2", "followspot>=0.1"]
+    install(site, "keys", V1 + entries, requires=needs, modules={"keys.py": STAGE})
+    package = Counted(next(site.glob("*.dist-info")))
+    assert {stage.state for stage in read_catalogue(package.entry_points).values()} == {"ok"}
+    assert 0 < package.read <= 4  # name, version, what it needs
 
 
 def test_another_version_of_the_interface_is_outdated(site: Path) -> None:
