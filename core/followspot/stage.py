@@ -18,11 +18,12 @@ A stage owns no loop, opens no socket and knows no transport; it can be called l
 from __future__ import annotations
 
 import hashlib
+import logging
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 import pydantic
@@ -31,6 +32,8 @@ from followspot.messages import Array
 from followspot.room import Camera, Room
 
 T = TypeVar("T")
+LOGGER = "followspot.stage"
+"""What the names of the loggers of stages begin with."""
 
 
 class LatestInput:
@@ -79,6 +82,20 @@ def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
     return np.empty(shape, dtype)
 
 
+class Post(Protocol):
+    """The way to those who look at a graph from other hosts; it never waits."""
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody takes what is sent."""
+
+    def send(self, packet: bytes) -> None:
+        """Send, or drop where the network is full."""
+
+    def close(self) -> None:
+        """Send no more."""
+
+
 @dataclass(frozen=True)
 class Context:
     """What a stage may know of the run that it is part of; every part has a default for tests."""
@@ -91,9 +108,11 @@ class Context:
     """The run's output folder."""
     seed: int = 0
     warn: Callable[[str], None] = _no_warning
-    """Tell the user something that does not stop the run; shown at its end with the stage's name."""
+    """Tell the user what does not stop the run; shown with the stage's name, at once and at the end."""
     loan: Callable[[tuple[int, ...], str], Array] = _fresh
     """An array (shape, dtype) to compute the output into, in shared memory where a reader is near."""
+    post: Post | None = None
+    """Of a tap on another host than the operator's: the way to those who look on."""
 
 
 class Stage:
@@ -141,6 +160,11 @@ class Stage:
         """Random numbers of this instance: the same in every placement, set by the run's seed."""
         digest = hashlib.sha256(f"{self.context.seed}:{self.context.name}".encode()).digest()
         return np.random.default_rng(int.from_bytes(digest[:8], "little"))
+
+    @cached_property
+    def log(self) -> logging.Logger:
+        """Python's logger of this instance; `followspot logs` shows what it says from level info on."""
+        return logging.getLogger(f"{LOGGER}.{self.context.name}")
 
     def setup(self) -> None:
         """Called once before the first message, in the worker; open files and devices here."""

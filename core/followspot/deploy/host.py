@@ -15,6 +15,7 @@ import pydantic
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.deploy.clocks.status import ClockStatus
+from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.runtime.stage_status import PathStatus, StageStatus
@@ -73,7 +74,7 @@ class HostStatus:
 
     counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
     it, oldest first; out: where its outputs are; change: the newest one to its stages;
-    clock: how it differs from that of the others.
+    clock: how it differs from that of the others; logged: number of its newest log record.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -82,6 +83,7 @@ class HostStatus:
     out: str = ""
     change: ChangeStatus = ChangeStatus()
     clock: ClockStatus = ClockStatus()
+    logged: int = -1
 
     def all(self, *phases: WorkerPhase) -> bool:
         """Whether every worker is in one of these phases."""
@@ -100,6 +102,8 @@ class Host(Protocol):
     """One host's part of one run, near or far."""
 
     name: str
+    log: RunLog
+    """What workers there say, and what becomes of them."""
 
     def prepare(self, order: RunOrder) -> None:
         """Start the workers, to wait for each other and for `start`. Raises FollowspotError."""
@@ -123,7 +127,7 @@ class Host(Protocol):
         """What the stages here last told of their state, by stage. Raises FollowspotError."""
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports of the workers; where they are on another machine, nothing."""
+        """Look at ports of the workers that are there; what is seen on another machine travels as posts."""
 
     def attend(self, timeout: float) -> None:
         """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""

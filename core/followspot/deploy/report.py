@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -97,9 +97,13 @@ class RunReport:
 
 
 class Warnings:
-    """Collects what stages warn of; the same text is kept once."""
+    """Collects what stages warn of; the same text is kept once.
 
-    def __init__(self) -> None:
+    tell: gets the stage and text of each.
+    """
+
+    def __init__(self, tell: Callable[[str, str], None] = lambda stage, text: None) -> None:
+        self._tell = tell
         self._counts: dict[str, int] = {}
         self._more = 0
         self.last: dict[str, str] = {}
@@ -108,6 +112,7 @@ class Warnings:
     def add(self, stage: str, text: str) -> None:
         """A stage's warning; safe from any thread."""
         self.last[stage] = text
+        self._tell(stage, text)
         line = f"{stage}: {text}"
         if line in self._counts or len(self._counts) < MAX_WARNINGS:
             self._counts[line] = self._counts.get(line, 0) + 1

@@ -1,0 +1,61 @@
+"""One record of a run's log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Annotated, Any, Literal
+
+import pydantic
+
+Level = Literal["info", "warning", "error"]
+LEVELS: tuple[Level, ...] = ("info", "warning", "error")
+"""The mildest first."""
+MAX_TEXT = 4000
+"""Longest text, characters."""
+_MAX_NAME = 200
+
+
+@dataclass(frozen=True)
+class LogRecord:
+    """What was said, and where: host, worker and stage are empty where it concerns none.
+
+    time: ns since 1970 by the clock of its host; stage: or the name of a Python logger that is no stage's.
+    """
+
+    time: int
+    level: Level
+    text: Annotated[str, pydantic.Field(max_length=MAX_TEXT)]
+    host: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
+    worker: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
+    stage: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+
+@dataclass(frozen=True)
+class LogPage:
+    """Records in the order in which they came, and the number of the last; -1 before the first."""
+
+    records: tuple[LogRecord, ...] = ()
+    last: int = -1
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types."""
+        return asdict(self)
+
+
+def records_from_data(data: Any) -> Sequence[LogRecord]:
+    """Records that came from elsewhere. Raises ValueError."""
+    return _RECORDS.validate_python(data)
+
+
+def page_from_data(data: Any) -> LogPage:
+    """A page that came from elsewhere. Raises ValueError."""
+    return _PAGE.validate_python(data)
+
+
+_RECORDS: pydantic.TypeAdapter[list[LogRecord]] = pydantic.TypeAdapter(list[LogRecord])
+_PAGE: pydantic.TypeAdapter[LogPage] = pydantic.TypeAdapter(LogPage)
