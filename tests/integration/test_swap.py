@@ -29,7 +29,9 @@ save: {uses: ticks.write, in: {number: b}}
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
 b:    {uses: ticks.tally, in: {number: a}}
+c:    {uses: ticks.tally, in: {number: a}}
 save: {uses: ticks.write, in: {number: b}}
+keep: {uses: ticks.write, in: {number: c}, with: {path: kept.csv}}
 """
 
 
@@ -108,7 +110,10 @@ REFUSED = [
     (["b=ticks.gone"], 'no stage "ticks.gone" is installed'),
     (["b.broken=true"], "stage b (ticks.tally) cannot be built: RuntimeError: the model is missing"),
     (["b.step=7", "b.forgetful=true"], "cannot carry on from the state of the one before"),
+    (["c.step=7", "b.step=7", "b.forgetful=true"], "stage b cannot carry on"),
+    (["c.step=7", "c.broken=true", "b.step=7"], "stage c (ticks.tally) cannot be built"),
 ]
+"""The stages b and c are in two workers; where one of them cannot, the other one goes on as it was, too."""
 
 
 def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_death(tmp_path: Path) -> None:
@@ -119,11 +124,15 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
             assert why in str(raised.value)
         assert change(run.name, ["save.path=ticks.csv", "b=ticks.tally"]).stages == (), "it is so already"
         run.grows()
-        before = run.values()
-        assert before == list(range(1, len(before) + 1)), "all went on as it was"
-        change(run.name, ["b.step=1000"])
-        assert wait_until(lambda: run.values()[-1] > 2000)
-        assert {later - sooner for sooner, later in pairwise(run.values())} == {1, 1000}, "it counted on"
+        for file in ("ticks.csv", "kept.csv"):
+            before = run.values(file)
+            assert before == list(range(1, len(before) + 1)), "all went on as it was"
+        change(run.name, ["b.step=1000", "c.step=1000"])
+        for file in ("ticks.csv", "kept.csv"):
+            assert wait_until(lambda name=file: run.values(name)[-1] > 2000)
+            steps = [later - sooner for sooner, later in pairwise(run.values(file))]
+            assert set(steps) == {1, 1000}, "it counted on"
+            assert steps == sorted(steps), "each number by the old one or by the new one"
         (worker,) = set(run.workers()) - {min(run.workers())}
         os.kill(worker, signal.SIGKILL)
         assert wait_until(lambda: worker not in run.workers() and len(run.workers()) == 2)

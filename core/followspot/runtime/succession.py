@@ -46,6 +46,19 @@ def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Successor]:
     return successors
 
 
+def rehearse(successors: Sequence[Successor]) -> None:
+    """Let successors carry on from the state that the old ones have now, to see whether they can.
+
+    Call between two firings, in the worker's thread. Raises FollowspotError; then none is left.
+    """
+    try:
+        for successor in successors:
+            _carry_on(successor)
+    except FollowspotError:
+        given_up(successors)
+        raise
+
+
 def take_over(worker: Worker, successors: Sequence[Successor], *, fresh: bool) -> None:
     """Put the successors into their cells; call between two firings, in the worker's thread.
 
@@ -54,12 +67,7 @@ def take_over(worker: Worker, successors: Sequence[Successor], *, fresh: bool) -
     """
     while worker.fire_waiting():
         pass
-    try:
-        for successor in [] if fresh else successors:
-            _carry_on(successor)
-    except FollowspotError:
-        given_up(successors)
-        raise
+    rehearse([] if fresh else successors)
     for successor in successors:
         old = successor.cell.stage
         successor.cell.succeed(successor.stage, successor.build)

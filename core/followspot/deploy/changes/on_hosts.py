@@ -21,7 +21,8 @@ _GLANCE = 0.01
 def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], *, fresh: bool) -> None:
     """Let these stages take the place of those of their names. Safe beside the thread that attends the hosts.
 
-    Raises FollowspotError with the reason where a successor cannot be built or cannot carry on.
+    Raises FollowspotError with the reason where a successor cannot be built or cannot carry on. Where one
+    that was built does not take over, those that have done so give their places back.
     """
     change = _Change(plan, hosts, stages, fresh)
     try:
@@ -29,7 +30,22 @@ def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStag
     except FollowspotError:
         change.give_up()
         raise
-    change.do("take_over", "done")
+    try:
+        change.do("take_over", "done")
+    except FollowspotError:
+        _undo(plan, hosts, stages)
+        raise
+
+
+def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage]) -> None:
+    """The stages of the plan take over again, on each host that can be reached."""
+    names = {stage.name for stage in stages}
+    former = [stage for stage in plan.stages if stage.name in names]
+    for host in hosts:
+        change = _Change(plan, [host], former, fresh=False)
+        with suppress(FollowspotError):
+            change.do("build", "built")
+            change.do("take_over", "done")
 
 
 class _Change:

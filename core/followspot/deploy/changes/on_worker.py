@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
-from followspot.runtime.succession import Successor, given_up, prepared, take_over
+from followspot.runtime.succession import Successor, given_up, prepared, rehearse, take_over
 from followspot.runtime.worker import Worker
 
 Answer = Callable[[ChangeStatus], None]
@@ -48,7 +49,19 @@ class WorkerChange:
             given_up(built)
             return
         self._built = built
-        self.answer(ChangeStatus(order.id, "built"))
+        self.worker.between_firings(partial(self._try_on, order))
+
+    def _try_on(self, order: ChangeOrder) -> None:
+        """Who cannot carry on must be known before anybody, in whichever worker, has taken over."""
+        if order.id != self._id:
+            return
+        try:
+            rehearse([] if order.fresh else self._built)
+        except FollowspotError as error:
+            self._built = ()
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "built"))
 
     def _take_over(self, order: ChangeOrder) -> None:
         built, self._built, self._id = self._built, (), ""
