@@ -65,6 +65,9 @@ class Going:
         wanted = len(self.values()) + more
         assert wait_until(lambda: len(self.values()) >= wanted), "nothing is written any more"
 
+    def reaches(self, value: int, file: str) -> None:
+        assert wait_until(lambda: self.values(file)[-1] > value)
+
     def workers(self) -> list[int]:
         """Process ids, in the order of the graph."""
         return sorted(children(self.process.pid))
@@ -129,7 +132,7 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
             assert before == list(range(1, len(before) + 1)), "all went on as it was"
         change(run.name, ["b.step=1000", "c.step=1000"])
         for file in ("ticks.csv", "kept.csv"):
-            assert wait_until(lambda name=file: run.values(name)[-1] > 2000)
+            run.reaches(2000, file)
             steps = [later - sooner for sooner, later in pairwise(run.values(file))]
             assert set(steps) == {1, 1000}, "it counted on"
             assert steps == sorted(steps), "each number by the old one or by the new one"
