@@ -35,6 +35,12 @@ class ProgressBar:
             self._next_line = now + _LINE_EVERY
             print(self._line(progress, expected, now), file=self.stream, flush=True)
 
+    def say(self, line: str) -> None:
+        """A line of text, above the bar where there is one."""
+        before = "\r\x1b[K" if self._drawn else ""
+        self._drawn = False
+        print(before + line, file=self.stream, flush=True)
+
     def close(self) -> None:
         """Leave the cursor on a line of its own."""
         if self._drawn:

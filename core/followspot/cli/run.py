@@ -58,6 +58,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
+    from followspot.cli.run_log import ShownLog
     from followspot.deploy.launch import run_plan
     from followspot.deploy.truth import run_person_scores, run_scores
     from followspot.runtime.wiring import RunOptions
@@ -78,6 +79,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
             network=network,
             media=media_folder(plan, args.media),
             restart=args.restart,
+            on_log=ShownLog(out, bar.say).take,
         )
     try:
         targets = run_scores(plan, out, report.frames)

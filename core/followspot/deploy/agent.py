@@ -151,6 +151,7 @@ class Agent:
             "close": self.close,
             "knows": lambda run: run in self.parts,
             "runs": self.runs,
+            "log": lambda run, after: self._part(run).run.log.after(int(after)).to_data(),
             "order": lambda run: self._part(run).order.to_data(),
         }
 

@@ -22,6 +22,7 @@ from followspot.deploy.changes.on_worker import WorkerChange
 from followspot.deploy.changes.order import ChangeStatus, change_from_data
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.links import EdgeLinks, uses_zenoh
+from followspot.deploy.log.collector import LogCollector, collecting
 from followspot.deploy.report import Warnings, worker_report
 from followspot.deploy.snapshot import state_from_data, state_to_data
 from followspot.errors import FollowspotError
@@ -48,7 +49,8 @@ class Child:
 
     def __init__(self, channel: Channel) -> None:
         self.channel = channel
-        self.warnings = Warnings()
+        self.log = LogCollector("")
+        self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
         self.worker: Worker | None = None
         self.links: EdgeLinks | None = None
         self.restart = False
@@ -61,6 +63,7 @@ class Child:
         while (order := self.channel.receive())["kind"] != "plan":
             sockets[order["side"]][order["edge"]] = socket.socket(fileno=order["descriptors"][0])
         name, error, self.restart = order["worker"], "", order["restart"]
+        self.log.worker = name
         try:
             self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
@@ -69,6 +72,7 @@ class Child:
                 links.wait_matched()
             self.worker.setup()
             self._restore(order["states"])
+            self._tell_log()
             self.channel.send("ready", expected=self.worker.expected())
             if self._started():
                 self._run()
@@ -80,6 +84,7 @@ class Child:
                 self.worker.close()
             if self.links is not None:
                 self.links.close()
+        self._tell_log()
         if self.worker is not None:
             report = worker_report(name, self.worker, self.warnings, error)
             self.channel.send("done", report=report.to_data())
@@ -208,10 +213,15 @@ class Child:
             progress = self.worker.progress()
             try:
                 self.channel.send("progress", fired=progress.fired, time=progress.time)
+                self._tell_log()
                 if turn % _STAGES_EVERY == 0:
                     self._tell_stages(self.worker)
             except ChannelClosed:
                 _exit_later()
+
+    def _tell_log(self) -> None:
+        if records := self.log.take():
+            self.channel.send("log", records=[record.to_data() for record in records])
 
     def _tell_stages(self, worker: Worker) -> None:
         stages = [asdict(stage) for stage in stages_now(worker, self.warnings.last)]
@@ -235,8 +245,10 @@ def main() -> int:
     """Entry of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the agent decides
     channel = Channel(socket.socket(fileno=int(sys.argv[1])))
+    child = Child(channel)
     try:
-        Child(channel).live()
+        with collecting(child.log):
+            child.live()
     except ChannelClosed:
         return 1
     return 0

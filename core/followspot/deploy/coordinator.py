@@ -14,6 +14,9 @@ from followspot.deploy.changes.move import move_hosts
 from followspot.deploy.changes.on_hosts import change_hosts
 from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
+from followspot.deploy.log.merged import MergedLog
+from followspot.deploy.log.record import Level, LogPage
+from followspot.deploy.log.run_log import OnLog
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
@@ -43,11 +46,13 @@ class Coordinator:
         plan: Plan,
         hosts: Sequence[Host],
         order: RunOrder,
+        on_log: OnLog | None = None,
     ) -> None:
         """hosts: every host that the plan names; order: what they were, or are to be, told."""
         self.plan = plan
         self.hosts = tuple(hosts)
         self.stopped = False
+        self.log = MergedLog(hosts, on_log)
         self.order = order
         self.name = order.run
         self._leaving = False
@@ -92,6 +97,7 @@ class Coordinator:
         """Look on to the end of a run that has begun, or until `leave`."""
         started = time.monotonic()
         self._attend(on_progress)
+        self.log.gather()
         return self._report(time.monotonic() - started)
 
     def status(self) -> RunStatus:
@@ -140,9 +146,14 @@ class Coordinator:
             raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports of workers that run on this host; safe from any thread."""
+        """Look at ports; safe from any thread."""
         for host in self.hosts:
             host.tap(tappings)
+
+    def records(self, after: int) -> LogPage:
+        """What was logged on all hosts after the record of this number; safe from any thread."""
+        self.log.gather()
+        return self.log.after(after)
 
     def leave(self) -> None:
         """Look on no longer; the run goes on. Safe in a signal handler."""
@@ -174,13 +185,18 @@ class Coordinator:
             try:
                 host.attend(PROGRESS_PERIOD / len(self.hosts))
                 if self._silent.pop(host.name, None):
-                    self._news.append(f"host {host.name} is back")
+                    self._tell_news(f"host {host.name} is back", "info")
             except HostLost as error:
                 if host.name not in self._silent:
-                    self._news.append(str(error))
+                    self._tell_news(str(error), "warning")
                 self._silent[host.name] = str(error)
+        self.log.gather()
         if on_progress is not None:
             on_progress(self._progress(), self._expected())
+
+    def _tell_news(self, line: str, level: Level) -> None:
+        self.log.say(level, line)
+        self._news.append(line)
 
     def _end_early(self) -> None:
         """Ask every worker to finish what is in flight; once."""

@@ -16,6 +16,8 @@ import zenoh
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.order import ChangeOrder
 from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
+from followspot.deploy.log.record import page_from_data
+from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE
@@ -45,6 +47,9 @@ class FarHost:
         self.order = order
         self._asker = asker
         self._media = media
+        self.log = RunLog()
+        self._logged = -1
+        """Number, there, of the newest record that came."""
         self._before: tuple[str, ...] = ()
         """News from before the agent was started anew."""
         self._status = HostStatus((), ())
@@ -143,7 +148,16 @@ class FarHost:
         status = status_from_data(self._ask("status", SILENCE, run=self.run))
         self._status = replace(status, news=(*self._before, *status.news))
         self._heard = time.monotonic()
+        self._fetch_log(status.logged)
         self._news.set()
+
+    def _fetch_log(self, newest: int) -> None:
+        """What was logged there since; an agent that was started anew counts anew."""
+        self._logged = min(self._logged, newest)
+        if newest > self._logged:
+            page = page_from_data(self._ask("log", run=self.run, after=self._logged))
+            self._logged = page.last
+            self.log.add(*(replace(record, host=self.name) for record in page.records))
 
     def _keep_asking(self) -> None:
         while not self._over.wait(_PERIOD):

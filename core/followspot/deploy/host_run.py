@@ -18,6 +18,8 @@ from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.deploy.clocks.host import HostClock, reference
 from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.links import uses_zenoh
+from followspot.deploy.log.record import Level, records_from_data
+from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.report import WorkerReport
 from followspot.deploy.rings import RingEnd, Rings
 from followspot.deploy.supervision import BackOff, Pulse
@@ -61,6 +63,7 @@ class HostRun:
         self.workers: dict[str, WorkerProcess] = {}
         self.ledger = Ledger(0)
         self.out = ""
+        self.log = RunLog()
         self.news: list[str] = []
         self._selector = selectors.DefaultSelector()
         self._running = self._stopping = self._ending = False
@@ -171,7 +174,13 @@ class HostRun:
         workers = tuple(worker.status() for worker in self.workers.values())
         counts = tuple(self.ledger.words.tolist())
         return HostStatus(
-            workers, counts, tuple(self.news), self.out, self._change.status(), self.clock.status()
+            workers,
+            counts,
+            tuple(self.news),
+            self.out,
+            self._change.status(),
+            self.clock.status(),
+            self.log.last,
         )
 
     def fileno(self) -> int:
@@ -235,6 +244,8 @@ class HostRun:
         for message in worker.listen():
             if message["kind"] == "state":
                 self._states[message["stage"]] = message["state"]
+            elif message["kind"] == "log":
+                self.log.add(*records_from_data(message["records"]))
             elif message["kind"] == "change":
                 self._changed(worker.name, ChangeStatus(**message["status"]))
         if not worker.open:
@@ -243,7 +254,7 @@ class HostRun:
             self._begin(worker)
             running = [other.name for other in self.workers.values() if other.phase == "running"]
             self._hand_over(self.rings.join(worker.name, running))
-            self._tell_news(f"worker {worker.name} is back")
+            self._tell_news(f"worker {worker.name} is back", "info", worker.name)
         if worker.phase not in ("over", "absent") and not worker.busy:
             self._ended(worker)
 
@@ -254,6 +265,8 @@ class HostRun:
         failed_again = report is not None and bool(report.error) and worker.incarnation and worker.fired == 0
         if report is not None and not failed_again:
             worker.phase = "over"
+            if report.error:
+                self.log.say("error", report.error, worker=worker.name)
             return
         if report is None and worker.process.poll() is None:
             worker.process.kill()
@@ -266,7 +279,7 @@ class HostRun:
             return
         wait = self._back_off.wait(worker.name, time.monotonic())
         self._restart_at[worker.name] = time.monotonic() + wait
-        self._tell_news(f"{why}; it is started again in {wait:.1f} s")
+        self._tell_news(f"{why}; it is started again in {wait:.1f} s", "warning", worker.name)
 
     def _attend_clock(self) -> None:
         """Tell the workers what to add to their clocks, and the user, once, where that is much."""
@@ -276,12 +289,14 @@ class HostRun:
         warning = self.clock.status().warning
         if warning and not self._clock_warned:
             self._clock_warned = True
-            self._tell_news(warning)
+            self._tell_news(warning, "warning")
 
     def _give_up(self, worker: WorkerProcess, error: str) -> None:
         """The worker has ended without a report, for good."""
         self._restart_at.pop(worker.name, None)
         worker.phase = "over"
+        if error:
+            self.log.say("error", error, worker=worker.name)
         warnings = () if error else (f"worker {worker.name} was not there at the end",)
         worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error)
 
@@ -291,7 +306,8 @@ class HostRun:
         for name in silent:
             worker = self.workers[name]
             if worker.phase == "running" and worker.busy:
-                self._tell_news(f"worker {name} (process {worker.process.pid}) hangs; it is killed")
+                line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
+                self._tell_news(line, "warning", name)
                 worker.process.kill()
                 worker.heard = now
         for name in [name for name, at in self._restart_at.items() if at <= now]:
@@ -329,7 +345,8 @@ class HostRun:
             for stage in stages:
                 self._states.pop(stage.name, None)
 
-    def _tell_news(self, line: str) -> None:
+    def _tell_news(self, line: str, level: Level, worker: str = "") -> None:
+        self.log.say(level, line, worker=worker)
         self.news.append(line)
         del self.news[:-_MAX_NEWS]
 

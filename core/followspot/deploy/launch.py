@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.local import LocalRun, OnProgress
+from followspot.deploy.log.run_log import OnLog
 from followspot.deploy.reachable import reachable
 from followspot.deploy.report import RunReport
 from followspot.graph.plan import Plan
@@ -39,22 +40,24 @@ def run_plan(
     network: Network = Network(),
     media: Path = Path(),
     restart: bool = False,
+    on_log: OnLog | None = None,
 ) -> RunReport:
     """Run to the end of all sources, or until it is interrupted; see `interruptible`.
 
     network: leads to the agents of other hosts that the plan names; media: folder here whose files agents
     have below their own --media folder; restart: whether workers that die are started again in a replay,
-    too, as they are in live runs. Raises InputError where an agent is missing.
+    too, as they are in live runs; on_log: gets each record of the log. Raises InputError where an agent is
+    missing.
     """
     order = order_of(plan, options, restart=restart or any(stage.live for stage in plan.stages))
     if any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return _changeable(Coordinator(plan, hosts, order), on_progress)
+            return _changeable(Coordinator(plan, hosts, order, on_log), on_progress)
     if len(plan.workers) == 1:
-        return _changeable(LocalRun(plan, options), on_progress)
-    return _changeable(Coordinator(plan, [HostRun("")], order), on_progress)
+        return _changeable(LocalRun(plan, options, on_log), on_progress)
+    return _changeable(Coordinator(plan, [HostRun("")], order, on_log), on_progress)
 
 
 def _changeable(run: Coordinator | LocalRun, on_progress: OnProgress | None) -> RunReport:
@@ -79,6 +82,7 @@ def _looking(run: Coordinator | LocalRun) -> dict[str, Any]:
     return {
         "plan": lambda: plan_to_data(run.plan),
         "status": lambda: run.status().to_data(),
+        "log": lambda after: run.records(int(after)).to_data(),
         "tap": tap,
     }
 

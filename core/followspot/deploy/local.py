@@ -12,6 +12,9 @@ from pathlib import Path
 from followspot.deploy.changes.changed import Changed, Moved, changed, with_change
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.links import EdgeLinks, ring_edges, socket_pair, uses_zenoh
+from followspot.deploy.log.collector import LogCollector, collecting
+from followspot.deploy.log.record import LogPage
+from followspot.deploy.log.run_log import OnLog, RunLog
 from followspot.deploy.report import RunReport, Warnings, merge, worker_report
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
@@ -36,10 +39,12 @@ _GLANCE = 0.01
 class LocalRun:
     """A run of a one-worker plan in the calling thread."""
 
-    def __init__(self, plan: Plan, options: RunOptions) -> None:
+    def __init__(self, plan: Plan, options: RunOptions, on_log: OnLog | None = None) -> None:
         """Builds every stage. Raises what a stage raises on construction."""
         self.plan = plan
-        self.warnings = Warnings()
+        self.log = RunLog(on_log)
+        self._collector = LogCollector(plan.workers[0].name)
+        self.warnings = Warnings(lambda stage, text: self._collector.say("warning", stage, text))
         self.ledger = Ledger(len(plan.edges))
         self.stopped = False
         self.name = uuid.uuid4().hex
@@ -92,6 +97,10 @@ class LocalRun:
 
     def execute(self, on_progress: OnProgress | None = None) -> RunReport:
         """Run to the end; errors of stages stand in the report."""
+        with collecting(self._collector):
+            return self._execute(on_progress)
+
+    def _execute(self, on_progress: OnProgress | None) -> RunReport:
         started = time.monotonic()
         error = ""
         try:
@@ -109,6 +118,8 @@ class LocalRun:
         seconds = time.monotonic() - started
         report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
         self._tick(on_progress)
+        if error:
+            self.log.say("error", error, worker=report.worker)
         return merge(self.plan, self.ledger, [report], seconds, stopped=self.stopped)
 
     def status(self) -> RunStatus:
@@ -129,7 +140,12 @@ class LocalRun:
         """Look at ports; safe from any thread. Raises what a sink raises."""
         tap(self.worker, tappings)
 
+    def records(self, after: int) -> LogPage:
+        """What was logged after the record of this number; safe from any thread."""
+        return self.log.after(after)
+
     def _tick(self, on_progress: OnProgress | None) -> None:
+        self.log.add(*self._collector.take())
         if on_progress is not None:
             on_progress(self.worker.progress(), self.worker.expected())
 
