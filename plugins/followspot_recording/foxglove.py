@@ -20,6 +20,7 @@ from followspot_recording.recorder import Schema
 Pictures = Literal["jpeg", "png", "raw", "none"]
 ROOM_FRAME = "room"
 _INFO = 2
+_JPEG_QUALITY = 90
 _LIFETIME = {"sec": 0, "nsec": 250_000_000}
 """A sphere that is not renewed in this time vanishes: the target is lost."""
 _LOOKS = {"tracked": (0.1, 0.8, 0.2, 1.0)}
@@ -121,7 +122,8 @@ def _picture(frame: Frame, pictures: Pictures) -> tuple[Schema, bytes]:
         encoding = {1: "mono8", 3: "bgr8"}.get(channels, f"8UC{channels}")
         size = {"width": width, "height": height, "encoding": encoding, "step": width * channels}
         return RAW_IMAGE, _json(head | size | {"data": _base64(pixels)})
-    _, packed = cv2.imencode(".jpg" if pictures == "jpeg" else ".png", pixels)
+    quality = (cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY) if pictures == "jpeg" else ()
+    _, packed = cv2.imencode(".jpg" if pictures == "jpeg" else ".png", pixels, quality)
     return COMPRESSED_IMAGE, _json(head | {"format": pictures, "data": _base64(packed)})
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -11,8 +12,11 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from followspot.cli.main import main
+from followspot.graph.plan import Plan, PlannedStage, PlannedWorker
+from followspot.testing import tiny_room
 from followspot_record.embedded import recorded_plan
 from followspot_record.ports import chosen
+from followspot_record.record import Target, with_recording
 from followspot_recording.recording import Recording
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
@@ -232,3 +236,18 @@ def test_words_choose_ports() -> None:
     assert chosen("camera", ports, "--ports") == ports[:2]
     assert chosen("track.tracks, camera/cam1", ports, "--ports") == ports[1:3]
     assert chosen(None, ports, "--ports") == ports
+
+
+@pytest.mark.parametrize(
+    ("live", "size", "depth"), [(True, (320, 240), 128), (True, (3840, 2160), 32), (False, (320, 240), 32)]
+)
+def test_a_live_camera_may_be_two_seconds_ahead_of_the_disk_where_memory_allows(
+    tmp_path: Path, live: bool, size: tuple[int, int], depth: int
+) -> None:
+    room = tiny_room()
+    cameras = {name: replace(camera, size=size) for name, camera in room.cameras.items()}
+    camera = PlannedStage("camera/cam0", "camera", "sim.camera", {}, "cam0", "main", live)
+    plan = Plan("toy", replace(room, cameras=cameras), (camera,), (), (PlannedWorker("main"),))
+    target = Target(tmp_path / "a.mcap", {}, {}, {})
+    (edge,) = with_recording(plan, ["camera/cam0.out"], target).edges
+    assert edge.depth == depth

@@ -23,8 +23,10 @@ SINK = "recording.sink"
 PLAN = "plan.json"
 """Name of the attachment that says what was run: stages with their parameters, edges, room, seed."""
 WORKER = "record"
-DEPTH = 32
-"""Messages of a port that may wait for the disk: half a second of a camera."""
+_DEPTHS = 32, 128
+"""Fewest and most messages of a port that may wait for the recorder: of a camera, one half to two seconds."""
+_BACKLOG = 64 << 20
+"""Memory, bytes, that more than the fewest pictures of one camera may take while they wait."""
 _MAX_FILE = 4 << 20
 """Largest graph or room file that is embedded, bytes."""
 
@@ -70,6 +72,7 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
     taken = {stage.name for stage in plan.stages}
     hosts = {w.name: w.host for w in plan.workers}
     home = {stage.name: hosts[stage.worker] for stage in plan.stages}
+    depths = {stage.name: _depth(plan, stage) for stage in plan.stages}
     stages: list[PlannedStage] = []
     edges: list[PlannedEdge] = []
     for name in names:
@@ -79,13 +82,24 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
         params = _sink_params(target, name, first=not stages)
         stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
         kind: EdgeKind = "zenoh" if home[stage] else "ring"
-        edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=DEPTH))
+        edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=depths[stage]))
     return replace(
         plan,
         stages=(*plan.stages, *stages),
         edges=(*plan.edges, *edges),
         workers=(*plan.workers, PlannedWorker(worker)),
     )
+
+
+def _depth(plan: Plan, stage: PlannedStage) -> int:
+    """How many messages of a port may wait: live sources lose what finds no room, replays take their time."""
+    fewest, most = _DEPTHS
+    if not plan.live:
+        return fewest
+    if stage.camera is None:
+        return most
+    width, height = plan.room.cameras[stage.camera].size
+    return min(most, max(fewest, _BACKLOG // (3 * width * height)))
 
 
 def _sink_params(target: Target, port: str, *, first: bool) -> dict[str, Any]:
