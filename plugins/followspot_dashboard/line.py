@@ -9,7 +9,9 @@ import socket
 from pathlib import Path
 
 from followspot.messages import Message
+from followspot.stage import Post
 from followspot.wire import pack
+from followspot_dashboard.gate import Gate
 
 SOCKET = "previews"
 MAX_PACKET = 190_000
@@ -18,22 +20,28 @@ _SEPARATOR = b"\0"
 
 
 class Line:
-    """The sending end. Raises OSError where no page listens in the folder."""
+    """The sending end, and the gate of those who look. Raises OSError where no page is in the folder."""
 
     def __init__(self, folder: Path) -> None:
+        self.gate = Gate(folder)
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._socket.setblocking(False)
         try:
             self._socket.connect(str(folder / SOCKET))
         except OSError:
             self._socket.close()
+            self.gate.close()
             raise
         self.dropped = 0
 
+    @property
+    def watched(self) -> bool:
+        """Whether anybody looks at pictures."""
+        return self.gate.watched
+
     def send(self, port: str, message: Message) -> None:
         """Send a message of a port, or drop it: nobody waits for a page. Raises EOFError when it is gone."""
-        head = _SEPARATOR.join((port.encode(), type(message).__name__.encode(), b""))
-        data = head + pack(message)
+        data = packet(port, message)
         try:
             if len(data) > MAX_PACKET:
                 raise OSError("too large")
@@ -44,8 +52,35 @@ class Line:
             self.dropped += 1
 
     def close(self) -> None:
-        """Close the socket."""
+        """Let go of the page."""
         self._socket.close()
+        self.gate.close()
+
+
+class PostLine:
+    """The sending end on another host than the page's."""
+
+    def __init__(self, post: Post) -> None:
+        self._post = post
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody looks."""
+        return self._post.wanted
+
+    def send(self, port: str, message: Message) -> None:
+        """Send a message of a port, or drop it."""
+        if self._post.wanted:
+            self._post.send(packet(port, message))
+
+    def close(self) -> None:
+        """Send no more."""
+        self._post.close()
+
+
+def packet(port: str, message: Message) -> bytes:
+    """A message of a port as it travels."""
+    return _SEPARATOR.join((port.encode(), type(message).__name__.encode(), pack(message)))
 
 
 def read(data: bytes) -> tuple[str, str, bytes]:

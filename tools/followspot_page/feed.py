@@ -62,6 +62,13 @@ class Previews:
         self.watch = watch
         self.invalid = 0
 
+    def take_from(self, sender: str, packet: bytes) -> None:
+        """Show what a port on another host sent; a host speaks for its own ports only."""
+        if packet.startswith(sender.encode() + b"\0"):
+            self.take(packet)
+        else:
+            self.invalid += 1
+
     def take(self, packet: bytes) -> None:
         """Show what a packet holds; what is no preview is counted and passed over."""
         try:

@@ -14,7 +14,9 @@ from followspot.deploy.reachable import RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot_page.taps import tappings
+from followspot.transport.zenoh_network import network_from_data
+from followspot_page.far import FarPreviews
+from followspot_page.taps import ShownPort, shown_ports, tappings
 from followspot_watch.runs import plan_here
 
 _GLANCE = 0.1
@@ -41,17 +43,49 @@ async def plan_of(run: RunHere) -> Plan:
     return await asyncio.to_thread(plan_here, run)
 
 
-async def look(run: RunHere, plan: Plan, folder: Path, rate: float) -> None:
-    """Let the run send previews to the folder. Raises FollowspotError."""
-    taps = [asdict(tapping) for tapping in tappings(plan, folder, rate)]
-    await asyncio.to_thread(run.ask, "tap", _PATIENCE, taps=taps)
+async def far_previews(run: RunHere, take: Callable[[str, bytes], Any]) -> FarPreviews | None:
+    """The way from the run's other hosts; None where it has none. Raises FollowspotError."""
+    where = await asyncio.to_thread(run.ask, "where", _PATIENCE)
+    if where["network"] is None:
+        return None
+    return await FarPreviews.open(network_from_data(where["network"]), run.run, take)
 
 
-async def follow(run: RunHere, take: Callable[[RunStatus], Any], show: Callable[[Plan], Any]) -> None:
+class Sight:
+    """What the page looks at: every port that can be shown, wherever its stage is now.
+
+    folder: of the page, which taps here send to; rate: pictures in a second; far: previews from other hosts,
+    where the run has any.
+    """
+
+    def __init__(self, run: RunHere, folder: Path, rate: float, far: FarPreviews | None) -> None:
+        self._run = run
+        self._folder = folder
+        self._rate = rate
+        self._far = far
+        self._ports: tuple[ShownPort, ...] = ()
+
+    async def turn_to(self, plan: Plan) -> None:
+        """Look where the plan has the stages. Raises FollowspotError."""
+        found = shown_ports(plan)
+        if found == self._ports:
+            return
+        taps = [asdict(tapping) for tapping in tappings(found, self._folder, self._rate)]
+        await asyncio.to_thread(self._run.ask, "tap", _PATIENCE, taps=taps)
+        if self._far is not None:
+            self._far.look(found)
+        self._ports = found
+
+
+async def follow(
+    run: RunHere, sight: Sight, take: Callable[[RunStatus], Any], show: Callable[[Plan], Any]
+) -> None:
     """Ask the run how it is, until it is there no more."""
     with contextlib.suppress(FollowspotError):
         for turn in count(1):
             take(run_status_from_data(await asyncio.to_thread(run.ask, "status", _PATIENCE)))
             if turn % _PLAN_EVERY == 0:
-                show(await plan_of(run))
+                plan = await plan_of(run)
+                show(plan)
+                await sight.turn_to(plan)
             await asyncio.sleep(_PERIOD)

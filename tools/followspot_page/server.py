@@ -31,8 +31,9 @@ from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
 from followspot_page.changing import forms, words_of
+from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Listener, Previews
-from followspot_page.follow import follow, found, look, plan_of
+from followspot_page.follow import Sight, far_previews, follow, found, plan_of
 from followspot_page.scene import scene
 from followspot_watch.picture_of_run import RunPicture
 
@@ -52,6 +53,8 @@ class Page:
         self.ask: RunHere | None = None
         """The run that may be changed from here; None where the page only shows."""
         self.gate = gate
+        self.far: FarPreviews | None = None
+        """Previews from other hosts; None where the run has none."""
         self.feed = Feed()
         self.run = RunPicture(plan)
         self.targets = metrics.Targets(plan.room)
@@ -113,7 +116,10 @@ class Page:
 
     def _count(self, change: int) -> None:
         self.browsers += change
-        self.gate.watched = self.browsers > 0
+        watched = self.browsers > 0
+        self.gate.watched = watched
+        if self.far is not None:
+            self.far.watch(watched=watched)
 
 
 def application(page: Page) -> Starlette:
@@ -170,10 +176,12 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         run = waiting.result()
         page = Page(await plan_of(run), make_gate(folder))
         listener = Listener(folder / SOCKET, page.previews.take)
-        await look(run, page.plan, folder, rate)
+        page.far = await far_previews(run, page.previews.take_from)
+        sight = Sight(run, folder, rate, page.far)
+        await sight.turn_to(page.plan)
         server = _server(page, host, door.getsockname()[1])
         serving = asyncio.ensure_future(server.serve([door]))
-        following = asyncio.ensure_future(follow(run, page.take_status, page.show))
+        following = asyncio.ensure_future(follow(run, sight, page.take_status, page.show))
         if is_loopback(host):
             await page.allow_changes(run)
         await asyncio.wait((serving, following, over), return_when=asyncio.FIRST_COMPLETED)
@@ -181,6 +189,8 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         await serving
         following.cancel()
         listener.close()
+        if page.far is not None:
+            page.far.close()
 
 
 def _server(page: Page, host: str, port: int) -> uvicorn.Server:

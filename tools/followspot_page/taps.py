@@ -1,10 +1,13 @@
-"""Where the page looks: at each port of this machine that sends something to show."""
+"""Where the page looks: at each port that sends something to show, on this host and on others."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 from followspot.graph.plan import Plan
+from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.runtime.tapping import Tapping
@@ -15,16 +18,34 @@ SMOOTH_RATE = 30.0
 """Tracks and poses shown in a second; they are small, and a target that jumps is hard to follow."""
 
 
-def tappings(plan: Plan, folder: Path, rate: float) -> list[Tapping]:
-    """A tap for each port that the page can show. folder: of the page; rate: pictures in a second."""
-    near = {worker.name for worker in plan.workers if not worker.host}
+@dataclass(frozen=True)
+class ShownPort:
+    """A port that the page shows. name: STAGE.PORT; host: where it is, "" for here; source: of a source."""
+
+    name: str
+    type: type[Message]
+    host: str
+    source: bool
+
+
+def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
+    """All that the page can show of a graph."""
+    hosts = {worker.name: worker.host for worker in plan.workers}
     found = []
     for stage in plan.stages:
         its = ports(load_stage(stage.uses))
-        for port in its.outputs if stage.worker in near else ():
+        for port in its.outputs:
             if port.type in SHOWN:
                 name = f"{stage.name}.{port.name}"
-                smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
-                params = {"folder": str(folder), "port": name, "rate": rate}
-                found.append(Tapping(name, TAP, {**params, "leads": its.source, "smooth": smooth}))
+                found.append(ShownPort(name, port.type, hosts[stage.worker], its.source))
+    return tuple(found)
+
+
+def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[Tapping]:
+    """A tap for each port. folder: of the page, for those that are here; rate: pictures in a second."""
+    found = []
+    for port in looked_at:
+        smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
+        place = {} if port.host else {"folder": str(folder), "leads": port.source}
+        found.append(Tapping(port.name, TAP, {**place, "port": port.name, "rate": rate, "smooth": smooth}))
     return found

@@ -15,7 +15,7 @@ from followspot.deploy.changes.order import change_from_data
 from followspot.deploy.clocks.host import HostClock, read_clock
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
-from followspot.deploy.parcel import unpacked, unpacked_stages
+from followspot.deploy.parcel import tappings_from_data, unpacked, unpacked_stages
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -146,6 +146,7 @@ class Agent:
             "status": lambda run: self._part(run).run.status().to_data(),
             "change": self.change,
             "move": self.move,
+            "tap": self.tap,
             "states": lambda run: self._part(run).run.states(),
             "clock": lambda: read_clock(self.options.clock_offset),
             "close": self.close,
@@ -217,6 +218,11 @@ class Agent:
             order = replace(order, plan=unpacked(order.plan, name, media, self.options.plugin_files))
             self.tell(f"run {run[:8]} of {part.graph}: stages moved")
         part.run.move(order)
+
+    def tap(self, run: str, taps: list[dict[str, Any]]) -> None:
+        """Look at ports of stages that run here. Raises FollowspotError, ValueError."""
+        part = self._part(run)
+        part.run.tap(tappings_from_data(taps))
 
     def close(self, run: str) -> None:
         """Forget a run; what still lives is killed."""

@@ -14,6 +14,7 @@ import threading
 import time
 from contextlib import suppress
 from dataclasses import asdict
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -25,13 +26,14 @@ from followspot.deploy.links import EdgeLinks, uses_zenoh
 from followspot.deploy.log.collector import LogCollector, collecting
 from followspot.deploy.report import Warnings, worker_report
 from followspot.deploy.snapshot import state_from_data, state_to_data
+from followspot.deploy.taps import WorkerTaps
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.clock import Clock
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
-from followspot.runtime.tapping import Tapping, tap
+from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Worker
 from followspot.transport.zenoh_network import network_from_data
@@ -53,6 +55,7 @@ class Child:
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
         self.worker: Worker | None = None
         self.links: EdgeLinks | None = None
+        self.taps: WorkerTaps | None = None
         self.restart = False
         self.over = threading.Event()
         self._orders: list[dict[str, Any]] = []
@@ -67,6 +70,7 @@ class Child:
         try:
             self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
+            self.taps = WorkerTaps(name, self.worker, links, partial(self.warnings.add, "taps"))
             self.channel.send("built")
             if not order["incarnation"]:  # later ones find the others at work, and some perhaps not at all
                 links.wait_matched()
@@ -152,6 +156,7 @@ class Child:
         """Orders to a running worker come between two firings."""
         assert self.worker is not None
         assert self.links is not None
+        assert self.taps is not None
         for order in orders:
             if order["kind"] == "stop":
                 self.worker.stop()
@@ -161,7 +166,7 @@ class Child:
                 sock = socket.socket(fileno=order["descriptors"][0])
                 self.links.renew(self.worker, order["edge"], sock)
             elif order["kind"] == "tap":
-                self._tap(order["taps"])
+                self.taps.place(Tapping(**tapping) for tapping in order["taps"])
             elif order["kind"] == "snapshot":
                 self._tell_states()
             elif order["kind"] == "clock":
@@ -175,13 +180,6 @@ class Child:
     def _tell_change(self, status: ChangeStatus) -> None:
         with suppress(ChannelClosed):  # it is noticed where orders are read
             self.channel.send("change", status=asdict(status))
-
-    def _tap(self, taps: list[dict[str, Any]]) -> None:
-        assert self.worker is not None
-        try:
-            tap(self.worker, [Tapping(**tapping) for tapping in taps])
-        except Exception as error:
-            self.warnings.add("taps", f"they cannot be made: {error}")
 
     def _tell_states(self) -> None:
         """What successors of the stages would need to carry on."""

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -56,8 +56,9 @@ class FarHost:
         self._heard = time.monotonic()
         self._news = threading.Event()
         self._over = threading.Event()
-        self._unheard: deque[str] = deque()
+        self._unheard: deque[tuple[str, dict[str, Any]]] = deque()
         """Orders that were given while the host did not answer."""
+        self._taps: list[dict[str, Any]] = []
         self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
@@ -107,7 +108,14 @@ class FarHost:
         return dict(self._ask("states", _PREPARING, run=self.run))
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Nothing: what taps see does not travel."""
+        """Look at ports there."""
+        assert self.order is not None
+        plan = plan_from_data(self.order.plan)
+        here = {worker.name for worker in plan.workers if worker.host == self.name}
+        mine = {stage.name for stage in plan.stages if stage.worker in here}
+        taps = [asdict(tapping) for tapping in tappings if tapping.port.rpartition(".")[0] in mine]
+        self._taps += [tap for tap in taps if tap not in self._taps]
+        self._insist("tap", taps=taps)
 
     def attend(self, timeout: float) -> None:
         """Wait for news. Raises HostLost where none came for too long."""
@@ -135,12 +143,12 @@ class FarHost:
     def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
         return self._asker.ask(self.name, verb, timeout, **data)
 
-    def _insist(self, verb: str) -> None:
+    def _insist(self, verb: str, **data: Any) -> None:
         """Ask now, and again when the host answers, for the link may just be cut."""
         try:
-            self._ask(verb, run=self.run)
+            self._ask(verb, run=self.run, **data)
         except HostLost:
-            self._unheard.append(verb)
+            self._unheard.append((verb, data))
         except FollowspotError:
             return
 
@@ -165,7 +173,8 @@ class FarHost:
                 try:
                     self._refresh()
                     while self._unheard:
-                        self._ask(self._unheard[0], run=self.run)
+                        verb, data = self._unheard[0]
+                        self._ask(verb, run=self.run, **data)
                         self._unheard.popleft()
                 except HostLost:
                     raise
@@ -181,3 +190,5 @@ class FarHost:
         self._before = (*self._status.news, "the agent was started anew")
         self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
         self._ask("start", run=self.run)
+        if self._taps:
+            self._ask("tap", run=self.run, taps=self._taps)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
 from typing import Any, Protocol
@@ -54,13 +55,30 @@ def run_plan(
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:
-            return _changeable(Coordinator(plan, hosts, order, on_log), on_progress)
+            around = Surroundings(options.out, network)
+            return _changeable(Coordinator(plan, hosts, order, on_log), on_progress, around)
     if len(plan.workers) == 1:
-        return _changeable(LocalRun(plan, options, on_log), on_progress)
-    return _changeable(Coordinator(plan, [HostRun("")], order, on_log), on_progress)
+        return _changeable(LocalRun(plan, options, on_log), on_progress, Surroundings(options.out))
+    coordinator = Coordinator(plan, [HostRun("")], order, on_log)
+    return _changeable(coordinator, on_progress, Surroundings(options.out))
 
 
-def _changeable(run: Coordinator | LocalRun, on_progress: OnProgress | None) -> RunReport:
+@dataclass(frozen=True)
+class Surroundings:
+    """Of a run: its folder here, and the network of its other hosts, where it has any."""
+
+    out: Path
+    network: Network | None = None
+
+    def to_data(self) -> dict[str, Any]:
+        """JSON types; the network is that of one more session beside those of the run."""
+        network = self.network and asdict(self.network.for_worker(self.network.connect))
+        return {"out": str(self.out.resolve()), "network": network}
+
+
+def _changeable(
+    run: Coordinator | LocalRun, on_progress: OnProgress | None, around: Surroundings
+) -> RunReport:
     """Execute; meanwhile other processes of the user can find the run, look at it and change it."""
 
     def change(words: list[str], folder: str, fresh: bool = False) -> dict[str, Any]:
@@ -69,7 +87,9 @@ def _changeable(run: Coordinator | LocalRun, on_progress: OnProgress | None) -> 
     def move(stages: list[str], place: str) -> dict[str, Any]:
         return run.move([str(stage) for stage in stages], str(place)).to_data()
 
-    with reachable(run.name, run.plan.graph, {**_looking(run), "change": change, "move": move}):
+    with reachable(
+        run.name, run.plan.graph, {**_looking(run), "where": around.to_data, "change": change, "move": move}
+    ):
         return interruptible(run, on_progress)
 
 

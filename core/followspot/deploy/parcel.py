@@ -12,6 +12,8 @@ from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+from followspot.runtime.tapping import Tapping
 from followspot.stage import PathIn, PathOut
 
 
@@ -66,6 +68,19 @@ def unpacked_stages(stages: Sequence[PlannedStage], media: Path | None) -> tuple
     for stage in stages:
         _check_outputs(stage)
     return tuple(_with_inputs(s, lambda p, n=s.name: _path_below(p, media, n)) for s in stages)  # type: ignore[misc]
+
+
+def tappings_from_data(data: Any) -> list[Tapping]:
+    """Taps that came from elsewhere: sinks that neither read nor write files. Raises FollowspotError."""
+    found = [Tapping(str(tap["port"]), str(tap["uses"]), dict(tap["params"])) for tap in data]
+    for tapping in found:
+        kind = load_stage(tapping.uses)
+        if ports(kind).outputs:
+            raise FollowspotError(f"{tapping.uses} is no sink, so it cannot look at {tapping.port}")
+        for mark in (PathIn, PathOut):
+            if any(tapping.params.get(name) is not None for name in path_parameters(kind.Params, mark)):
+                raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
+    return found
 
 
 def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:

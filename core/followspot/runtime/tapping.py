@@ -5,15 +5,15 @@ A tap has no edge: it neither fires nor counts, and nothing waits for it. One th
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.runtime.outlet import Outlet
 from followspot.runtime.worker import Worker
-from followspot.stage import Stage
+from followspot.stage import Post, Stage
 
 
 @dataclass(frozen=True)
@@ -44,8 +44,13 @@ class Tap:
                 self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
 
 
-def tap(worker: Worker, tappings: Iterable[Tapping]) -> None:
-    """Look at those of the ports that the worker has, once; safe from any thread. Raises what sinks raise."""
+def tap(
+    worker: Worker, tappings: Iterable[Tapping], post: Callable[[Tapping], Post | None] = lambda tapping: None
+) -> None:
+    """Look at those of the ports that the worker has, once; safe from any thread. Raises what sinks raise.
+
+    post: the way of a tap to those who look on from other hosts.
+    """
     outlets = {
         f"{cell.name}.{port}": (cell, outlet) for cell in worker.cells for port, outlet in cell.outlets
     }
@@ -53,7 +58,8 @@ def tap(worker: Worker, tappings: Iterable[Tapping]) -> None:
         cell, outlet = outlets.get(tapping.port, (None, None))
         if cell is None or outlet is None or tapping in _tappings(outlet):
             continue
-        stage = load_stage(tapping.uses)(cell.stage.context, **tapping.params)
+        context = replace(cell.stage.context, post=post(tapping))
+        stage = load_stage(tapping.uses)(context, **tapping.params)
         stage.setup()
         outlet.taps = (*outlet.taps, Tap(tapping, outlet, stage))
 

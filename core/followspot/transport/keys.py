@@ -2,6 +2,7 @@
 
 ``followspot/RUN/HOST/STAGE/PORT``             what a port sends, put by the stage's host
 ``followspot/RUN/HOST/STAGE/PORT/credit/EDGE`` reports of a reader; ``.../alive/...``: presence of both sides
+``followspot/RUN/HOST/STAGE/PORT/look/TAP``    what a tap tells those who look on from other hosts
 ``followspot/agent/HOST``                      presence of an agent
 ``followspot/agent/HOST/VERB/ROLE/NAME``       what an agent answers, to whom: role and name as certified
 """
@@ -17,6 +18,12 @@ OPERATOR = "operator"
 def port_key(run: str, host: str, stage: str, port: str) -> str:
     """What one output port of a run sends; host: "" for the operator's own."""
     return f"{ROOT}/{run}/{host or OPERATOR}/{stage}/{port}"
+
+
+def look_key(run: str, host: str, name: str, tap: str) -> str:
+    """What a tap tells of a port; name: STAGE.PORT, tap: the stage that looks at it."""
+    stage, _, port = name.rpartition(".")
+    return f"{port_key(run, host, stage, port)}/look/{tap}"
 
 
 def agent_key(host: str) -> str:

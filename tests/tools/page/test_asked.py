@@ -14,7 +14,7 @@ from followspot.graph.plan import Plan
 from followspot_page.asked import order_of
 from followspot_page.hooks import checked, configure
 from followspot_page.showing import PageOrder, shown
-from followspot_page.taps import tappings
+from followspot_page.taps import shown_ports, tappings
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
@@ -37,7 +37,7 @@ def test_the_plan_is_as_it_was(plan: Plan) -> None:
 
 
 def test_what_is_looked_at_are_the_ports_that_can_be_shown(plan: Plan) -> None:
-    found = tappings(plan, Path("page"), rate=5.0)
+    found = tappings(shown_ports(plan), Path("page"), rate=5.0)
     assert {tap.port.partition("/")[0] for tap in found} == {
         *("camera", "color", "infrared"),
         *("track.tracks", "track.forecast"),

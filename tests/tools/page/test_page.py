@@ -71,6 +71,7 @@ class Shown:
             "plan": lambda: plan_to_data(self.plan),
             "status": lambda: self.status.to_data(),
             "tap": self.tap,
+            "where": lambda: {"out": str(Path.cwd()), "network": None},
             "change": self.change,
         }
 

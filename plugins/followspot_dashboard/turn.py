@@ -1,0 +1,60 @@
+"""Which messages of a port are previewed: those of the moments that all taps show."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+from followspot_dashboard.gate import Gate
+from followspot_dashboard.pace import Pace
+
+
+class Turn(Protocol):
+    """What a tap asks about each message."""
+
+    def has_come(self, captured: int) -> bool:
+        """Whether the message with this capture time, ns, is shown. Asked once of each message."""
+
+
+class GateTurn:
+    """Moments that a gate names; leads: whether this tap does."""
+
+    def __init__(self, gate: Gate, period: int, *, leads: bool) -> None:
+        """period: between two moments, ns."""
+        self._gate = gate
+        self._period = period
+        self._pace = Pace() if leads else None
+        self._shown = -1
+
+    def has_come(self, captured: int) -> bool:
+        """The first message of each moment."""
+        moment = self._gate.moment(captured)
+        if self._pace is not None:
+            self._lead(self._pace, captured)
+        if captured >= moment != self._shown:
+            self._shown = moment
+            return True
+        return False
+
+    def _lead(self, pace: Pace, captured: int) -> None:
+        """Name the next moment if it is due."""
+        pace.add(captured)
+        now = time.monotonic_ns()
+        if self._gate.due(now, captured):
+            self._gate.name(captured + pace.ahead(now, self._period), now + self._period)
+
+
+class GridTurn:
+    """Moments at whole periods of capture time, the same on every host without a word between them."""
+
+    def __init__(self, period: int) -> None:
+        """period: between two moments, ns."""
+        self._period = period
+        self._shown = -1
+
+    def has_come(self, captured: int) -> bool:
+        """The first message of each period."""
+        number = captured // self._period
+        come = number != self._shown
+        self._shown = number
+        return come

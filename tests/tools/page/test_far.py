@@ -1,0 +1,97 @@
+"""Previews from other hosts: what is sent when, and who may speak for whom."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+import zenoh
+
+from followspot import Context
+from followspot.messages import Header, Message, stamped
+from followspot.room import Room
+from followspot.tracking import Blobs, Frame
+from followspot.transport.keys import look_key
+from followspot.transport.zenoh_post import ZenohPost
+from followspot.transport.zenoh_session import locators, open_session
+from followspot_dashboard.line import packet, read
+from followspot_dashboard.tap import Tap
+from followspot_page.far import FarPreviews
+from followspot_page.feed import Feed, Previews
+from followspot_page.taps import TAP, ShownPort
+
+FRAMES = ShownPort("camera/cam0.out", Frame, "pc-left", source=True)
+BLOBS = ShownPort("color/cam0.out", Blobs, "pc-left", source=False)
+
+
+@pytest.fixture(scope="module")
+def sessions() -> Iterator[tuple[zenoh.Session, zenoh.Session]]:
+    """Of the page, and of a worker on another host."""
+    ours = open_session()
+    theirs = open_session(connect=locators(ours))
+    yield ours, theirs
+    for session in (ours, theirs):
+        session.close()  # type: ignore[no-untyped-call]
+
+
+def post(session: zenoh.Session, run: str, port: ShownPort) -> ZenohPost:
+    return ZenohPost(session, look_key(run, port.host, port.name, TAP))
+
+
+def at(ms: int, message: Message) -> Message:
+    return stamped(message, Header("camera/cam0", ms, ms * 1_000_000))
+
+
+def frame(ms: int) -> Message:
+    return at(ms, Frame("cam0", np.zeros((48, 64, 3), "u1")))
+
+
+def blobs(ms: int) -> Message:
+    none = np.zeros(0)
+    return at(ms, Blobs("cam0", np.zeros((0, 2)), np.zeros((0, 2)), none, none, np.zeros((0, 2), "?")))
+
+
+async def until(condition: Callable[[], bool]) -> None:
+    async with asyncio.timeout(20):
+        while not condition():
+            await asyncio.sleep(0.005)
+
+
+def test_pictures_travel_only_while_somebody_looks(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
+    async def look() -> list[tuple[str, int]]:
+        seen: list[tuple[str, bytes]] = []
+        far = FarPreviews(sessions[0], "run", lambda port, data: seen.append((port, data)))
+        posts = {port: post(sessions[1], "run", port) for port in (FRAMES, BLOBS)}
+        taps = {p: Tap(Context(post=way), port=p.name, rate=10.0) for p, way in posts.items()}
+        for tap in taps.values():
+            tap.setup()
+        far.look([FRAMES, BLOBS, ShownPort("camera/cam9.out", Frame, "", source=True)])
+        await until(lambda: posts[BLOBS].wanted)
+        assert not posts[FRAMES].wanted
+        taps[FRAMES].process(frame(0))
+        far.watch(watched=True)
+        await until(lambda: posts[FRAMES].wanted)
+        for ms in range(100, 300, 10):  # two periods
+            taps[FRAMES].process(frame(ms))
+        await until(lambda: len(seen) == 2)
+        far.watch(watched=False)
+        await until(lambda: not posts[FRAMES].wanted)
+        return [(port, len(data)) for port, data in seen]
+
+    seen = asyncio.run(look())
+    assert [port for port, _ in seen] == [FRAMES.name] * 2
+    assert all(size < 2000 for _, size in seen)  # a JPEG, and not the 9216 bytes of the frame
+
+
+def test_a_host_speaks_for_its_own_ports_only() -> None:
+    feed = Feed()
+    previews = Previews(feed, Room(), lambda message: None)
+    data = packet("color/cam0.out", blobs(40))
+    assert read(data)[:2] == ("color/cam0.out", "Blobs")
+    previews.take_from("color/cam1.out", data)
+    previews.take_from("color/cam", data)
+    assert (feed.number, previews.invalid) == (0, 2)
+    previews.take_from("color/cam0.out", data)
+    assert (feed.number, previews.invalid) == (1, 2)
