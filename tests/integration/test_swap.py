@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -11,8 +12,11 @@ from contextlib import contextmanager
 from itertools import pairwise
 from pathlib import Path
 
+import msgpack
+import numpy as np
 import pytest
 import running
+import zenoh
 from hosts import near_agent
 from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
 
@@ -172,9 +176,35 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
         refused = command("set", "faraway", "save.path=../elsewhere.csv", *stages, *connect)
         assert refused.returncode == 1
         assert "not below the output folder" in refused.stderr
+        taps = [f"followspot/*/pc-left/{port}/out" for port in ("a", "b")]
+        for numbers in heard_by_a_stranger(agent.endpoint, taps, more=20):
+            assert numbers == sorted(set(numbers))
     finally:
         agent.process.kill()
         agent.process.communicate()
+
+
+def heard_by_a_stranger(endpoint: str, keys: list[str], more: int) -> list[list[int]]:
+    """Values of ports that no edge carries over Zenoh: by Zenoh, msgpack and numpy alone (docs/wire.md)."""
+    config = zenoh.Config()
+    config.insert_json5("connect/endpoints", json.dumps([endpoint]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    values: list[list[int]] = [[] for _ in keys]
+
+    def take(sample: zenoh.Sample, into: list[int]) -> None:
+        data = sample.payload.to_bytes()
+        size = int.from_bytes(data[2:4], "little")
+        kind, _, _, _, _, scalars, ((name, dtype, shape),) = msgpack.unpackb(data[4 : 4 + size])
+        start = -(-(4 + size) // 64) * 64
+        load = np.frombuffer(data, dtype, math.prod(shape), start)
+        assert (kind, name, load.size) == ("Tick", "load", 0)
+        into.append(scalars["value"])
+
+    with zenoh.open(config) as session:
+        for key, into in zip(keys, values, strict=True):
+            session.declare_subscriber(key, lambda sample, into=into: take(sample, into))
+        assert wait_until(lambda: all(len(into) > more for into in values))
+    return values
 
 
 def command(*words: str) -> subprocess.CompletedProcess[str]:

@@ -46,7 +46,7 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder here whose files agents have below their --media (default: that of the room file)",
     )
-    add_network_options(parser)
+    add_network_options(parser, listens=True)
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -131,6 +131,7 @@ COMMAND = Command(
   followspot run graphs/glowballs.yaml --room room.yaml --placement camera
   followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
   followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
+  followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     any Zenoh client may listen to its ports
 
 Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host of
 their stage: by default on this one.

@@ -104,10 +104,11 @@ class Child:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
         plan = plan_from_data(order["plan"])
         session = None
-        if uses_zenoh(plan, order["worker"]):
+        network = network_from_data(order["network"])
+        if uses_zenoh(plan, order["worker"]) or network.leads_somewhere:
             from followspot.transport.zenoh_session import connected, locators
 
-            session = connected(network_from_data(order["network"]))
+            session = connected(network)
             self.channel.send("listening", locators=locators(session))
         return EdgeLinks(plan, sending, receiving, session, order["run"], order["incarnation"])
 
@@ -129,6 +130,11 @@ class Child:
 
     def _run(self) -> None:
         assert self.worker is not None
+        assert self.links is not None
+        if self.links.session is not None:
+            from followspot.deploy.published import published
+
+            self.published = published(self.worker, self.links)
         self.change = WorkerChange(self.worker, self._tell_change)
         self.worker.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])

@@ -51,7 +51,7 @@ def run_plan(
     missing.
     """
     order = order_of(plan, options, restart=restart or any(stage.live for stage in plan.stages))
-    if any(worker.host for worker in plan.workers):
+    if network.public or any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as hosts:

@@ -51,6 +51,16 @@ class Network:
         return (self.router,) if self.router else (*self.listen, *self.connect)
 
     @property
+    def leads_somewhere(self) -> bool:
+        """Whether this session is to meet others, and does not only wait for them."""
+        return bool(self.connect or self.router)
+
+    @property
+    def public(self) -> bool:
+        """Whether others are told where they find this session: a port that is not just any, or a router."""
+        return bool(self.router) or any(_any_port(endpoint) != endpoint for endpoint in self.listen)
+
+    @property
     def secured(self) -> tuple[str, ...]:
         """Endpoints that TLS protects."""
         return tuple(e for e in self.endpoints if e.startswith(_SECURE))

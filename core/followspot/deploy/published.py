@@ -1,0 +1,71 @@
+"""Every port of a worker for any Zenoh client (docs/wire.md): put while somebody listens, else for nothing."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.deploy.links import EdgeLinks
+from followspot.graph.plan import Plan
+from followspot.messages import InvalidMessage, Message
+from followspot.runtime.outlet import Outlet
+from followspot.runtime.worker import Worker
+from followspot.transport.codec import pack
+from followspot.transport.keys import port_key
+from followspot.transport.zenoh_terms import reached
+
+
+class PublishedPort:
+    """A tap of one outlet that is there while somebody subscribes to its key. It waits for nobody."""
+
+    def __init__(self, session: zenoh.Session, key: str, outlet: Outlet, worker: Worker) -> None:
+        self._outlet = outlet
+        self._worker = worker
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
+        )
+        self._listener = self._publisher.declare_matching_listener(Callback(self._matched, indirect=False))
+        if reached(self._publisher):
+            self._follow()
+
+    def __call__(self, message: Message) -> None:
+        """Put the message, or drop it where the network is full or the session closed."""
+        with suppress(zenoh.ZError, InvalidMessage):
+            self._publisher.put(pack(message))
+
+    def _matched(self, status: zenoh.MatchingStatus) -> None:
+        """Somebody came, or the last one went; from a thread of Zenoh."""
+        self._worker.between_firings(self._follow)
+
+    def _follow(self) -> None:
+        others = tuple(tap for tap in self._outlet.taps if tap is not self)
+        self._outlet.taps = (*others, self) if reached(self._publisher) else others
+
+
+def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
+    """The ports of a worker whose messages no edge puts on their key already; none without a session.
+
+    They end with the session of the links.
+    """
+    if links.session is None:
+        return []
+    hosts = {w.name: w.host for w in links.plan.workers}
+    home = {stage.name: hosts[stage.worker] for stage in links.plan.stages}
+    taken = _on_their_keys(links.plan)
+    return [
+        PublishedPort(links.session, port_key(links.run, home[cell.name], cell.name, port), outlet, worker)
+        for cell in worker.cells
+        for port, outlet in cell.outlets
+        if (cell.name, port) not in taken
+    ]
+
+
+def _on_their_keys(plan: Plan) -> set[tuple[str, str]]:
+    """Ports with an edge over Zenoh on the port's very key: raw, and without a policy that drops."""
+    return {
+        (edge.from_stage, edge.from_port)
+        for edge in plan.edges
+        if edge.kind == "zenoh" and edge.codec == "raw" and not edge.drops
+    }
