@@ -131,7 +131,7 @@ COMMAND = Command(
   followspot run graphs/glowballs.yaml --room room.yaml --placement camera
   followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
   followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
-  followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     any Zenoh client may listen to its ports
+  followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     for any Zenoh client to hear
 
 Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host of
 their stage: by default on this one.

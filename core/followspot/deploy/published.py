@@ -1,4 +1,4 @@
-"""Every port of a worker for any Zenoh client (docs/wire.md): put while somebody listens, else for nothing."""
+"""Every port of a worker for any Zenoh client (docs/wire.md): put while somebody listens, else free."""
 
 from __future__ import annotations
 
