@@ -1,4 +1,4 @@
-"""Joins looking at runs from a terminal to the command line: the commands top and echo."""
+"""Joins looking at runs from a terminal to the command line: the commands top, echo, logs."""
 
 from __future__ import annotations
 
@@ -26,14 +26,26 @@ the size is told.
   followspot echo color/cam0 -n 3
   followspot echo infrared --run glowballs --json
 """
+LOGS = """what a run has said: stages and libraries of its workers on all hosts, and what became of them
+
+Of a run that goes on, under its name, or of one that has ended, in its output folder. What is wrong is shown
+while `followspot run` goes on, too; all of it is here. A stage says something with self.log, and warns with
+self.context.warn.
+
+  followspot logs
+  followspot logs glowballs -f --level warning
+  followspot logs runs/glowballs-20261121-180000 --stage color --json
+  followspot logs glowballs --connect tls/pc-left:7450 --certificates certs
+"""
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands top, echo."""
+    """The commands top, echo, logs."""
     return [
         Command("top", TOP, _configure_top, _top),
         Command("echo", ECHO, _configure_echo, _echo),
+        Command("logs", LOGS, _configure_logs, _logs),
     ]
 
 
@@ -53,6 +65,19 @@ def _configure_echo(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="one JSON object a line")
 
 
+def _configure_logs(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run", nargs="?", metavar="GRAPH|DIR", help=f"{RUN}; or an output folder")
+    parser.add_argument("-f", "--follow", action="store_true", help="go on until the run ends, or Ctrl-C")
+    parser.add_argument(
+        "--level", choices=("info", "warning", "error"), default="info", help="this and worse (default info)"
+    )
+    parser.add_argument("--stage", metavar="STAGE", help="of this stage only, of all cameras or STAGE/CAMERA")
+    parser.add_argument("--worker", metavar="NAME", help="of this worker only")
+    parser.add_argument("--host", metavar="NAME", help="of this host only")
+    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    add_network_options(parser)
+
+
 def _top(args: argparse.Namespace) -> int:
     from followspot_watch.top import top
 
@@ -63,6 +88,12 @@ def _echo(args: argparse.Namespace) -> int:
     from followspot_watch.echo import echo
 
     return echo(args)
+
+
+def _logs(args: argparse.Namespace) -> int:
+    from followspot_watch.logs import logs
+
+    return logs(args)
 
 
 def _count(text: str) -> int:

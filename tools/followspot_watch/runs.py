@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from followspot.deploy.changes.change import chosen_here
+from followspot.deploy.log.record import LogPage, page_from_data
 from followspot.deploy.reachable import RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
@@ -21,11 +22,15 @@ _PATIENCE = 10.0
 
 @dataclass(frozen=True)
 class Look:
-    """A run that is looked at: its name, its plan as it was at first, and how it is."""
+    """A run that is looked at: its name, its plan as it was at first, how it is, and what it said.
+
+    log: the records after the one of a number.
+    """
 
     run: str
     plan: Plan
     status: Callable[[], RunStatus]
+    log: Callable[[int], LogPage]
 
 
 def run_here(wanted: str | None) -> RunHere:
@@ -55,10 +60,15 @@ def looking(wanted: str | None, network: Network) -> Iterator[Look]:
     here = chosen_here(runs_here(), wanted)
     if here is not None:
         run = here
-        yield Look(run.run, plan_here(run), lambda: run_status_from_data(run.ask("status", _PATIENCE)))
+        yield Look(
+            run.run,
+            plan_here(run),
+            lambda: run_status_from_data(run.ask("status", _PATIENCE)),
+            lambda after: page_from_data(run.ask("log", _PATIENCE, after=after)),
+        )
         return
     from followspot.deploy.attach import attached
 
     with attached(network, wanted) as attachment:
         coordinator = attachment.coordinator
-        yield Look(attachment.found.run, coordinator.plan, coordinator.status)
+        yield Look(attachment.found.run, coordinator.plan, coordinator.status, coordinator.records)

@@ -1,0 +1,88 @@
+"""`followspot logs`: of a run that goes on, of one that has ended, and only what is asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from followspot.cli.main import main
+from followspot.deploy.log.file import LogFile
+from followspot.deploy.log.record import LogRecord
+from followspot.deploy.log.run_log import RunLog
+from followspot.deploy.reachable import reachable
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.ship import plan_to_data
+
+GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
+NAME = f"{os.getpid():x}10ca1"
+"""Of the run; other runs may be on this machine."""
+SAID = (
+    LogRecord(1, "info", "warm", worker="main", stage="color/cam0"),
+    LogRecord(2, "warning", "dark\nvery", "pc-left", "left", "color/cam1"),
+    LogRecord(3, "error", "broken", worker="main", stage="fuse"),
+)
+
+
+@pytest.fixture
+def run() -> Iterator[str]:
+    """A run that says one thing more, and ends."""
+    kept = RunLog()
+    kept.add(*SAID)
+    plan = plan_to_data(compile_graph(GRAPH))
+
+    def log(after: int) -> object:
+        if after == len(SAID):
+            raise FollowspotError("the run has ended")
+        page = kept.after(after)
+        if not page.records:
+            kept.add(LogRecord(4, "info", "at last"))
+        return page.to_data()
+
+    with reachable(NAME, "glowballs", {"plan": lambda: plan, "log": log}):
+        yield NAME
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> list[str]:
+    assert main(["logs", *words]) == 0
+    return [json.loads(line)["text"] for line in capsys.readouterr().out.splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ((), ["warm", "dark\nvery", "broken"]),
+        (("--level", "warning"), ["dark\nvery", "broken"]),
+        (("--stage", "color"), ["warm", "dark\nvery"]),
+        (("--stage", "color/cam1"), ["dark\nvery"]),
+        (("--worker", "main", "--level", "error"), ["broken"]),
+        (("--host", "pc-left"), ["dark\nvery"]),
+    ],
+)
+def test_what_is_asked_for_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: list[str]
+) -> None:
+    file = LogFile(tmp_path)
+    for record in SAID:
+        file.write(record)
+    assert said(capsys, str(tmp_path), "--json", *words) == expected
+
+
+def test_a_run_that_goes_on_is_asked_once_or_followed_to_its_end(
+    run: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert said(capsys, run, "--json") == ["warm", "dark\nvery", "broken"]
+    assert main(["logs", run, "-f"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].endswith("warning pc-left/left color/cam1: dark")
+    assert lines[2] == "    very"
+    assert lines[-1].endswith(": at last")
+
+
+def test_a_folder_without_a_log_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["logs", str(tmp_path)]) == 2
+    assert "log.jsonl" in capsys.readouterr().err

@@ -1,0 +1,91 @@
+"""`followspot logs`: what a run has said, of one that goes on or of one that has ended."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from followspot.cli.agent_options import network_of
+from followspot.deploy.log.file import read_log
+from followspot.deploy.log.record import LEVELS, LogPage, LogRecord
+from followspot.errors import FollowspotError
+from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot_watch.runs import looking
+
+_PERIOD = 0.3
+"""Seconds between two questions for more."""
+
+
+def logs(args: argparse.Namespace) -> int:
+    """Print the records that are asked for; with --follow until the run ends or Ctrl-C. Returns the code."""
+    wanted = _filter(args)
+    show = _as_json if args.json else as_text
+    if args.run is not None and Path(args.run).is_dir():
+        if args.follow:
+            raise FollowspotError(f"{args.run} is the folder of a run; -f follows a run that goes on")
+        _print(read_log(Path(args.run)), wanted, show)
+        return 0
+    with looking(args.run, network_of(args, LOOPBACK, AGENT)) as look:
+        try:
+            _print(_records(look.log, follow=args.follow), wanted, show)
+        except KeyboardInterrupt:
+            return 0
+    return 0
+
+
+def as_text(record: LogRecord) -> str:
+    """A record for people: when, how bad, where, what; further lines are indented."""
+    when = time.strftime("%H:%M:%S", time.localtime(record.time / 1e9))
+    where = "/".join(part for part in (record.host, record.worker) if part)
+    whose = " ".join(part for part in (where, record.stage) if part)
+    head = f"{when}.{record.time // 1_000_000 % 1000:03d} {record.level:7} {whose}".rstrip()
+    return f"{head}: " + record.text.strip().replace("\n", "\n    ")
+
+
+def _as_json(record: LogRecord) -> str:
+    return json.dumps(record.to_data())
+
+
+def _records(log: Callable[[int], LogPage], *, follow: bool) -> Iterator[LogRecord]:
+    """All there are, and then, where they are followed, those that come until the run is over."""
+    last = -1
+    while True:
+        try:
+            page = log(last)
+        except FollowspotError:
+            if last < 0:
+                raise
+            return
+        yield from page.records
+        if not page.records:
+            if not follow:
+                return
+            time.sleep(_PERIOD)
+        last = page.last
+
+
+def _print(
+    records: Iterable[LogRecord], wanted: Callable[[LogRecord], bool], show: Callable[[LogRecord], str]
+) -> None:
+    for record in records:
+        if wanted(record):
+            print(show(record), flush=True)
+
+
+def _filter(args: argparse.Namespace) -> Callable[[LogRecord], bool]:
+    """Whether a record is asked for; a stage is meant with all its cameras where none is named."""
+    least = LEVELS.index(args.level)
+
+    def wanted(record: LogRecord) -> bool:
+        named = (record.stage, record.stage.partition("/")[0])
+        return (
+            LEVELS.index(record.level) >= least
+            and args.stage in (None, *named)
+            and args.worker in (None, record.worker)
+            and args.host in (None, record.host)
+        )
+
+    return wanted
