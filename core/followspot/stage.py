@@ -135,6 +135,12 @@ class Stage:
     each is called, so it must leave the stages as they were.
     """
 
+    for_type: ClassVar[Callable[..., Any] | None] = None
+    """Optional, of a stage that serves any message type: a classmethod `(kind) -> class`, the one for it.
+
+    A graph asks for it by a port that has the type: `uses: NAME[STAGE.PORT]`.
+    """
+
     params: Any
     process: Callable[..., Any]
 

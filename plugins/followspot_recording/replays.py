@@ -1,10 +1,15 @@
-"""A replay for each message type of followspot: a port's type stands in a signature, so each has its own."""
+"""A replay for each message type of followspot, and one for all others.
+
+A port's type stands in a signature, so each type has a stage of its own.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
-from followspot import Message, Source
+from followspot import Message, Source, Stage
+from followspot.errors import FollowspotError
 from followspot.people import Appearances, Boxes, Gradients, Poses, PoseTruth
 from followspot.tracking import (
     Blobs,
@@ -148,3 +153,26 @@ class ReplayPoseTruth(Replay):
     def process(self) -> Source[PoseTruth]:
         """The messages of the port, in order."""
         yield from self.messages(PoseTruth)
+
+
+class ReplayPort(Replay):
+    """Recorded messages of a plugin's own type: `recording.port[STAGE.PORT]` for what that stage sends."""
+
+    @classmethod
+    def for_type(cls, kind: type[Message]) -> type[Stage]:
+        """The replay of this type."""
+
+        def process(self: Replay) -> Any:
+            """The messages of the port, in order."""
+            yield from self.messages(kind)
+
+        process.__annotations__["return"] = Source[kind]  # type: ignore[valid-type]
+        return type(f"Replay{kind.__name__}", (Replay,), {"__doc__": cls.__doc__, "process": process})
+
+    def setup(self) -> None:
+        """Say what is missing. Raises FollowspotError."""
+        raise FollowspotError(f"{self.context.name} has no type; write uses: recording.port[STAGE.PORT]")
+
+    def process(self) -> Source[Message]:
+        """The messages of the port, in order."""
+        yield from self.messages(Message)

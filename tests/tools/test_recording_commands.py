@@ -22,6 +22,38 @@ from followspot_recording.recording import Recording
 GRAPHS = Path(__file__).parents[2] / "graphs"
 GLOWBALLS = str(GRAPHS / "glowballs.yaml")
 FRAMES = 6
+BEATS = """
+import numpy as np
+from followspot import Message, Source, Stage, at
+from followspot.messages import Array, column
+
+class Beat(Message):
+    bar: int
+    loud: Array = column("N", dtype="f8", unit="1")
+
+class Drum(Stage):
+    def process(self) -> Source[Beat]:
+        for bar in range(12):
+            yield at(bar * 10_000_000, Beat(bar, np.full(bar % 3, 0.5)))
+
+class Louder(Stage):
+    def process(self, beat: Beat) -> Beat:
+        return Beat(beat.bar, 2.0 * beat.loud)
+
+class Listen(Stage):
+    def process(self, beat: Beat) -> None:
+        assert type(beat) is Beat
+        with (self.context.out / "beats.txt").open("a") as file:
+            file.write(f"{beat.bar} {beat.loud.sum()}\\n")
+"""
+"""A stranger's plugin with a message type of its own."""
+BEAT_GRAPH = """
+graph: beats
+stages:
+  drum: {uses: beats.drum}
+  louder: {uses: beats.louder, in: {beat: drum}}
+  listen: {uses: beats.listen, in: {beat: louder}}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -199,6 +231,26 @@ def test_a_file_for_the_rerun_viewer_is_written(show: Path, tmp_path: Path) -> N
     assert sizes.keys() == {"track.tracks.rrd", "camera.cam0.out.rrd", "color.cam0.out.rrd", "verify.out.rrd"}
     assert all(path.read_bytes().startswith(b"RRF") for path in tmp_path.iterdir())
     assert sizes["camera.cam0.out.rrd"] > sizes["track.tracks.rrd"] > 1000
+
+
+def test_messages_of_a_stranger_are_recorded_replayed_and_verified(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plugin, graph, show = tmp_path / "beats.py", tmp_path / "beats.yaml", tmp_path / "beats.mcap"
+    plugin.write_text(BEATS)
+    graph.write_text(BEAT_GRAPH)
+    mine = ["--plugin", str(plugin)]
+    run = ["run", str(graph), *mine, "--out", str(tmp_path / "a"), "--quiet", "--record", str(show)]
+    assert main(run) == 0
+    heard = (tmp_path / "a/beats.txt").read_bytes()
+    assert len(heard.splitlines()) == 12
+    for part, ports in (("b", ()), ("c", ("--ports", "louder"))):
+        assert replay(show, tmp_path / part, *mine, *ports) == 0
+        assert (tmp_path / part / "beats.txt").read_bytes() == heard
+    capsys.readouterr()
+    assert main(["verify", str(show), *mine, "--json"]) == 0
+    (row,) = json.loads(capsys.readouterr().out)["ports"]
+    assert row == {"port": "louder.out", "messages": 12, "difference": ""}
 
 
 @pytest.mark.parametrize(

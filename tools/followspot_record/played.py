@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,8 @@ from followspot_recording.replays import REPLAYS
 _PREFIX = "recording."
 NAMES = {type_name(kind): _PREFIX + name for name, kind in REPLAYS.items()}
 """The stage that replays a message type, by the type's full name."""
+_ANY = f"{_PREFIX}port"
+"""The one that replays any other, with the port that sent it in brackets."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +33,16 @@ class Clip:
     loop: bool = False
 
 
-def replay_of(recording: Recording, port: str) -> str:
-    """Name of the stage that replays a recorded port. Raises FollowspotError where there is none."""
-    kind = recording.ports[port].schema
-    if kind not in NAMES:
-        raise FollowspotError(f"{port} holds {kind}, which no stage replays; play what comes before it")
-    return NAMES[kind]
+def replays(recording: Recording, plan: Plan, names: Iterable[str]) -> dict[str, str]:
+    """The stage that replays each of these recorded ports of a plan, STAGE.PORT."""
+    uses = {stage.name: stage.uses for stage in plan.stages}
+    found = {}
+    for name in names:
+        stage, _, port = name.rpartition(".")
+        known = NAMES.get(recording.ports[name].schema)
+        again = uses[stage] if uses[stage].startswith(_ANY) else ""  # a replay was recorded
+        found[name] = known or again or f"{_ANY}[{uses[stage]}.{port}]"
+    return found
 
 
 def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:

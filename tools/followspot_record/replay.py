@@ -20,7 +20,7 @@ from followspot.plugins.hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_record.embedded import recorded_plan
-from followspot_record.played import Clip, played, replay_of
+from followspot_record.played import NAMES, Clip, played, replays
 from followspot_record.ports import chosen, output_ports
 from followspot_recording.recording import Recording
 
@@ -38,9 +38,7 @@ def replay_command(args: argparse.Namespace) -> int:
         if args.seed is not None:
             plan = replace(plan, seed=args.seed)
         clip = Clip(recording.path, args.start, args.stop, args.speed, args.loop)
-        plan = played(
-            plan, {port: replay_of(recording, port) for port in _ports(plan, recording, more)}, clip
-        )
+        plan = played(plan, replays(recording, plan, _ports(plan, recording, more)), clip)
     _check_live(plan)
     for options in load_plan_options():
         plan = options.change(plan, args)
@@ -99,10 +97,11 @@ def _without_room_sources(loaded: Loaded, recording: Recording) -> Loaded:
     """The declared stages, with a replay for each that stands for the sources of recorded cameras."""
     stages = dict(loaded.stages)
     for name, stage in loaded.stages.items():
-        camera = next((port for port in recording.ports if port.startswith(f"{name}/")), None)
-        if stage.uses == ROOM_SOURCE and camera is not None:
+        recorded = (channel for port, channel in recording.ports.items() if port.startswith(f"{name}/"))
+        kind = next((NAMES.get(channel.schema) for channel in recorded), None)
+        if stage.uses == ROOM_SOURCE and kind is not None:
             path = Node(str(recording.path.absolute()), stage.place, stage.place)
-            stages[name] = replace(stage, uses=replay_of(recording, camera), params={"path": path})
+            stages[name] = replace(stage, uses=kind, params={"path": path})
     return replace(loaded, stages=stages)
 
 

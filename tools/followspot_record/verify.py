@@ -18,7 +18,7 @@ from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
-from followspot_record.played import Clip, alone, played, replay_of
+from followspot_record.played import Clip, alone, played, replays
 from followspot_record.ports import output_ports
 from followspot_record.record import Target, with_recording
 from followspot_record.replay import source_ports
@@ -37,7 +37,7 @@ def verify_command(args: argparse.Namespace) -> int:
         if missing:
             remedy = "record it with all ports"
             raise InputError([Mistake(None, f"the source {', '.join(missing)} was not recorded", remedy)])
-        plan = played(plan, {port: replay_of(old, port) for port in sources}, Clip(old.path))
+        plan = played(plan, replays(old, plan, sources), Clip(old.path))
         names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
         with tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
             new_path = Path(folder) / "again.mcap"

@@ -14,6 +14,8 @@ ROOM_SOURCE = "room.source"
 """Stands for the source that the room declares for each camera; no plugin offers it."""
 REFERENCE: Schema = {"type": "string", "pattern": r"\$\{[^}]+\}", "description": "a variable of the graph"}
 
+FOR_PORT: Schema = {"type": "string", "pattern": r"^[\w.]+\[[\w.]+\]$", "description": "NAME[STAGE.PORT]"}
+
 
 def graph_schema() -> Schema:
     """The schema of a graph file with all installed stages."""
@@ -39,7 +41,7 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
         "one step of work",
         {
             "uses": {
-                "anyOf": [{"enum": [ROOM_SOURCE, *offered]}, REFERENCE],
+                "anyOf": [{"enum": [ROOM_SOURCE, *offered]}, FOR_PORT, REFERENCE],
                 "description": "which stage; `followspot plugins` lists them",
             },
             "each": {

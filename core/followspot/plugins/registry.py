@@ -91,7 +91,13 @@ def stage_names() -> list[str]:
 
 
 def load_stage(name: str) -> type[Stage]:
-    """Import a stage. Raises PluginError with one clear line."""
+    """Import a stage. Raises PluginError with one clear line.
+
+    NAME[STAGE.PORT] is the stage NAME for the message type of that port of an installed stage.
+    """
+    general, bracket, port = name.partition("[")
+    if bracket:
+        return _for_port(general, port.removesuffix("]"))
     if name in _files:
         return _files[name].stage
     entry = catalogue().get(name)
@@ -103,6 +109,22 @@ def load_stage(name: str) -> type[Stage]:
     if stage is None:
         raise PluginError(f"{name}: {problem}", _SEE)
     return stage
+
+
+@cache
+def _for_port(name: str, port: str) -> type[Stage]:
+    """A stage that serves any type, for the type of STAGE.PORT. Raises PluginError."""
+    general = load_stage(name)
+    sender, _, output = port.rpartition(".")
+    if general.for_type is None or "[" in sender:
+        raise PluginError(f"{name} cannot be asked for by a port", f"uses: {name}")
+    sent = ports(load_stage(sender)).outputs
+    found = next((one.type for one in sent if one.name == output), None)
+    if found is None:
+        known = did_you_mean(output, [one.name for one in sent], "outputs")
+        raise PluginError(f'stage {sender} has no output "{output}"', known)
+    made: type[Stage] = general.for_type(found)
+    return made
 
 
 def examined(entry: StageEntry) -> StageEntry:

@@ -138,6 +138,27 @@ def test_every_replay_has_its_stage() -> None:
         assert stage.process.__annotations__["return"] == f"Source[{kind.__name__}]"
 
 
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("recording.port[balls.kalman.track]", 'balls.kalman has no output "track"'),
+        ("recording.port[balls.kallman.tracks]", 'no stage "balls.kallman"'),
+        ("recording.port[recording.port[balls.kalman.tracks].out]", "cannot be asked for"),
+        ("recording.tracks[balls.kalman.tracks]", "cannot be asked for"),
+        ("recording.port[", 'no stage ""'),
+    ],
+)
+def test_a_replay_of_a_port_that_is_none_says_so(name: str, said: str) -> None:
+    with pytest.raises(FollowspotError) as told:
+        load_stage(name)
+    assert said in str(told.value)
+
+
+def test_a_replay_without_a_type_says_what_to_write(tmp_path: Path) -> None:
+    with pytest.raises(FollowspotError, match=r"recording\.port\[STAGE\.PORT\]"):
+        load_stage("recording.port")(path=record(tmp_path / "a.mcap", 1)).setup()
+
+
 def replayed(path: Path, **params: object) -> list[Message]:
     stage = load_stage("recording.tracks")(Context("track", ROOM), path=path, port="track.tracks", **params)
     stage.setup()
