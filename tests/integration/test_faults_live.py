@@ -27,13 +27,15 @@ workers:
   main:  {stages: [sum, save]}
 """
 
+SHORT = PAIR.replace("[more, less]", "[more, less, short]") + "short: {uses: ticks.live, with: {count: 3}}\n"
+
 
 class Live:
     """A live run with a worker for each of two sources, and one that joins them."""
 
-    def __init__(self, folder: Path, *options: str) -> None:
-        graph = write_graph(folder, PAIR)
-        (folder / "placement.yaml").write_text(PLACEMENT)
+    def __init__(self, folder: Path, *options: str, stages: str = PAIR, placement: str = PLACEMENT) -> None:
+        graph = write_graph(folder, stages)
+        (folder / "placement.yaml").write_text(placement)
         self.out = folder / "out"
         self.process = start(graph, self.out, "--placement", str(folder / "placement.yaml"), *options)
         assert wait_until(lambda: self.lines() > 5), "the run never began"
@@ -48,8 +50,8 @@ class Live:
         assert wait_until(lambda: self.lines() >= wanted), "nothing is written any more"
 
     def workers(self) -> list[int]:
-        """Process ids in the order of the placement."""
-        return sorted(children(self.process.pid))
+        """Process ids of those that live, in the order of the placement."""
+        return sorted(pid for pid in children(self.process.pid) if alive(pid))
 
     def victim(self, name: str) -> int:
         return self.workers()[["left", "right", "main"].index(name)]
@@ -87,14 +89,33 @@ def joined(out: Path, after: int) -> bool:
     return any(value < 1_000_000 for value in values) or any(b - a > 1 for a, b in pairwise(values))
 
 
-@pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
-def test_the_worker_that_joins_is_killed_and_tracks_go_on(tmp_path: Path, edges: str) -> None:
-    run = Live(tmp_path, "--edges", edges)
+@pytest.mark.thorough
+def test_the_worker_that_joins_over_zenoh_is_killed_and_tracks_go_on(tmp_path: Path) -> None:
+    run = Live(tmp_path, "--edges", "zenoh")
     os.kill(run.victim("main"), signal.SIGKILL)
     assert wait_until(lambda: run.lines() < 3), "its file is begun anew when it comes back"
     run.go_on()
     finished = run.end()
     assert balanced(finished.summary)
+    assert all(0 <= edge["lost"] <= 10 for edge in finished.summary["edges"])
+
+
+def test_after_a_camera_file_has_ended_the_others_are_still_started_again(tmp_path: Path) -> None:
+    run = Live(tmp_path, stages=SHORT, placement=PLACEMENT + "  short: {stages: [short]}\n")
+    assert wait_until(lambda: len(run.workers()) == 3), "the short one has not ended"
+    left, right, main = run.workers()
+    os.kill(main, signal.SIGKILL)
+    assert wait_until(lambda: len(run.workers()) == 3 and main not in run.workers()), (
+        "it is not started again"
+    )
+    assert wait_until(lambda: run.lines() < 3), "its file is begun anew"
+    run.go_on()
+    for camera in (left, right):
+        os.kill(camera, signal.SIGTERM)  # it ends as if its stream had
+    finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors + json.dumps(finished.summary)
+    assert balanced(finished.summary)
+    assert finished.edge("short.", "sum.")["delivered"] <= 3
     assert all(0 <= edge["lost"] <= 10 for edge in finished.summary["edges"])
 
 

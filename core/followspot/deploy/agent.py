@@ -142,7 +142,7 @@ class Agent:
             "prepare": self.prepare,
             "start": self.start,
             "stop": lambda run: self._part(run).run.stop(),
-            "wind_down": lambda run: self._part(run).run.wind_down(),
+            "ended": lambda run, workers: self._part(run).run.ended([str(name) for name in workers]),
             "status": lambda run: self._part(run).run.status().to_data(),
             "change": self.change,
             "move": self.move,

@@ -22,7 +22,7 @@ from typing import Any
 from followspot.deploy.changes.on_worker import WorkerChange
 from followspot.deploy.changes.order import ChangeStatus, change_from_data
 from followspot.deploy.channel import Channel, ChannelClosed
-from followspot.deploy.links import EdgeLinks, uses_zenoh
+from followspot.deploy.links import EdgeLinks, rows_of, uses_zenoh
 from followspot.deploy.log.collector import LogCollector, collecting
 from followspot.deploy.report import Warnings, worker_report
 from followspot.deploy.snapshot import state_from_data, state_to_data
@@ -71,6 +71,7 @@ class Child:
             self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
             self.worker = self._build(order, links)
             self.taps = WorkerTaps(name, self.worker, links, partial(self.warnings.add, "taps"))
+            self._give_up(order["over"])
             self.channel.send("built")
             if not order["incarnation"]:  # later ones find the others at work, and some perhaps not at all
                 links.wait_matched()
@@ -166,8 +167,8 @@ class Child:
         for order in orders:
             if order["kind"] == "stop":
                 self.worker.stop()
-            elif order["kind"] == "final":
-                self.worker.give_up_lost()
+            elif order["kind"] == "over":
+                self._give_up(order["workers"])
             elif order["kind"] == "ring":
                 sock = socket.socket(fileno=order["descriptors"][0])
                 self.links.renew(self.worker, order["edge"], sock)
@@ -182,6 +183,12 @@ class Child:
                 raise ChannelClosed("this worker's stages go elsewhere")
             elif order["kind"] == "change":
                 self.change.obey(change_from_data(order["order"]))
+
+    def _give_up(self, workers: list[str]) -> None:
+        """These have come to their end: nothing is to be waited for at the other ends of their edges."""
+        assert self.worker is not None
+        assert self.links is not None
+        self.worker.give_up(rows_of(self.links.plan, workers))
 
     def _tell_change(self, status: ChangeStatus) -> None:
         with suppress(ChannelClosed):  # it is noticed where orders are read

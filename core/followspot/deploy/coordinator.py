@@ -56,7 +56,9 @@ class Coordinator:
         self.order = order
         self.name = order.run
         self._leaving = False
-        self._stop_asked = self._winding_down = False
+        self._stop_asked = False
+        self._ended: set[str] = set()
+        """Workers whose end the hosts know of."""
         self._give_up_at: float | None = None
         self._silent: dict[str, str] = {}
         """Hosts that do not answer, and what is known of that."""
@@ -175,10 +177,16 @@ class Coordinator:
                 self._end_early()
             if self._give_up_at is not None and time.monotonic() > self._give_up_at:
                 return
-            if not self._winding_down and any(worker.phase == "over" for worker in self._workers()):
-                self._winding_down = True
-                for host in self.hosts:
-                    host.wind_down()
+            if self.order.restart:
+                self._tell_ends()
+
+    def _tell_ends(self) -> None:
+        """Let all hosts know which workers have come to their end, where those that die are started again."""
+        ended = {worker.name for worker in self._workers() if worker.phase == "over"}
+        if not ended <= self._ended:
+            self._ended |= ended
+            for host in self.hosts:
+                host.ended(sorted(self._ended))
 
     def _look(self, on_progress: OnProgress | None) -> None:
         for host in self.hosts:

@@ -82,9 +82,11 @@ class FarHost:
         """End the sources."""
         self._insist("stop")
 
-    def wind_down(self) -> None:
-        """Start nobody again."""
-        self._insist("wind_down")
+    def ended(self, workers: Sequence[str]) -> None:
+        """These workers, here or elsewhere, have come to their end."""
+        assert self.order is not None
+        self.order = replace(self.order, over=tuple(workers))
+        self._insist("ended", workers=list(workers))
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a change; an agent that is started anew begins with the stages as they are then."""
@@ -154,7 +156,10 @@ class FarHost:
 
     def _refresh(self) -> None:
         status = status_from_data(self._ask("status", SILENCE, run=self.run))
-        self._status = replace(status, news=(*self._before, *status.news))
+        here = {worker.name for worker in status.workers}
+        ended = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
+        workers, news = (*status.workers, *ended), (*self._before, *status.news)
+        self._status = replace(status, workers=workers, news=news)
         self._heard = time.monotonic()
         self._fetch_log(status.logged)
         self._news.set()

@@ -32,7 +32,7 @@ class RunOrder:
     run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
     all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
     started again; detached: whether it goes on without an operator; incarnations: of workers that were
-    started before, under an agent that is gone.
+    started before, under an agent that is gone; over: workers, here or elsewhere, that have ended for good.
     """
 
     run: str
@@ -42,6 +42,7 @@ class RunOrder:
     restart: bool = False
     detached: bool = False
     incarnations: dict[str, int] = field(default_factory=dict)
+    over: tuple[str, ...] = ()
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""
@@ -114,8 +115,8 @@ class Host(Protocol):
     def stop(self) -> None:
         """End the sources; what is in flight is finished."""
 
-    def wind_down(self) -> None:
-        """Somewhere a worker has come to its end: who dies from now on is not started again."""
+    def ended(self, workers: Sequence[str]) -> None:
+        """These workers, here or elsewhere, have come to their end: nobody need wait for them."""
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a change; what becomes of it stands in the status. Raises FollowspotError."""

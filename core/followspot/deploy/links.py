@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import socket
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge
 from followspot.messages import Message
+from followspot.runtime.ledger import COLUMNS
 from followspot.runtime.worker import Worker
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortReader, PortWriter
@@ -155,6 +156,12 @@ def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
         edge.kind == "zenoh" and (worker is None or worker in (home[edge.from_stage], home[edge.to_stage]))
         for edge in plan.edges
     )
+
+
+def rows_of(plan: Plan, workers: Collection[str]) -> set[int]:
+    """Where the ledger has the edges to and from these workers."""
+    theirs = {stage.name for stage in plan.stages if stage.worker in workers}
+    return {n * COLUMNS for n, e in enumerate(plan.edges) if e.from_stage in theirs or e.to_stage in theirs}
 
 
 def ring_edges(plan: Plan) -> list[int]:

@@ -1,8 +1,10 @@
-"""When a worker counts as hanging, and how long to wait before one that died is started again."""
+"""When a worker counts as hanging, and whether and when one that died is started again."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+
+from followspot.graph.plan import Plan
 
 SILENCE = 1.5
 """Seconds without a word after which a running worker counts as hanging; they speak five times a second."""
@@ -27,6 +29,46 @@ class BackOff:
         self._row[name] = self._row[name] + 1 if in_a_row else 0
         self._died[name] = now
         return float(min(_LONGEST_WAIT, _FIRST_WAIT * 2 ** min(self._row[name], 30)))
+
+
+class Restarts:
+    """Workers that are away, and when each is to be started again."""
+
+    def __init__(self) -> None:
+        self._back_off = BackOff()
+        self._due: dict[str, float] = {}
+
+    @property
+    def waiting(self) -> tuple[str, ...]:
+        """Who is to be started."""
+        return tuple(self._due)
+
+    def after_death(self, name: str, now: float) -> float:
+        """Start it again after a while; how long that is, s. now: when it died, s."""
+        wait = self._back_off.wait(name, now)
+        self._due[name] = now + wait
+        return wait
+
+    def due(self, now: float) -> list[str]:
+        """Who is to be started now, and waits no more."""
+        names = [name for name, at in self._due.items() if at <= now]
+        for name in names:
+            del self._due[name]
+        return names
+
+    def call_off(self, name: str) -> None:
+        """Do not start it again."""
+        self._due.pop(name, None)
+
+
+def fed(plan: Plan, worker: str, over: Collection[str]) -> bool:
+    """Whether anything can still come to a worker: it has a source, or one that feeds it is not over."""
+    home = {stage.name: stage.worker for stage in plan.stages}
+    feeders = {edge.to_stage: home[edge.from_stage] for edge in plan.edges}
+    mine = [stage.name for stage in plan.stages if stage.worker == worker]
+    return any(stage not in feeders for stage in mine) or any(
+        home[edge.to_stage] == worker and home[edge.from_stage] not in {worker, *over} for edge in plan.edges
+    )
 
 
 class Pulse:

@@ -11,7 +11,7 @@ import select
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -34,6 +34,8 @@ _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 
 
+_ALL = range(sys.maxsize)
+"""Rows of all edges."""
 _bound = attrgetter("bound")
 
 
@@ -127,14 +129,18 @@ class Worker:
             outlet.forget_lost()
         self.mark(rank)
 
-    def give_up_lost(self) -> None:
-        """Who is away, or dies from now on, does not come back: its streams are over."""
+    def give_up(self, rows: Container[int]) -> None:
+        """Who is away at the other ends of these edges, or dies from now on, does not come back.
+
+        rows: of the edges in the ledger.
+        """
         for inlet in self.readers:
-            inlet.after_loss = END
-            inlet.poll()
+            if inlet.row in rows:
+                inlet.after_loss = END
+                inlet.poll()
         for cell in self.cells:
             for _, outlet in cell.outlets:
-                outlet.patient = False
+                outlet.patient &= not any(row in rows for group in outlet.rows for row in group)
             self.mark(cell.rank)
 
     def stop(self) -> None:
@@ -302,7 +308,7 @@ class Worker:
 
     def _stop_sources(self) -> None:
         self._stopping = False
-        self.give_up_lost()
+        self.give_up(_ALL)
         for source in self.sources:
             if not source.done:
                 source.stop()

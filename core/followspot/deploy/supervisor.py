@@ -1,0 +1,152 @@
+"""Looks after the workers of a host: lets them begin, kills those that hang, starts those that died."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from followspot.deploy.changes.move_order import MoveOrder
+from followspot.deploy.clocks.host import HostClock
+from followspot.deploy.crew import Crew
+from followspot.deploy.log.record import Level
+from followspot.deploy.report import WorkerReport
+from followspot.deploy.supervision import Pulse, Restarts, fed
+from followspot.deploy.worker_process import WorkerProcess
+
+_GRACE = 15.0
+"""Seconds that workers have to drain after a stop before they are killed."""
+_SNAPSHOT_PERIOD = 1.0
+"""Seconds between two pictures of the state of a worker's stages, where workers are restarted."""
+
+
+class Supervisor:
+    """Decides what becomes of each worker of a crew.
+
+    clock: what workers that are started are told of it; tell: gets news and errors, and whose they are.
+    """
+
+    def __init__(self, crew: Crew, clock: HostClock, tell: Callable[[Level, str, str], None]) -> None:
+        self._crew = crew
+        self._clock = clock
+        self._tell = tell
+        self._running = self._stopping = False
+        self._left: set[str] = set()
+        """Workers that have left their place, or are about to, until the crew is rearranged."""
+        self._snapshot_at = 0.0
+        self._kill_at: float | None = None
+        self._pulse = Pulse()
+        self._restarts = Restarts()
+
+    def prepare(self) -> None:
+        """Start all that have not come to their end before. Raises OSError."""
+        for name in self._crew.names():
+            if name not in self._crew.over:
+                incarnation = self._crew.order.incarnations.get(name, 0)
+                self._crew.spawn(name, incarnation, self._clock.correction())
+
+    def start(self) -> None:
+        """Let all begin at once."""
+        self._running = True
+        for worker in self._crew.workers.values():
+            if worker.phase == "ready":  # else it begins when it is
+                self._crew.begin(worker)
+
+    def stop(self) -> None:
+        """Ask all to finish what is in flight; once."""
+        if self._stopping:
+            return
+        self._stopping = True
+        self._kill_at = time.monotonic() + _GRACE
+        self._crew.tell("stop")
+        for name in {*self._restarts.waiting, *self._left}:
+            self._give_up(self._crew.workers[name], error="")
+
+    def look(self, now: float) -> None:
+        """See what has become of the workers, and do what is to be done. now: the time, s."""
+        for worker in tuple(self._crew.workers.values()):
+            self._see_to(worker, now)
+        if self._at_work():
+            self._kill_silent(now)
+            for name in self._restarts.due(now):
+                self._spawn_again(name, self._crew.workers[name].incarnation + 1)
+            if now >= self._snapshot_at:
+                self._snapshot_at = now + _SNAPSHOT_PERIOD
+                self._ask_for_states()
+        if self._kill_at is not None and now > self._kill_at:
+            self._kill_at = None
+            for worker in self._crew.workers.values():
+                if worker.busy:
+                    worker.process.kill()
+
+    def rearrange(self, order: MoveOrder) -> None:
+        """Let workers leave, or let all take the places that a plan gives them."""
+        self._left.update(order.leaving)
+        for name in order.leaving:
+            self._crew.workers[name].tell("leave")
+        if order.plan is None:
+            return
+        later = 1 + max((worker.incarnation for worker in self._crew.workers.values()), default=0)
+        for name in self._crew.rearrange(order.plan, order.states, self._left):
+            self._spawn_again(name, later)
+        self._left.clear()
+
+    def _at_work(self) -> bool:
+        """Whether workers that die are started again."""
+        return self._crew.order.restart and self._running and not self._stopping
+
+    def _see_to(self, worker: WorkerProcess, now: float) -> None:
+        """Let a worker that was started again begin; notice one that has reported, or died."""
+        if worker.phase == "ready" and self._running:
+            self._crew.join(worker)
+            self._tell("info", f"worker {worker.name} is back", worker.name)
+        if worker.phase in ("over", "absent") or worker.busy:
+            return
+        report = worker.report
+        failed_again = report is not None and bool(report.error) and worker.incarnation and worker.fired == 0
+        if report is not None and not failed_again:
+            worker.phase = "over"
+            if report.error:
+                self._tell("error", report.error, worker.name)
+            return
+        if report is None and worker.process.poll() is None:
+            worker.process.kill()
+        self._died(worker, worker.obituary() if report is None else report.error, now)
+
+    def _died(self, worker: WorkerProcess, why: str, now: float) -> None:
+        """Start it again after a while, unless nothing would come to it any more."""
+        if not (self._at_work() and fed(self._crew.plan, worker.name, self._crew.over)):
+            called_off = self._stopping and self._crew.order.restart
+            self._give_up(worker, error="" if called_off else why)
+            return
+        worker.phase = "absent"
+        if worker.name not in self._left:
+            wait = self._restarts.after_death(worker.name, now)
+            self._tell("warning", f"{why}; it is started again in {wait:.1f} s", worker.name)
+
+    def _give_up(self, worker: WorkerProcess, error: str) -> None:
+        """The worker has ended without a report, for good."""
+        self._restarts.call_off(worker.name)
+        worker.phase = "over"
+        if error:
+            self._tell("error", error, worker.name)
+        warnings = () if error else (f"worker {worker.name} was not there at the end",)
+        worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error)
+
+    def _kill_silent(self, now: float) -> None:
+        """Those that hang."""
+        workers = self._crew.workers
+        for name in self._pulse.silent({w.name: w.heard for w in workers.values()}, now):
+            worker = workers[name]
+            if worker.phase == "running" and worker.busy:
+                line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
+                self._tell("warning", line, name)
+                worker.process.kill()
+                worker.heard = now
+
+    def _ask_for_states(self) -> None:
+        for worker in self._crew.workers.values():
+            if worker.phase == "running":
+                worker.tell("snapshot")
+
+    def _spawn_again(self, name: str, incarnation: int) -> None:
+        self._crew.spawn(name, incarnation, self._clock.correction(), again=True)
