@@ -83,7 +83,7 @@ class Bridge(Stage):
     def doubtful(self, positions: Positions, forecast: Forecast | None) -> Array:
         """Positions that no pair supports, or a lone poor one far from the forecast: (M,) bool."""
         poor = (positions.support == 1) & ~positions.evident
-        if forecast is None or not (poor | (positions.support == 0)).any():
+        if forecast is None or not len(forecast.state) or not (poor | (positions.support == 0)).any():
             return np.zeros(len(positions.target), bool)
         known = np.where(
             np.isfinite(positions.covariance), positions.covariance, self.params.lone**2 * np.eye(3)

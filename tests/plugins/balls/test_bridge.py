@@ -109,6 +109,12 @@ def test_without_forecast_nothing_is_bridged(forecast: Forecast | None) -> None:
     assert bridged(NOBODY, seen_in("cam0", PLACE), forecast) is NOBODY
 
 
+@pytest.mark.parametrize("forecast", [None, Forecast.empty()])
+def test_the_first_frame_may_find_a_target_by_one_poor_pair(forecast: Forecast | None) -> None:
+    poor = positions_at({0: PLACE}, 0.0, support=1, evident=False)
+    assert bridged(poor, seen_in("cam0", PLACE), forecast) is poor
+
+
 def test_the_derivatives_of_images_are_those_of_differences() -> None:
     P = np.array([c.projection for c in ROOM.cameras.values()])
     place = np.tile([0.2, -0.3, 0.9], (len(P), 1, 1))
