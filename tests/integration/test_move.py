@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from hosts import near_agent
+from hosts import free_port, near_agent
 from running import Finished, balanced, finish, start, wait_until, write_graph
 
 from followspot.deploy.changes.change import move
@@ -47,27 +47,39 @@ def values(out: Path) -> list[int]:
     return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
 
 
-def test_a_stage_goes_to_another_worker_with_its_state_and_back(tmp_path: Path) -> None:
+def test_a_stage_goes_to_another_worker_and_to_a_host_that_had_no_part_with_its_state(tmp_path: Path) -> None:
     (tmp_path / "near.yaml").write_text(NEAR)
     out = tmp_path / "out"
-    process = start(write_graph(tmp_path, STAGES), out, "--placement", str(tmp_path / "near.yaml"))
+    desk = f"tcp/127.0.0.1:{free_port()}"
+    options = ("--placement", str(tmp_path / "near.yaml"), "--listen", desk)
+    process = start(write_graph(tmp_path, STAGES), out, *options)
     name = str(process.pid)
+    agent = near_agent("pc-right", tmp_path, "--connect", desk)
     try:
         assert wait_until(lambda: len(values(out)) > 100, PATIENCE)
-        with pytest.raises(FollowspotError, match='no worker or host "three"'):
+        with pytest.raises(FollowspotError, match="workers and hosts: one, pc-right, two"):
             move(name, ["b"], "three")
         report = move(name, ["b"], "two")
         assert (report.stages, report.worker, report.anew) == (("b",), "two", ("one", "two"))
         assert wait_until(lambda: len(values(out)) > 10, PATIENCE)
         assert values(out)[0] > 100, "it counts on"
+        report = move(name, ["b"], "pc-right")
+        assert (report.worker, report.host, report.anew) == (
+            "pc-right",
+            "pc-right",
+            ("one", "pc-right", "two"),
+        )
+        assert wait_until(lambda: values(out)[:1] > [110] and len(values(out)) > 10, PATIENCE), "it counts on"
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
     finally:
         process.kill()
+        agent.process.kill()
+        agent.process.communicate()
     assert finished.code == 0, finished.errors
     assert balanced(finished.summary)
     kinds = {edge["to"]: edge["kind"] for edge in finished.summary["edges"]}
-    assert kinds == {"b.number": "ring", "save.number": "reference"}
+    assert kinds == {"b.number": "zenoh", "save.number": "zenoh"}
 
 
 @pytest.mark.thorough

@@ -15,7 +15,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         metavar="[GRAPH] STAGE PLACE",
         help="the graph, or the beginning of the run's name, where several run; a stage of the graph file or "
-        "one of its instances; a worker or a host of the run",
+        "one of its instances; a worker of the run, or a host in reach of it",
     )
     parser.add_argument("--json", action="store_true", help="print what was moved as one JSON object")
     add_network_options(parser)
@@ -41,7 +41,7 @@ def _run(args: argparse.Namespace) -> int:
 
 COMMAND = Command(
     "move",
-    """bring a stage of a live run to another worker or host of the run
+    """bring a stage of a live run to another worker of the run, or to a host with an agent in reach of it
 
   followspot move glowballs camera/cam3 pc-right
   followspot move fuse main                                  the only run there is

@@ -11,7 +11,7 @@ from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.local import OnProgress
-from followspot.deploy.reach import operating, reached
+from followspot.deploy.reach import Agents, operating, reached
 from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
 from followspot.errors import FollowspotError
@@ -43,30 +43,30 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
             f"workers without a host cannot be left alone: {', '.join(here)}; give them one with --host NAME"
         )
     order = order_of(plan, options, restart=True, detached=True)
-    with reached(plan, network, media) as hosts:
+    with reached(plan, network, media) as (hosts, _):
         coordinator = Coordinator(plan, hosts, order)
         if not coordinator.begin():
             report = coordinator.watch()
             for host in hosts:
                 host.close()
             raise FollowspotError("the run did not begin\n" + "\n".join(report.errors))
-        for host in hosts:
-            if isinstance(host, FarHost):
-                host.leave()
+        _let_go(coordinator)
     return order.run
 
 
 def found(asker: Asker) -> list[Found]:
     """All runs of all agents in reach, the newest of each agent last."""
-    hosts: dict[str, list[str]] = {}
-    parts: dict[str, Mapping[str, object]] = {}
+    parts: dict[str, dict[str, Mapping[str, object]]] = {}
     for agent in sorted(agents(asker.session)):
         for part in asker.ask(agent, "runs"):
-            hosts.setdefault(part["run"], []).append(agent)
-            parts[part["run"]] = part
-    return [
-        Found(run, str(part["graph"]), tuple(hosts[run]), bool(part["over"])) for run, part in parts.items()
-    ]
+            parts.setdefault(part["run"], {})[agent] = part
+    return [_found(run, hosts) for run, hosts in parts.items()]
+
+
+def _found(run: str, hosts: Mapping[str, Mapping[str, object]]) -> Found:
+    """A run from what each of its hosts says of it."""
+    graph, *_ = (str(part["graph"]) for part in hosts.values())
+    return Found(run, graph, tuple(hosts), all(part["over"] for part in hosts.values()))
 
 
 def chosen(runs: Sequence[Found], wanted: str | None) -> Found:
@@ -106,16 +106,23 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
         run = chosen(found(asker), wanted)
         orders = {name: _order(asker, name, run.run) for name in run.hosts}
         hosts = [FarHost(asker, name, order=order) for name, order in orders.items()]
+        coordinator = Coordinator(_whole(orders), hosts, orders[run.hosts[0]], others=Agents(asker))
         try:
             for host in hosts:
                 host.watch()
-            yield Attachment(run, Coordinator(_whole(orders), hosts, orders[run.hosts[0]]))
-            if all(host.status().all("over") for host in hosts):
-                for host in hosts:
-                    host.close()
+            yield Attachment(run, coordinator)
+            if all(host.status().all("over") for host in coordinator.hosts):
+                for every in coordinator.hosts:
+                    every.close()
         finally:
-            for host in hosts:
-                host.leave()
+            _let_go(coordinator)
+
+
+def _let_go(coordinator: Coordinator) -> None:
+    """Ask the hosts no more; the run goes on."""
+    for host in coordinator.hosts:
+        if isinstance(host, FarHost):
+            host.leave()
 
 
 def _whole(orders: Mapping[str, RunOrder]) -> Plan:

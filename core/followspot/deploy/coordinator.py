@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from threading import Lock
@@ -12,7 +12,8 @@ from threading import Lock
 from followspot.deploy.changes.changed import Changed, Moved, changed, with_change
 from followspot.deploy.changes.move import move_hosts
 from followspot.deploy.changes.on_hosts import change_hosts
-from followspot.deploy.host import Host, HostLost, RunOrder, WorkerStatus
+from followspot.deploy.clocks.host import reference
+from followspot.deploy.host import Host, HostLost, Others, RunOrder, WorkerStatus
 from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.log.merged import MergedLog
 from followspot.deploy.log.record import Level, LogPage
@@ -35,7 +36,8 @@ _GRACE = 20.0
 def order_of(plan: Plan, options: RunOptions, *, restart: bool, detached: bool = False) -> RunOrder:
     """A new order. restart: whether workers that die are started again; detached: see `RunOrder`."""
     out = str(options.out.resolve())
-    return RunOrder(uuid.uuid4().hex, plan_to_data(plan), options.frames, out, restart, detached)
+    shipped, by = plan_to_data(plan), reference(plan)
+    return RunOrder(uuid.uuid4().hex, shipped, options.frames, out, restart, detached, reference=by)
 
 
 class Coordinator:
@@ -47,10 +49,15 @@ class Coordinator:
         hosts: Sequence[Host],
         order: RunOrder,
         on_log: OnLog | None = None,
+        others: Others | None = None,
     ) -> None:
-        """hosts: every host that the plan names; order: what they were, or are to be, told."""
+        """hosts: every host that the plan names; order: what they were, or are to be, told.
+
+        others: those that may join while it runs; None for a run without a network.
+        """
         self.plan = plan
-        self.hosts = tuple(hosts)
+        self.hosts = list(hosts)
+        self._others = others
         self.stopped = False
         self.log = MergedLog(hosts, on_log)
         self.order = order
@@ -136,12 +143,24 @@ class Coordinator:
         """
         with self._one_change:
             self._check_begun()
-            new = moved(self.plan, names, place)
+            new = moved(self.plan, names, place, self._others.names() if self._others else ())
             report = Moved.of(self.name, self.plan, new)
             if report.stages:
+                self._join({worker.host for worker in new.workers} - {host.name for host in self.hosts})
                 move_hosts(self.plan, new, self.hosts)
                 self.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
             return report
+
+    def _join(self, names: Iterable[str]) -> None:
+        """Let hosts take part in the run, with no workers yet. Raises FollowspotError where one refuses."""
+        for name in names:
+            assert self._others is not None
+            host = self._others.host(name)
+            host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}))
+            host.start()
+            self.order = replace(self.order, reference=self.order.reference or name)
+            self.hosts.append(host)
+            self.log.join(host)
 
     def _check_begun(self) -> None:
         if self._beginning:

@@ -6,7 +6,7 @@ or comes later, has nothing to catch up on.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, Protocol
 
@@ -32,7 +32,9 @@ class RunOrder:
     run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
     all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
     started again; detached: whether it goes on without an operator; incarnations: of workers that were
-    started before, under an agent that is gone; over: workers, here or elsewhere, that have ended for good.
+    started before, under an agent that is gone; over: workers, here or elsewhere, that have ended for good;
+    reference: host by whose clock the run goes, whoever joins or leaves later, "" where it began without any
+    that has an agent.
     """
 
     run: str
@@ -43,6 +45,7 @@ class RunOrder:
     detached: bool = False
     incarnations: dict[str, int] = field(default_factory=dict)
     over: tuple[str, ...] = ()
+    reference: str = ""
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""
@@ -138,6 +141,16 @@ class Host(Protocol):
 
     def close(self) -> None:
         """Leave nothing behind: what still lives is killed."""
+
+
+class Others(Protocol):
+    """Hosts in reach of a run that have no part in it yet."""
+
+    def names(self) -> Collection[str]:
+        """Of all hosts whose agents are there."""
+
+    def host(self, name: str) -> Host:
+        """One of them, to be prepared."""
 
 
 _ORDER: pydantic.TypeAdapter[RunOrder] = pydantic.TypeAdapter(RunOrder)

@@ -140,6 +140,7 @@ class HostRun:
                 self._change.died(worker.name)
         while self._moves:
             self.supervisor.rearrange(self._moves.popleft())
+            self._follow_clock()
         self._attend_clock()
 
     def status(self) -> HostStatus:
@@ -165,8 +166,8 @@ class HostRun:
             self.crew.close()
 
     def _follow_clock(self) -> None:
-        """Go by the clock of the plan's first host with an agent, which may only have come with a move."""
-        if (host := reference(self.plan)) not in ("", self.name):
+        """Go by the clock of the reference, which may only have come with a move."""
+        if (host := self.order.reference or reference(self.plan)) not in ("", self.name):
             self.clock.follow(host)
 
     def _attend_clock(self) -> None:

@@ -54,9 +54,9 @@ def run_plan(
     if network.public or any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
-        with reached(plan, network, media) as hosts:
+        with reached(plan, network, media) as (hosts, others):
             around = Surroundings(options.out, network)
-            return _changeable(Coordinator(plan, hosts, order, on_log), on_progress, around)
+            return _changeable(Coordinator(plan, hosts, order, on_log, others), on_progress, around)
     if len(plan.workers) == 1:
         return _changeable(LocalRun(plan, options, on_log), on_progress, Surroundings(options.out))
     coordinator = Coordinator(plan, [HostRun("")], order, on_log)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
 import zenoh
 
 from followspot.deploy.clocks.host import HostClock
 from followspot.deploy.far_host import FarHost
-from followspot.deploy.host import Host
+from followspot.deploy.host import Host, Others
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.requests import Asker, agents
 from followspot.errors import InputError, Mistake
@@ -33,9 +34,25 @@ def operating(network: Network) -> Iterator[zenoh.Session]:
         session.close()  # type: ignore[no-untyped-call]
 
 
+@dataclass(frozen=True)
+class Agents:
+    """`Others` that a session leads to. media: folder here whose files they have below their own."""
+
+    asker: Asker
+    media: Path = Path()
+
+    def names(self) -> Collection[str]:
+        """Of all agents that are there."""
+        return agents(self.asker.session)
+
+    def host(self, name: str) -> FarHost:
+        """One of them."""
+        return FarHost(self.asker, name, self.media)
+
+
 @contextmanager
-def reached(plan: Plan, network: Network, media: Path) -> Iterator[Sequence[Host]]:
-    """The hosts of a plan: this one where it has workers, and agents for the others.
+def reached(plan: Plan, network: Network, media: Path) -> Iterator[tuple[Sequence[Host], Others]]:
+    """The hosts of a plan: this one, and agents for the others; and whoever else there is.
 
     media: folder here whose files agents have below their own. Raises InputError where an agent is missing.
     """
@@ -43,9 +60,9 @@ def reached(plan: Plan, network: Network, media: Path) -> Iterator[Sequence[Host
     with operating(network) as session:
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
-        asker = Asker(session, network.own)
-        near = HostRun("", network, hub, HostClock(asker))
-        yield [FarHost(asker, name, media) if name else near for name in names]
+        others = Agents(Asker(session, network.own), media)
+        near = HostRun("", network, hub, HostClock(others.asker))
+        yield [others.host(name) if name else near for name in names], others
 
 
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:

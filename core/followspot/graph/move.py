@@ -8,12 +8,14 @@ from dataclasses import replace
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedWorker
 
+_ALONE = "; another host joins only a run that was begun with agents, --listen or --router"
 
-def moved(plan: Plan, names: Sequence[str], place: str) -> Plan:
+
+def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] = ()) -> Plan:
     """The plan with these stages in another worker. Raises InputError.
 
     names: stages of the graph file or instances of them; place: a worker, or a host, where the first worker
-    takes them.
+    takes them; others: hosts in reach that have no worker yet, and get one of their name.
     """
     known = {name for stage in plan.stages for name in (stage.group, stage.name)}
     mistakes = [
@@ -21,11 +23,13 @@ def moved(plan: Plan, names: Sequence[str], place: str) -> Plan:
         for name in names
         if name not in known
     ]
-    worker = next((w.name for w in plan.workers if place in (w.name, w.host)), None)
+    worker = next((w for w in plan.workers if place in (w.name, w.host)), None)
+    if worker is None and place in others:
+        worker = PlannedWorker(place, place)
     if worker is None:
-        places = {name for w in plan.workers for name in (w.name, w.host) if name}
-        remedy = did_you_mean(place, places, "workers and hosts")
-        mistakes.append(Mistake(None, f'the run has no worker or host "{place}"', remedy))
+        places = {name for w in plan.workers for name in (w.name, w.host) if name} | set(others)
+        remedy = did_you_mean(place, places, "workers and hosts") + ("" if others else _ALONE)
+        mistakes.append(Mistake(None, f'there is no worker or host "{place}" in reach of the run', remedy))
     if not plan.live:
         remedy = "stop it and run it with another --placement"
         mistakes.append(Mistake(None, "stages move in live runs only: a replay would lose messages", remedy))
@@ -47,11 +51,11 @@ def anew(old: Plan, new: Plan) -> set[str]:
     return found
 
 
-def _arranged(plan: Plan, going: Collection[str], worker: str) -> Plan:
+def _arranged(plan: Plan, going: Collection[str], worker: PlannedWorker) -> Plan:
     """The plan with these instances in this worker; workers without stages are gone."""
-    stages = tuple(replace(s, worker=worker) if s.name in going else s for s in plan.stages)
+    stages = tuple(replace(s, worker=worker.name) if s.name in going else s for s in plan.stages)
     kept = {stage.worker for stage in stages}
-    workers = tuple(w for w in plan.workers if w.name in kept)
+    workers = tuple(w for w in dict.fromkeys((*plan.workers, worker)) if w.name in kept)
     homes = {stage.name: stage.worker for stage in stages}
     hosts = {w.name: w.host for w in workers}
     edges = tuple(

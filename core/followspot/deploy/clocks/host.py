@@ -44,8 +44,8 @@ class HostClock:
         self._told = (0, 0)
 
     def follow(self, host: str) -> None:
-        """Compare with this host: a few times now, then until `close`."""
-        if self._asker is None:
+        """Compare with this host: a few times now, then until `close`. Who follows one follows no other."""
+        if self._asker is None or self._reference:
             return
         self._reference = host
         for _ in range(_FIRST):

@@ -25,6 +25,11 @@ class MergedLog(RunLog):
         self._taken = [(host, [-1]) for host in hosts]
         self._gathering = Lock()
 
+    def join(self, host: Logging) -> None:
+        """Take the records of one more host."""
+        with self._gathering:
+            self._taken.append((host, [-1]))
+
     def gather(self) -> None:
         """Take what is new; safe from any thread."""
         with self._gathering:
