@@ -136,8 +136,8 @@ class HostRun:
             self._changed(name, answer)
         self.supervisor.look(time.monotonic())
         for worker in self.workers.values():
-            if not worker.busy:
-                self._change.died(worker.name)
+            if not worker.busy and self._change.died(worker.name):
+                self.crew.change(self._change.parts[worker.name].stages)
         while self._moves:
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()

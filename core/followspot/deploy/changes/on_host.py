@@ -43,10 +43,18 @@ class HostChange:
         self._answers[worker] = answer
         return answer.phase == "done"
 
-    def died(self, worker: str) -> None:
-        """A worker has ended or died; it answers no more."""
-        if self.order is not None and worker in self.parts and not self._answered(worker):
-            self._answers[worker] = ChangeStatus(self.order.id, "failed", f"worker {worker} has ended")
+    def died(self, worker: str) -> bool:
+        """A worker has ended or died; it answers no more. Whether it is to come back with its successors.
+
+        It is where it was told to let them take over: those of other workers may have done so.
+        """
+        if self.order is None or worker not in self.parts or self._answered(worker):
+            return False
+        if self.order.step == "take_over":
+            self._answers[worker] = ChangeStatus(self.order.id, "done")
+            return True
+        self._answers[worker] = ChangeStatus(self.order.id, "failed", f"worker {worker} has ended")
+        return False
 
     def status(self) -> ChangeStatus:
         """Of all workers together."""
