@@ -12,7 +12,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from followspot.errors import FollowspotError
 from followspot_page.feed import Feed
 
-Change = Callable[[str], Awaitable[str]]
+Do = Callable[[str], Awaitable[str]]
 """Does what a browser asks for and says what was done. Raises FollowspotError where it cannot be."""
 _PATIENCE = 30.0
 """Seconds that a browser may take for one thing before it is let go."""
@@ -23,10 +23,10 @@ _WAITING = 8
 class Browser:
     """Serves one WebSocket."""
 
-    def __init__(self, socket: WebSocket, feed: Feed, change: Change) -> None:
+    def __init__(self, socket: WebSocket, feed: Feed, do: Do) -> None:
         self._socket = socket
         self._feed = feed
-        self._change = change
+        self._do = do
         self._changed = asyncio.Event()
         self._answers: deque[str] = deque(maxlen=_WAITING)
 
@@ -47,10 +47,10 @@ class Browser:
         """Do what the browser asks for, one thing after the other, until it leaves."""
         while (said := await self._socket.receive())["type"] != "websocket.disconnect":
             try:
-                answer = {"text": await self._change(said.get("text") or ""), "ok": True}
+                answer = {"text": await self._do(said.get("text") or ""), "ok": True}
             except FollowspotError as error:
                 answer = {"text": str(error), "ok": False}
-            self._answers.append(json.dumps({"type": "answer", **answer}))
+            self._answers.append(json.dumps({"type": "answer", "to": said.get("text"), **answer}))
             self._changed.set()
 
     async def _send(self) -> None:

@@ -5,11 +5,13 @@ A browser sends words, not data: they are checked here, and what they ask for is
 
 from __future__ import annotations
 
-import json
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any, get_args
+
+import pydantic
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedStage
@@ -34,18 +36,39 @@ def forms(plan: Plan) -> dict[str, dict[str, Any]]:
     return found
 
 
-def words_of(text: str, plan: Plan) -> list[str]:
-    """The change that a browser asks for: `{"stage": ..., "key": ..., "value": ...}`, key "" to swap.
+@dataclass(frozen=True)
+class Change:
+    """A parameter to be set, or with the key "" a stage to take the place of one."""
 
-    Raises FollowspotError where it is none, or may not be asked for from a browser.
-    """
+    stage: str
+    key: str
+    value: str
+
+
+@dataclass(frozen=True)
+class Record:
+    """A recording to be begun or ended. ports: as `--record-ports` takes them, "" for all."""
+
+    on: bool
+    ports: str = ""
+
+
+_WISH: pydantic.TypeAdapter[Change | Record] = pydantic.TypeAdapter(
+    Change | Record, config=pydantic.ConfigDict(strict=True)
+)
+
+
+def wish_of(text: str) -> Change | Record:
+    """What a browser asks for, in JSON. Raises FollowspotError."""
     try:
-        asked = json.loads(text)
-        stage, key, value = (asked[name] for name in ("stage", "key", "value"))
-    except (ValueError, KeyError, TypeError, RecursionError):
-        raise FollowspotError("this is no change") from None
-    if not (isinstance(stage, str) and isinstance(key, str) and isinstance(value, str)):
-        raise FollowspotError("this is no change")
+        return _WISH.validate_json(text)
+    except (ValueError, RecursionError):
+        raise FollowspotError("this is nothing that can be asked for") from None
+
+
+def words_of(change: Change, plan: Plan) -> list[str]:
+    """A change as `followspot set` and `swap` take it. Raises FollowspotError where it may not be."""
+    stage, key, value = change.stage, change.key, change.value
     allowed = forms(plan).get(stage, {"parameters": [], "alternatives": []})
     if key and key in {parameter["name"] for parameter in allowed["parameters"]}:
         return [f"{stage}.{key}={value}"]

@@ -17,109 +17,20 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.websockets import WebSocket
 
-from followspot.deploy.changes.changed import Changed
-from followspot.deploy.reachable import RunHere
-from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
-from followspot_dashboard.gate import Gate, make_gate
+from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
-from followspot_page.browser import Browser
-from followspot_page.changing import forms, words_of
-from followspot_page.far import FarPreviews
-from followspot_page.feed import Feed, Listener, Previews
+from followspot_page.feed import Listener
 from followspot_page.follow import Sight, far_previews, follow, found, plan_of
-from followspot_page.scene import scene
-from followspot_watch.picture_of_run import RunPicture
+from followspot_page.page import MAX_BROWSERS, Page
 
 STATIC = Path(__file__).parent / "static"
-MAX_BROWSERS = 16
 MAX_HEARD = 1024
 """Longest message taken from a browser, bytes: a change."""
-_PATIENCE = 60.0
-"""Seconds that a change may take: a stage is built beside the one that works."""
-
-
-class Page:
-    """What the page's process knows, and who looks on."""
-
-    def __init__(self, plan: Plan, gate: Gate) -> None:
-        self.plan = plan
-        self.ask: RunHere | None = None
-        """The run that may be changed from here; None where the page only shows."""
-        self.gate = gate
-        self.far: FarPreviews | None = None
-        """Previews from other hosts; None where the run has none."""
-        self.feed = Feed()
-        self.run = RunPicture(plan)
-        self.targets = metrics.Targets(plan.room)
-        self.previews = Previews(self.feed, plan.room, self.targets.take)
-        self.browsers = 0
-        self.show(plan)
-
-    def show(self, plan: Plan) -> None:
-        """The plan as it is now; browsers are told where it differs."""
-        self.plan = self.run.plan = plan
-        scene = json.dumps({"type": "scene", **self.about()})
-        if self.feed.newest("scene") != scene:
-            self.feed.put("scene", scene)
-
-    def about(self) -> dict[str, Any]:
-        """What does not change during a run."""
-        return {
-            "graph": self.plan.graph,
-            "room": scene(self.plan.room),
-            "stages": [
-                {"name": s.name, "group": s.group, "uses": s.uses, "params": dict(s.params)}
-                for s in self.plan.stages
-            ],
-            "forms": forms(self.plan) if self.ask else {},
-        }
-
-    async def allow_changes(self, run: RunHere) -> None:
-        """Let browsers ask for changes, as soon as it is known which there can be."""
-        await asyncio.to_thread(forms, self.plan)  # imports every stage that could take another's place
-        self.ask = run
-        self.show(self.plan)
-
-    async def change(self, text: str) -> str:
-        """What a browser asks for. Raises FollowspotError where it may not be, or cannot."""
-        if self.ask is None:
-            raise FollowspotError("this page only shows: it is open to other computers")
-        words = words_of(text, self.plan)
-        given = {"words": words, "folder": str(Path.cwd())}
-        answer = Changed.from_data(await asyncio.to_thread(self.ask.ask, "change", _PATIENCE, **given))
-        self.show(await plan_of(self.ask))
-        return "; ".join(stage.text for stage in answer.stages) or "it is so already"
-
-    def take_status(self, status: RunStatus) -> None:
-        """How the run is now."""
-        self.run.take(status)
-        self.feed.put("run", json.dumps(self.run.data()))
-
-    async def look(self, socket: WebSocket) -> None:
-        """Serve one browser until it leaves, or does not take what it is sent."""
-        if self.browsers >= MAX_BROWSERS:
-            await socket.close(1013)
-            return
-        await socket.accept()
-        self._count(1)
-        try:
-            await Browser(socket, self.feed, self.change).serve()
-        finally:
-            self._count(-1)
-
-    def _count(self, change: int) -> None:
-        self.browsers += change
-        watched = self.browsers > 0
-        self.gate.watched = watched
-        if self.far is not None:
-            self.far.watch(watched=watched)
 
 
 def application(page: Page) -> Starlette:
@@ -174,7 +85,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
             waiting.cancel()
             return
         run = waiting.result()
-        page = Page(await plan_of(run), make_gate(folder))
+        page = Page(await plan_of(run), make_gate(folder), folder)
         listener = Listener(folder / SOCKET, page.previews.take)
         page.far = await far_previews(run, page.previews.take_from)
         sight = Sight(run, folder, rate, page.far)
@@ -188,6 +99,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         server.should_exit = True
         await serving
         following.cancel()
+        await page.button.close()
         listener.close()
         if page.far is not None:
             page.far.close()

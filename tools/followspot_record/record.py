@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from followspot.cli.graph_options import plan_of
@@ -40,6 +41,24 @@ class Target:
     metadata: Mapping[str, str]
     attachments: Mapping[str, str]
 
+    def sink_params(self, port: str, *, first: bool) -> dict[str, Any]:
+        """Of the sink of one port, validated, in JSON types; the first one brings what the file embeds."""
+        embedded = {"metadata": dict(self.metadata), "attachments": dict(self.attachments)} if first else {}
+        given = {**self.params, "path": str(self.path), "port": port, **embedded}
+        return load_stage(SINK).Params(**given).model_dump(mode="json")
+
+
+def target_of(
+    plan: Plan,
+    names: Sequence[str],
+    path: Path,
+    params: Mapping[str, Any] = MappingProxyType({}),
+    files: Mapping[str, str] = MappingProxyType({}),
+) -> Target:
+    """A recording of these ports of a plan. files: to be embedded besides, by name."""
+    attachments = {PLAN: json.dumps(plan_to_data(plan)), **files}
+    return Target(path, params, _metadata(plan, names), attachments)
+
 
 def record_command(args: argparse.Namespace) -> int:
     """Run and record. Returns the exit code."""
@@ -55,8 +74,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
         raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
     names = chosen(args.record_ports, output_ports(plan), "--record-ports")
     params = {"pictures": args.record_pictures, "compression": args.record_compression}
-    attachments = {PLAN: json.dumps(plan_to_data(plan))} | _files(args)
-    return with_recording(plan, names, Target(path, params, _metadata(plan, names), attachments))
+    return with_recording(plan, names, target_of(plan, names, path, params, _files(args)))
 
 
 def _unsuitable(path: Path) -> str:
@@ -79,7 +97,7 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
         stage, _, port = name.rpartition(".")
         sink = _free(f"{WORKER}-{name.replace('/', '-').replace('.', '-')}", taken)
         taken.add(sink)
-        params = _sink_params(target, name, first=not stages)
+        params = target.sink_params(name, first=not stages)
         stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
         kind: EdgeKind = "zenoh" if home[stage] else "ring"
         edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=depths[stage]))
@@ -100,13 +118,6 @@ def _depth(plan: Plan, stage: PlannedStage) -> int:
         return most
     width, height = plan.room.cameras[stage.camera].size
     return min(most, max(fewest, _BACKLOG // (3 * width * height)))
-
-
-def _sink_params(target: Target, port: str, *, first: bool) -> dict[str, Any]:
-    """Validated, in JSON types; the first sink brings what the file embeds."""
-    embedded = {"metadata": dict(target.metadata), "attachments": dict(target.attachments)} if first else {}
-    given = {**target.params, "path": str(target.path), "port": port, **embedded}
-    return load_stage(SINK).Params(**given).model_dump(mode="json")
 
 
 def _free(name: str, taken: set[str]) -> str:

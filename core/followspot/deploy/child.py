@@ -85,6 +85,8 @@ class Child:
             error = str(failure)
         finally:
             self.over.set()
+            if self.taps is not None:
+                self.taps.close()
             if self.worker is not None:
                 self.worker.close()
             if self.links is not None:

@@ -24,7 +24,7 @@ from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.succession import Successor, given_up, prepared, take_over
-from followspot.runtime.tapping import Tapping, tap
+from followspot.runtime.tapping import Tapping, close_taps, tap
 from followspot.runtime.wiring import RunOptions, Wiring, build_worker
 from followspot.runtime.worker import Progress
 
@@ -113,6 +113,7 @@ class LocalRun:
             error = str(failure)
         finally:
             self._over.set()
+            close_taps(self.worker)
             self.worker.close()
             self.links.close()
         seconds = time.monotonic() - started

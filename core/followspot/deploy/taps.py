@@ -6,7 +6,7 @@ import threading
 from collections.abc import Callable, Iterable
 
 from followspot.deploy.links import EdgeLinks
-from followspot.runtime.tapping import Tapping, tap
+from followspot.runtime.tapping import Tapping, close_taps, tap
 from followspot.runtime.worker import Worker
 from followspot.stage import Post
 from followspot.transport.keys import look_key
@@ -24,13 +24,22 @@ class WorkerTaps:
         self._links = links
         self._warn = warn
         self._one = threading.Lock()
+        self._over = False
 
     def place(self, tappings: Iterable[Tapping]) -> None:
         """Begin to look; whoever calls does not wait for it."""
         threading.Thread(target=self._place, args=(tuple(tappings),), name="taps", daemon=True).start()
 
+    def close(self) -> None:
+        """Look no more."""
+        with self._one:
+            self._over = True
+            close_taps(self._worker)
+
     def _place(self, tappings: Iterable[Tapping]) -> None:
         with self._one:
+            if self._over:
+                return
             try:
                 tap(self._worker, tappings, self._post)
             except Exception as error:

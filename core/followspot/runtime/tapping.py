@@ -38,10 +38,24 @@ class Tap:
         try:
             self._stage.process(message)
         except Exception as error:
-            self._outlet.taps = tuple(tap for tap in self._outlet.taps if tap is not self)
-            self._stage.close()
+            self.close()
             if not isinstance(error, EOFError):
                 self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
+
+
+    def close(self) -> None:
+        """Look no more."""
+        self._outlet.taps = tuple(tap for tap in self._outlet.taps if tap is not self)
+        self._stage.close()
+
+
+def close_taps(worker: Worker) -> None:
+    """Let every sink that looks at the worker's ports complete what it does; the last thing in its life."""
+    for cell in worker.cells:
+        for _, outlet in cell.outlets:
+            for found in outlet.taps:
+                if isinstance(found, Tap):
+                    found.close()
 
 
 def tap(

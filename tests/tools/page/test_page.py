@@ -32,11 +32,15 @@ from followspot.messages import Header, Message, stamped
 from followspot.runtime.ledger import COLUMNS
 from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.tracking import Frame, Tracks
+from followspot.wire import unpack
 from followspot_dashboard.gate import WATCHED, Gate, make_gate
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
-from followspot_page.server import Page
+from followspot_page.page import Page
 from followspot_page.showing import PageOrder, shown
+from followspot_record.embedded import plan_of_recording
+from followspot_recording.recording import Recording
+from followspot_recording.tap import RecordingTap
 
 UPGRADE = """\
 GET /look HTTP/1.1
@@ -56,13 +60,19 @@ GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 class Shown:
     """A page that is being served, and the run that it asks, as far as it is one."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, out: Path) -> None:
         self.plan = plan
         self.status = RunStatus((), (), 0, None)
         self.tapped = Event()
         self.asked: list[list[str]] = []
+        self.out = out
+        self.recorded: dict[str, Any] = {}
 
     def tap(self, taps: list[dict[str, Any]]) -> None:
+        """Previews first, then recordings."""
+        if self.tapped.is_set():
+            self.recorded = {tap["port"]: tap["params"] for tap in taps}
+            return
         self.folder = Path(taps[0]["params"]["folder"])
         self.tapped.set()
 
@@ -71,7 +81,7 @@ class Shown:
             "plan": lambda: plan_to_data(self.plan),
             "status": lambda: self.status.to_data(),
             "tap": self.tap,
-            "where": lambda: {"out": str(Path.cwd()), "network": None},
+            "where": lambda: {"out": str(self.out), "network": None},
             "change": self.change,
         }
 
@@ -104,8 +114,8 @@ class Shown:
 
 
 @pytest.fixture(scope="module")
-def page() -> Iterator[Shown]:
-    made = Shown(compile_graph(GRAPH))
+def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
+    made = Shown(compile_graph(GRAPH), tmp_path_factory.mktemp("run"))
     name = f"{os.getpid():x}page"
     with reachable(name, made.plan.graph, made.verbs()), shown(PageOrder(os.getpid())) as served:
         made.serve(served.url)
@@ -303,6 +313,49 @@ def test_nothing_else_can_be_asked_for(page: Shown, said: str) -> None:
     assert page.asked == before
 
 
+def recordings(browser: ClientConnection, state: str) -> dict[str, Any]:
+    return next(about for about in things(browser, "recording") if about["state"] == state)
+
+
+def test_chosen_ports_are_recorded_from_the_page_and_what_is_missing_is_counted(page: Shown) -> None:
+    with page.look(f"http://{page.host}") as browser:
+        scene = next(scene for scene in things(browser, "scene") if scene["ports"])
+        assert scene["ports"][0] == "camera"
+        assert set(scene["ports"]) == {"camera", *scene["forms"]}
+        browser.send(json.dumps({"on": True, "ports": "track.tracks,color/cam0"}))
+        assert next(things(browser, "answer"))["ok"]
+        assert set(page.recorded) == {"track.tracks", "color/cam0.out"}
+        tap = RecordingTap(**page.recorded["track.tracks"])
+        tap.setup()
+        for ms in (10, 20, 30):
+            tap.process(at(ms, tracks(1, 0)))
+        tap.number += 2  # as if two had found no room
+        tap.process(at(60, tracks(1)))
+        next(about for about in things(browser, "recording") if about["messages"] == 4)
+        browser.send(json.dumps({"on": True}))
+        assert "recorded already" in next(things(browser, "answer"))["text"]
+        browser.send(json.dumps({"on": False}))
+        told = recordings(browser, "over")
+        assert next(things(browser, "answer"))["ok"]
+    assert (told["messages"], told["lost"], told["error"]) == (4, 2, "")
+    path = Path(told["file"])
+    assert (path.parent, told["bytes"]) == (page.out, path.stat().st_size)
+    with Recording(path) as recording:
+        assert plan_of_recording(recording).stages == page.plan.stages
+        found = [unpack(bytes(message.data), Tracks) for message in recording.messages("track.tracks")]
+    assert [message.header.time for message in found if isinstance(message, Tracks)] == [
+        ms * 1_000_000 for ms in (10, 20, 30, 60)
+    ]
+
+
+@pytest.mark.parametrize("said", ['{"on": false}', '{"on": true, "ports": "nobody"}', '{"on": 1}'])
+def test_what_cannot_be_recorded_is_answered(page: Shown, said: str) -> None:
+    with page.look() as browser:
+        next(scene for scene in things(browser, "scene") if scene["ports"])
+        browser.send(said)
+        assert not next(things(browser, "answer"))["ok"]
+
+
 def test_there_is_a_most_of_browsers(page: Shown) -> None:
     with ExitStack() as stack:
         for _ in range(16):
@@ -334,7 +387,9 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
 
 
 def test_a_page_that_is_open_to_other_computers_only_shows(page: Shown, tmp_path: Path) -> None:
-    open_page = Page(page.plan, make_gate(tmp_path))  # never told that changes are allowed
-    assert open_page.about()["forms"] == {}
-    with pytest.raises(FollowspotError, match="only shows"):
-        asyncio.run(open_page.change('{"stage": "fuse", "key": "steps", "value": "50"}'))
+    open_page = Page(page.plan, make_gate(tmp_path), tmp_path)  # never told that changes are allowed
+    about = open_page.about()
+    assert (about["forms"], about["ports"]) == ({}, [])
+    for wish in ('{"stage": "fuse", "key": "steps", "value": "50"}', '{"on": true}', '{"on": false}'):
+        with pytest.raises(FollowspotError, match="only shows"):
+            asyncio.run(open_page.do(wish))

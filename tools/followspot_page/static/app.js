@@ -1,6 +1,7 @@
 // The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
 import { Legend } from "./legend.js";
 import { Pipeline } from "./pipeline.js";
+import { Recorder } from "./recorder.js";
 import { Room } from "./room.js";
 import { Tiles } from "./tiles.js";
 import { Views } from "./views.js";
@@ -11,7 +12,9 @@ const $ = (id) => document.getElementById(id);
 const views = new Views();
 const tiles = new Tiles($("tiles"), views);
 let socket = null;
-const pipeline = new Pipeline($("groups"), $("detail"), (change) => socket.send(JSON.stringify(change)));
+const ask = (wish) => socket.send(JSON.stringify(wish));
+const pipeline = new Pipeline($("groups"), $("detail"), ask);
+const recorder = new Recorder($("recorder"), ask);
 const legend = new Legend($("legend"));
 const room = Room.on($("view"));
 $("flat").hidden = room !== null;
@@ -30,13 +33,14 @@ function span(p50, p95) {
 let shown = "";
 const takers = {
   answer(answer) {
-    pipeline.answer(answer);
+    ("on" in JSON.parse(answer.to) ? recorder : pipeline).answer(answer);
   },
   scene(scene) {
     document.title = `${scene.graph} · followspot`;
     $("graph").textContent = scene.graph;
     $("room").textContent = scene.room.name;
     pipeline.show(scene.stages, scene.forms);
+    recorder.show(scene.ports);
     if (JSON.stringify(scene.room) === shown) return; // only stages or parameters are others
     shown = JSON.stringify(scene.room);
     tiles.show(scene.room);
@@ -54,6 +58,9 @@ const takers = {
     $("lost").textContent = lost;
     $("lost").className = lost ? "lossy" : "";
     pipeline.update(run);
+  },
+  recording(recording) {
+    recorder.update(recording);
   },
   view(view) {
     views.take(view);

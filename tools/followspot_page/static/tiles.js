@@ -1,4 +1,5 @@
 // One tile for each camera: its picture, and over it what was detected, where it was searched, where tracks are.
+const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second
 const PERSON_HUES = [205, 28, 140, 275, 52, 330];
 
 export class Tiles {
@@ -37,8 +38,7 @@ class Tile {
     this.camera = camera;
     this.views = views;
     this.colors = colors;
-    this.image = null;
-    this.time = 0;
+    this.pictures = []; // {image, time}: the one that is shown, and those that wait for what belongs to them
     this.waiting = false;
     this.figure = document.createElement("figure");
     this.figure.className = "dark";
@@ -56,15 +56,14 @@ class Tile {
   }
 
   show(image, time) {
-    this.image?.close();
-    this.image = image;
-    this.time = time;
+    if (this.pictures.length && time < this.pictures.at(-1).time) this.forget(this.pictures.length); // a loop began anew
+    this.pictures.push({ image, time });
     this.figure.className = "";
     this.redraw();
   }
 
   redraw() {
-    if (this.waiting || !this.image) return;
+    if (this.waiting || !this.pictures.length) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
@@ -72,12 +71,25 @@ class Tile {
     });
   }
 
+  // The newest picture that everything has come for; waiting for it has a limit.
+  current() {
+    const reached = this.views.reached(this.camera.name, this.pictures.at(-1).time);
+    const newest = this.pictures.findLastIndex(({ time }) => time <= reached);
+    this.forget(Math.max(newest, this.pictures.length - MOST_PICTURES, 0));
+    return this.pictures[0];
+  }
+
+  forget(count) {
+    for (const { image } of this.pictures.splice(0, count)) image.close();
+  }
+
   draw() {
+    const { image, time } = this.current();
     const pen = this.canvas.getContext("2d");
     pen.setTransform(1, 0, 0, 1, 0, 0);
-    pen.drawImage(this.image, 0, 0, this.canvas.width, this.canvas.height);
+    pen.drawImage(image, 0, 0, this.canvas.width, this.canvas.height);
     pen.scale(this.scale, this.scale);
-    for (const view of this.views.at(this.time)) {
+    for (const view of this.views.at(time)) {
       if (!view.camera || view.camera === this.camera.name) DRAW[view.kind]?.(pen, view, this);
     }
   }

@@ -1,0 +1,44 @@
+"""Any port of a graph that runs to a recorder outside: a tap, which neither waits nor counts as an edge."""
+
+from __future__ import annotations
+
+from followspot import Field, InputPath, Message, Stage, StageParams
+from followspot.wire import pack
+from followspot_recording.courier import Courier, hire, release
+
+
+class RecordingTap(Stage):
+    """Hand every message of a port to a recorder in a process of its own.
+
+    It is packed here and sent from another thread; what the recorder does not take in time is left out, and
+    the recorder knows from the numbers how much that was.
+    """
+
+    class Params(StageParams):
+        socket: InputPath | None = Field(None, description="where the recorder listens")
+        port: str = Field("", description="port that is recorded, STAGE.PORT; this stage's name unless told")
+
+    params: Params
+    courier: Courier | None = None
+
+    def setup(self) -> None:
+        """Find the recorder; one that has ended needs nothing more."""
+        self.port = self.params.port or self.context.name
+        self.number = 0
+        if self.params.socket is not None:
+            try:
+                self.courier = hire(self.params.socket)
+            except OSError:
+                return
+
+    def process(self, message: Message) -> None:
+        """Hand the message over, or leave it out. Raises EOFError when the recorder is gone."""
+        if self.courier is not None:
+            self.courier.send(self.port, self.number, pack(message))
+            self.number += 1
+
+    def close(self) -> None:
+        """Let go of the recorder."""
+        if self.courier is not None and self.params.socket is not None:
+            release(self.params.socket)
+        self.courier = None

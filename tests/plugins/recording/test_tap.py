@@ -1,0 +1,109 @@
+"""The way from a graph that runs to a recorder outside: nobody waits, and nothing is lost in silence."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from followspot.messages import Header, Message, stamped
+from followspot.tracking import Frame
+from followspot.wire import unpack
+from followspot_recording import courier
+from followspot_recording.courier import HEAD, parcels
+from followspot_recording.tap import RecordingTap
+
+PIXELS = np.arange(48 * 64 * 3, dtype="u1").reshape(48, 64, 3)
+
+
+@pytest.fixture
+def door(tmp_path: Path) -> Iterator[socket.socket]:
+    """A recorder that has not begun to read."""
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(tmp_path / "recorder"))
+        listening.listen()
+        listening.settimeout(20)
+        yield listening
+
+
+def frame(number: int) -> Message:
+    return stamped(Frame("cam0", PIXELS), Header("camera/cam0", number, number))
+
+
+def tap(folder: Path, port: str) -> RecordingTap:
+    made = RecordingTap(socket=folder / "recorder", port=port)
+    made.setup()
+    return made
+
+
+def test_every_message_arrives_with_its_number(door: socket.socket, tmp_path: Path) -> None:
+    taps = [tap(tmp_path, "camera/cam0.out"), tap(tmp_path, "camera/cam1.out")]
+    for number in range(5):
+        for each in taps:
+            each.process(frame(number))
+    sender, _ = door.accept()
+    for each in taps:
+        each.close()
+    found = list(parcels(sender))
+    assert [(port, number) for port, number, _ in found] == [
+        (each.port, number) for number in range(5) for each in taps
+    ]
+    last = unpack(found[-1][2], Frame)
+    assert isinstance(last, Frame)
+    assert np.array_equal(last.pixels, PIXELS)
+    sender.close()
+
+
+def test_a_recorder_that_does_not_read_holds_up_nobody_and_takes_bounded_memory(
+    door: socket.socket, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(courier, "MAX_WAITING", 20 * PIXELS.nbytes)
+    made = tap(tmp_path, "camera/cam0.out")
+    for number in range(400):
+        made.process(frame(number))
+    assert made.courier is not None
+    assert made.courier._bytes <= 20 * PIXELS.nbytes
+    sender, _ = door.accept()
+    numbers = []
+    for _, number, _ in parcels(sender):
+        numbers.append(number)
+        if len(numbers) == 10:  # by now there is room again
+            made.process(frame(400))
+            made.close()
+    assert numbers == sorted(set(numbers))
+    assert 20 <= len(numbers) < 401
+    assert numbers[-1] == 400  # the gap before it tells how many are missing
+    sender.close()
+
+
+def test_a_recorder_that_has_ended_is_told_nothing_more(door: socket.socket, tmp_path: Path) -> None:
+    made = tap(tmp_path, "camera/cam0.out")
+    door.accept()[0].close()
+    door.close()
+
+    def send_until_it_is_noticed() -> None:
+        for number in range(10_000):
+            made.process(frame(number))
+
+    with pytest.raises(EOFError):
+        send_until_it_is_noticed()
+    made.close()
+    later = tap(tmp_path, "camera/cam0.out")  # a worker that is started again looks for it in vain
+    later.process(frame(0))
+    later.close()
+
+
+def test_a_parcel_that_is_cut_off_is_left_out_and_one_that_cannot_be_is_refused() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        theirs.sendall(HEAD.pack(4, 0, 1) + b"a" + b"1234" + HEAD.pack(100, 1, 1) + b"a" + b"12")
+        theirs.shutdown(socket.SHUT_WR)
+        assert list(parcels(ours)) == [("a", 0, b"1234")]
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        theirs.sendall(HEAD.pack((1 << 32) - 1, 0, 1))
+        with pytest.raises(ValueError, match="bytes"):
+            list(parcels(ours))

@@ -1,0 +1,120 @@
+"""What the page's process knows of a run, who looks on, and what they may ask for."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from pathlib import Path
+from typing import Any
+
+from starlette.websockets import WebSocket
+
+from followspot.deploy.changes.changed import Changed
+from followspot.deploy.reachable import RunHere
+from followspot.deploy.status import RunStatus
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot_dashboard.gate import Gate
+from followspot_page import metrics
+from followspot_page.browser import Browser
+from followspot_page.changing import Record, forms, wish_of, words_of
+from followspot_page.far import FarPreviews
+from followspot_page.feed import Feed, Previews
+from followspot_page.follow import plan_of
+from followspot_page.recording import RecordButton, recordable
+from followspot_page.scene import scene
+from followspot_watch.picture_of_run import RunPicture
+
+MAX_BROWSERS = 16
+_PATIENCE = 60.0
+"""Seconds that a change may take: a stage is built beside the one that works."""
+
+
+class Page:
+    """What the page's process knows, and who looks on."""
+
+    def __init__(self, plan: Plan, gate: Gate, folder: Path) -> None:
+        """folder: of the page, for sockets."""
+        self.plan = plan
+        self.ask: RunHere | None = None
+        """The run that may be changed from here; None where the page only shows."""
+        self.gate = gate
+        self.far: FarPreviews | None = None
+        """Previews from other hosts; None where the run has none."""
+        self.feed = Feed()
+        self.run = RunPicture(plan)
+        self.targets = metrics.Targets(plan.room)
+        self.previews = Previews(self.feed, plan.room, self.targets.take)
+        self.button = RecordButton(folder, self._tell_recording)
+        self.browsers = 0
+        self.show(plan)
+
+    def show(self, plan: Plan) -> None:
+        """The plan as it is now; browsers are told where it differs."""
+        self.plan = self.run.plan = plan
+        scene = json.dumps({"type": "scene", **self.about()})
+        if self.feed.newest("scene") != scene:
+            self.feed.put("scene", scene)
+
+    def about(self) -> dict[str, Any]:
+        """What does not change during a run."""
+        return {
+            "graph": self.plan.graph,
+            "room": scene(self.plan.room),
+            "stages": [
+                {"name": s.name, "group": s.group, "uses": s.uses, "params": dict(s.params)}
+                for s in self.plan.stages
+            ],
+            "forms": forms(self.plan) if self.ask else {},
+            "ports": recordable(self.plan) if self.ask else [],
+        }
+
+    async def allow_changes(self, run: RunHere) -> None:
+        """Let browsers ask for changes, as soon as it is known which there can be."""
+        await asyncio.to_thread(forms, self.plan)  # imports every stage that could take another's place
+        self.ask = run
+        self.show(self.plan)
+
+    async def do(self, text: str) -> str:
+        """What a browser asks for; what was done. Raises FollowspotError where it may not be, or cannot."""
+        if self.ask is None:
+            raise FollowspotError("this page only shows: it is open to other computers")
+        asked = wish_of(text)
+        if isinstance(asked, Record):
+            if asked.on:
+                return await self.button.start(self.ask, self.plan, asked.ports)
+            return await self.button.stop()
+        return await self._change(self.ask, words_of(asked, self.plan))
+
+    async def _change(self, run: RunHere, words: list[str]) -> str:
+        given = {"words": words, "folder": str(Path.cwd())}
+        answer = Changed.from_data(await asyncio.to_thread(run.ask, "change", _PATIENCE, **given))
+        self.show(await plan_of(run))
+        return "; ".join(stage.text for stage in answer.stages) or "it is so already"
+
+    def _tell_recording(self, about: dict[str, Any]) -> None:
+        self.feed.put("recording", json.dumps({"type": "recording", **about}))
+
+    def take_status(self, status: RunStatus) -> None:
+        """How the run is now."""
+        self.run.take(status)
+        self.feed.put("run", json.dumps(self.run.data()))
+
+    async def look(self, socket: WebSocket) -> None:
+        """Serve one browser until it leaves, or does not take what it is sent."""
+        if self.browsers >= MAX_BROWSERS:
+            await socket.close(1013)
+            return
+        await socket.accept()
+        self._count(1)
+        try:
+            await Browser(socket, self.feed, self.do).serve()
+        finally:
+            self._count(-1)
+
+    def _count(self, change: int) -> None:
+        self.browsers += change
+        watched = self.browsers > 0
+        self.gate.watched = watched
+        if self.far is not None:
+            self.far.watch(watched=watched)

@@ -1,0 +1,140 @@
+"""The record button: a recorder in a process of its own, fed by taps at the ports of the run."""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import json
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import asdict
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from followspot.deploy.reachable import RunHere
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.runtime.tapping import Tapping
+from followspot_record.order import Order
+from followspot_record.ports import chosen, output_ports
+
+TAP = "recording.tap"
+_BEGINNING, _ENDING = 30.0, 8.0
+"""Seconds that a recorder may take to open its file, and to complete it."""
+_PATIENCE = 10.0
+"""Seconds that a run may take to answer."""
+
+Tell = Callable[[dict[str, Any]], Any]
+"""Gets how a recording is: state (on, over, failed), file, bytes, messages, lost, seconds, error."""
+
+
+class RecordButton:
+    """Starts and stops recordings of a run, one at a time.
+
+    folder: of the page, for sockets; tell: gets what browsers are to be shown.
+    """
+
+    def __init__(self, folder: Path, tell: Tell) -> None:
+        self._folder = folder
+        self._tell = tell
+        self._numbers = count()
+        self._process: asyncio.subprocess.Process | None = None
+        self._telling: asyncio.Task[None] | None = None
+
+    async def start(self, run: RunHere, plan: Plan, words: str) -> str:
+        """Record the ports that the words name, all on this host where there are none; what was done.
+
+        Raises FollowspotError.
+        """
+        if importlib.util.find_spec("mcap") is None:
+            raise FollowspotError('recordings need mcap: pip install "followspot[recording]"')
+        if self._process is not None:
+            raise FollowspotError("it is recorded already")
+        names = _here(plan, words)
+        where = await asyncio.to_thread(run.ask, "where", _PATIENCE)
+        path = Path(where["out"]) / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
+        listen = self._folder / f"recorder-{next(self._numbers)}"
+        begun = await self._begin(Order(plan, names, path, listen))
+        taps = [asdict(Tapping(name, TAP, {"socket": str(listen), "port": name})) for name in names]
+        await asyncio.to_thread(run.ask, "tap", _PATIENCE, taps=taps)
+        self._tell(begun)
+        return f"recording {len(names)} ports to {begun['file']}"
+
+    async def stop(self) -> str:
+        """End the recording now; what was done. Raises FollowspotError where there is none."""
+        if self._process is None:
+            raise FollowspotError("nothing is recorded")
+        assert self._process.stdin is not None
+        self._process.stdin.write(b"stop\n")
+        await self.close()
+        return "the recording is complete"
+
+    async def close(self) -> None:
+        """Let the recording end with its run, complete."""
+        process, telling = self._process, self._telling
+        if process is None or telling is None:
+            return
+        assert process.stdin is not None
+        process.stdin.close()
+        with suppress(TimeoutError):
+            await asyncio.wait_for(telling, _ENDING)
+        if process.returncode is None:
+            process.kill()
+
+    async def _begin(self, order: Order) -> dict[str, Any]:
+        """Start the recorder; what it says first. Raises FollowspotError."""
+        pipe = asyncio.subprocess.PIPE
+        command = (sys.executable, "-m", "followspot_record.taker")
+        self._process = await asyncio.create_subprocess_exec(
+            *command, stdin=pipe, stdout=pipe, start_new_session=True
+        )
+        assert self._process.stdin is not None
+        self._process.stdin.write(order.to_line().encode() + b"\n")
+        said: dict[str, Any] = {"state": "failed", "error": "it does not answer"}
+        with suppress(TimeoutError):
+            async with asyncio.timeout(_BEGINNING):
+                said = await self._said(self._process) or {"state": "failed", "error": "it has ended"}
+        if said["state"] == "failed":
+            self._process.kill()
+            self._process = None
+            raise FollowspotError(f"the recorder cannot begin: {said['error']}")
+        self._telling = asyncio.create_task(self._keep_telling(self._process))
+        return said
+
+    async def _keep_telling(self, process: asyncio.subprocess.Process) -> None:
+        """What the recorder says, until it has ended."""
+        last: dict[str, Any] = {}
+        while said := await self._said(process):
+            last = said
+            self._tell(said)
+        if last.get("state") == "on":
+            self._tell({**last, "state": "failed", "error": "the recorder has died"})
+        await process.wait()
+        self._process = None
+
+    async def _said(self, process: asyncio.subprocess.Process) -> dict[str, Any] | None:
+        """The next line of a recorder; None at its end."""
+        assert process.stdout is not None
+        line = await process.stdout.readline()
+        said: dict[str, Any] | None = json.loads(line) if line else None
+        return said
+
+
+def recordable(plan: Plan) -> list[str]:
+    """Stages of the graph file that send something on this host, in its order."""
+    return list(dict.fromkeys(name.partition("/")[0].partition(".")[0] for name in _ports_here(plan)))
+
+
+def _here(plan: Plan, words: str) -> tuple[str, ...]:
+    """The ports on this host that the words name, as `--record-ports` takes them. Raises InputError."""
+    return chosen(words or None, _ports_here(plan), "record")
+
+
+def _ports_here(plan: Plan) -> list[str]:
+    """Every port, STAGE.PORT, of a stage on this host."""
+    near = {worker.name for worker in plan.workers if not worker.host}
+    stages = {stage.name for stage in plan.stages if stage.worker in near}
+    return [name for name in output_ports(plan) if name.rpartition(".")[0] in stages]
