@@ -9,7 +9,7 @@ import socket
 from pathlib import Path
 
 from followspot.messages import Message
-from followspot.stage import Post
+from followspot.stage import Context, Post
 from followspot.wire import pack
 from followspot_dashboard.gate import Gate
 
@@ -39,6 +39,11 @@ class Line:
         """Whether anybody looks at pictures."""
         return self.gate.watched
 
+    @property
+    def deserted(self) -> bool:
+        """Never: whoever sends learns it."""
+        return False
+
     def send(self, port: str, message: Message) -> None:
         """Send a message of a port, or drop it: nobody waits for a page. Raises EOFError when it is gone."""
         data = packet(port, message)
@@ -62,11 +67,18 @@ class PostLine:
 
     def __init__(self, post: Post) -> None:
         self._post = post
+        self._looked_at = False
 
     @property
     def watched(self) -> bool:
         """Whether anybody looks."""
+        self._looked_at |= self._post.wanted
         return self._post.wanted
+
+    @property
+    def deserted(self) -> bool:
+        """Whether those who looked have gone."""
+        return not self.watched and self._looked_at
 
     def send(self, port: str, message: Message) -> None:
         """Send a message of a port, or drop it."""
@@ -76,6 +88,20 @@ class PostLine:
     def close(self) -> None:
         """Send no more."""
         self._post.close()
+
+
+def line_of(context: Context, folder: Path | None) -> Line | PostLine | None:
+    """The line of a tap to those who look on; None where there are none.
+
+    folder: theirs, where they are on this host.
+    """
+    if folder is None:
+        return PostLine(context.post) if context.post is not None else None
+    try:
+        return Line(folder)
+    except OSError as error:
+        context.warn(f"there is nobody to tell in {folder}: {error}")
+        return None
 
 
 def packet(port: str, message: Message) -> bytes:

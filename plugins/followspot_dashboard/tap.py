@@ -6,7 +6,7 @@ import time
 
 from followspot import Field, InputPath, Message, Stage, StageParams
 from followspot.tracking import Frame
-from followspot_dashboard.line import Line, PostLine
+from followspot_dashboard.line import Line, PostLine, line_of
 from followspot_dashboard.picture import picture_of
 from followspot_dashboard.turn import GateTurn, GridTurn, Turn
 
@@ -26,7 +26,6 @@ class Tap(Stage):
         smooth: float = Field(
             0.0, ge=0, le=60, description="messages to show besides, between two pictures", unit="1/s"
         )
-        every: bool = Field(False, description="whether every message is shown, whatever its moment")
         longest: int = Field(320, ge=16, le=1920, description="longest side of a picture", unit="px")
 
     params: Params
@@ -39,16 +38,11 @@ class Tap(Stage):
         self.between = int(1e9 / given.smooth) if given.smooth else 0
         self.next_at = 0
         period = int(1e9 / given.rate)
-        if given.folder is not None:
-            try:
-                line = Line(given.folder)
-            except OSError as error:
-                self.context.warn(f"there is no page to send previews to: {error}")
-                return
-            self.line = line
-            self.turn: Turn = GateTurn(line.gate, period, leads=given.leads)
-        elif self.context.post is not None:
-            self.line = PostLine(self.context.post)
+        self.line = line = line_of(self.context, given.folder)
+        self.turn: Turn
+        if isinstance(line, Line):
+            self.turn = GateTurn(line.gate, period, leads=given.leads)
+        else:
             self.turn = GridTurn(period)
 
     def process(self, message: Message) -> None:
@@ -56,7 +50,7 @@ class Tap(Stage):
         line = self.line
         if line is None:
             return
-        if not (self.params.every or self.turn.has_come(message.header.time) or self._between_pictures()):
+        if not (self.turn.has_come(message.header.time) or self._between_pictures()):
             return
         self.next_at = time.monotonic_ns() + self.between
         if not isinstance(message, Frame):

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from hosts import Agent, free_port, near_agent
-from running import COMMAND, Finished, balanced, children, finish, start, wait_until, write_graph
+from running import COMMAND, STAGES, Finished, balanced, children, finish, start, wait_until, write_graph
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
@@ -118,6 +118,7 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv"))))
     (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
     grows(written)
+    looked_at_from_elsewhere(run, room.connect)
     looking = subprocess.Popen([*COMMAND, "attach", *room.connect], stderr=subprocess.PIPE, text=True)
     assert looking.stderr is not None
     assert run[:8] in looking.stderr.readline()
@@ -133,9 +134,28 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
     assert any("worker left is back" in line for line in summary["warnings"])
+    kept = command("logs", *room.folder.glob(f"pc-left/runs/*-{run}-pc-left"))
+    assert "killed by SIGKILL" in kept.stdout, kept.stderr
+    assert "worker left is back" in kept.stdout
     gone = command("attach", "graph", *room.connect)
     assert gone.returncode == 1
     assert "there is no run graph" in gone.stderr
+
+
+def looked_at_from_elsewhere(run: str, connect: list[str]) -> None:
+    """What a run does that no operator looks after is seen from any host."""
+    where = ("--run", run, "--json", "--plugin", STAGES, *connect)
+    done = [
+        command("top", run, "--json", *connect),
+        command("hz", "more", "--seconds", "1", *where),
+        command("echo", "less", "-n", "1", *where),
+    ]
+    assert not any(process.returncode for process in done), done
+    top, (pace,), message = (json.loads(process.stdout) for process in done)
+    assert {stage["worker"] for stage in top["stages"]} >= {"left", "right"}
+    assert pace["count"] > 0
+    assert pace["rate"] > 0
+    assert not of_left(message["value"])
 
 
 def test_a_host_without_an_agent_is_named_with_the_command_to_start_it(tmp_path: Path) -> None:

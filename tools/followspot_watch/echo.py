@@ -4,81 +4,48 @@ from __future__ import annotations
 
 import argparse
 import json
-import selectors
-import socket
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from followspot.errors import FollowspotError, did_you_mean
-from followspot.graph.plan import Plan
-from followspot.messages import Array, InvalidMessage, Message
-from followspot.plugins.registry import load_stage
-from followspot.ports import ports
-from followspot.runtime.tapping import Tapping
+from followspot.cli.agent_options import network_of
+from followspot.messages import Array, Message
 from followspot.tracking import Frame
-from followspot.wire import unpack
-from followspot_dashboard.gate import make_gate
-from followspot_dashboard.line import SOCKET, read
+from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.picture import Picture
-from followspot_watch.runs import plan_here, run_here
+from followspot_watch.ear import Ear, chosen, listening
+from followspot_watch.runs import looking
 
-TAP = "dashboard.tap"
-_BUFFER = 1 << 18
-_PATIENCE = 10.0
+SINK = "dashboard.echo"
+_PERIOD = 0.5
+"""Seconds between two looks whether the run has ended."""
 _ROWS = 6
 """Rows of an array that are shown to people."""
 
 
 def echo(args: argparse.Namespace) -> int:
     """Print messages as they come, until enough came, the run ends, or Ctrl-C. Returns the exit code."""
-    run = run_here(args.run)
-    plan = plan_here(run)
-    kinds = chosen(args.port, plan)
-    with (
-        TemporaryDirectory(prefix="followspot-echo-") as made,
-        socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as door,
-    ):
-        folder = Path(made)
-        make_gate(folder).watched = True
-        door.bind(str(folder / SOCKET))
-        door.listen(len(kinds))
-        params = {"folder": str(folder), "every": True}
-        taps = [asdict(Tapping(port, TAP, {**params, "port": port})) for port in kinds]
-        run.ask("tap", _PATIENCE, taps=taps)
-        left = args.number
-        try:
-            for port, message in _messages(door, kinds):
-                print(json.dumps(data(port, message)) if args.json else text(port, message), flush=True)
-                left -= 1
-                if left == 0:
-                    break
-        except KeyboardInterrupt:
-            pass
+    with looking(args.run, network_of(args, LOOPBACK, AGENT), args.plugin_files) as look:
+        heard = [
+            replace(port, type=Picture if port.type is Frame else port.type)
+            for port in chosen(args.port, look.plan, near=look.near)
+        ]
+        with listening(look, heard, SINK) as ear, suppress(KeyboardInterrupt):
+            _print(ear, args)
     return 0
 
 
-def chosen(word: str, plan: Plan) -> Mapping[str, type[Message]]:
-    """The ports that a word names, with what they send. Raises FollowspotError where there is none.
-
-    color/cam0.out is called color, color/cam0 and color.out, too.
-    """
-    near = {worker.name for worker in plan.workers if not worker.host}
-    known = {
-        f"{stage.name}.{port.name}": port.type
-        for stage in plan.stages
-        if stage.worker in near
-        for port in ports(load_stage(stage.uses)).outputs
-    }
-    found = {port: _sent(kind) for port, kind in known.items() if word in _names(port)}
-    if not found:
-        remedy = did_you_mean(word, {name for port in known for name in _names(port)}, "ports")
-        raise FollowspotError(f'there is no port "{word}" on this machine; {remedy}')
-    return found
+def _print(ear: Ear, args: argparse.Namespace) -> None:
+    left = args.number
+    for heard in ear.heard(_PERIOD):
+        if heard is None:
+            continue
+        print(json.dumps(data(*heard)) if args.json else text(*heard), flush=True)
+        left -= 1
+        if left == 0:
+            return
 
 
 def data(port: str, message: Message) -> dict[str, Any]:
@@ -105,47 +72,7 @@ def text(port: str, message: Message) -> str:
     return "\n".join(lines)
 
 
-def _messages(door: socket.socket, kinds: Mapping[str, type[Message]]) -> Iterator[tuple[str, Message]]:
-    """What the taps send, until the last of them is gone."""
-    with selectors.DefaultSelector() as selector:
-        selector.register(door, selectors.EVENT_READ)
-        waiting = len(kinds)
-        while waiting:
-            for key, _ in selector.select():
-                if key.fileobj is door:
-                    selector.register(door.accept()[0], selectors.EVENT_READ)
-                    continue
-                assert isinstance(key.fileobj, socket.socket)
-                packet = key.fileobj.recv(_BUFFER)
-                if packet:
-                    yield from _unpacked(packet, kinds)
-                    continue
-                selector.unregister(key.fileobj)
-                key.fileobj.close()
-                waiting -= 1
-
-
-def _unpacked(packet: bytes, kinds: Mapping[str, type[Message]]) -> Iterator[tuple[str, Message]]:
-    try:
-        port, _, packed = read(packet)
-        message = unpack(packed, kinds[port])
-    except (InvalidMessage, ValueError, KeyError):
-        return
-    if isinstance(message, Message):
-        yield port, message
-
-
-def _sent(kind: type[Message]) -> type[Message]:
-    return Picture if kind is Frame else kind
-
-
 def _plain(array: Array) -> Any:
     if array.dtype.kind == "f" and not np.isfinite(array).all():
         return np.where(np.isfinite(array), array, None).tolist()  # type: ignore[call-overload]
     return array.tolist()
-
-
-def _names(port: str) -> tuple[str, str, str, str]:
-    stage, _, name = port.rpartition(".")
-    group = stage.partition("/")[0]
-    return group, stage, f"{group}.{name}", port

@@ -1,4 +1,4 @@
-"""Joins looking at runs from a terminal to the command line: the commands top, echo, logs."""
+"""Joins looking at runs from a terminal to the command line: the commands top, hz, echo, logs."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 
 from followspot.cli.agent_options import add_network_options
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, hookimpl
 from followspot_watch.run_option import RUN
 
@@ -17,7 +18,17 @@ On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with
   followspot top glowballs --json
   followspot top glowballs --connect tls/pc-left:7450 --certificates certs
 """
-ECHO = """print the messages of a port of a graph that runs on this machine
+HZ = """how regularly the ports of a run send: rate, gaps, and what got lost behind them
+
+Measured where each port is, so that the way here does not count. On a terminal the table renews itself until
+the run ends or Ctrl-C; elsewhere, and with --json, it is printed once after some seconds.
+
+  followspot hz
+  followspot hz color --run glowballs --seconds 10
+  followspot hz track.tracks --json
+  followspot hz camera --connect tls/pc-left:7450 --certificates certs
+"""
+ECHO = """print the messages of a port of a graph that runs
 
 Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures only
 the size is told.
@@ -25,6 +36,7 @@ the size is told.
   followspot echo track.tracks
   followspot echo color/cam0 -n 3
   followspot echo infrared --run glowballs --json
+  followspot echo color --connect tls/pc-left:7450 --certificates certs
 """
 LOGS = """what a run has said: stages and libraries of its workers on all hosts, and what became of them
 
@@ -41,9 +53,10 @@ self.context.warn.
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands top, echo, logs."""
+    """The commands top, hz, echo, logs."""
     return [
         Command("top", TOP, _configure_top, _top),
+        Command("hz", HZ, _configure_hz, _hz),
         Command("echo", ECHO, _configure_echo, _echo),
         Command("logs", LOGS, _configure_logs, _logs),
     ]
@@ -58,11 +71,27 @@ def _configure_top(parser: argparse.ArgumentParser) -> None:
     add_network_options(parser)
 
 
+def _configure_hz(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("port", nargs="?", metavar="STAGE[.PORT]", help="which port (default: all)")
+    parser.add_argument(
+        "--seconds", type=_seconds, default=5.0, metavar="S", help="how long to look back (default 5)"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON list and end")
+    _add_run(parser)
+
+
 def _configure_echo(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("port", metavar="STAGE[.PORT]", help="which port; of all cameras where none is named")
-    parser.add_argument("--run", metavar="GRAPH", help=RUN)
     parser.add_argument("-n", dest="number", type=_count, default=0, metavar="N", help="end after N messages")
     parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    _add_run(parser)
+
+
+def _add_run(parser: argparse.ArgumentParser) -> None:
+    """Which run, where, and what must be known to understand its messages."""
+    parser.add_argument("--run", metavar="GRAPH", help=RUN)
+    add_plugin_option(parser, "know the stages of a Python file that agents were given; repeatable")
+    add_network_options(parser)
 
 
 def _configure_logs(parser: argparse.ArgumentParser) -> None:
@@ -84,6 +113,12 @@ def _top(args: argparse.Namespace) -> int:
     return top(args)
 
 
+def _hz(args: argparse.Namespace) -> int:
+    from followspot_watch.hz import hz
+
+    return hz(args)
+
+
 def _echo(args: argparse.Namespace) -> int:
     from followspot_watch.echo import echo
 
@@ -94,6 +129,14 @@ def _logs(args: argparse.Namespace) -> int:
     from followspot_watch.logs import logs
 
     return logs(args)
+
+
+def _seconds(text: str) -> float:
+    """A length of time, s. Raises argparse.ArgumentTypeError."""
+    seconds = float(text)
+    if not 0.1 <= seconds <= 3600:
+        raise argparse.ArgumentTypeError("from 0.1 to 3600")
+    return seconds
 
 
 def _count(text: str) -> int:

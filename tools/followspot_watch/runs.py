@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass
 
 from followspot.deploy.changes.change import chosen_here
 from followspot.deploy.log.record import LogPage, page_from_data
@@ -14,7 +14,8 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
-from followspot.transport.zenoh_network import Network
+from followspot.runtime.tapping import Tapping
+from followspot.transport.zenoh_network import Network, network_from_data
 
 _PATIENCE = 10.0
 """Seconds that a run may take to answer."""
@@ -24,13 +25,24 @@ _PATIENCE = 10.0
 class Look:
     """A run that is looked at: its name, its plan as it was at first, how it is, and what it said.
 
-    log: the records after the one of a number.
+    near: whether the operator's host is this one; log: the records after the one of a number; tap: puts sinks
+    at ports; network: of one more session beside those of its hosts.
     """
 
     run: str
     plan: Plan
     status: Callable[[], RunStatus]
+    near: bool
     log: Callable[[int], LogPage]
+    tap: Callable[[Sequence[Tapping]], None]
+    network: Callable[[], Network]
+
+    def over(self) -> bool:
+        """Whether the run has ended."""
+        try:
+            return all(worker.phase == "over" for worker in self.status().workers)
+        except FollowspotError:
+            return True
 
 
 def run_here(wanted: str | None) -> RunHere:
@@ -41,9 +53,8 @@ def run_here(wanted: str | None) -> RunHere:
     runs = runs_here()
     run = chosen_here(runs, wanted)
     if run is None:
-        listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
         what = "there is no run" + (f" {wanted}" if wanted else "")
-        raise FollowspotError(f"{what}; runs on this machine: {listing}")
+        raise FollowspotError(f"{what}; runs on this machine: {_listing(runs)}")
     return run
 
 
@@ -55,20 +66,44 @@ def plan_here(run: RunHere) -> Plan:
 
 
 @contextmanager
-def looking(wanted: str | None, network: Network) -> Iterator[Look]:
-    """The run that is meant, here or under agents in reach. Raises FollowspotError where there is none."""
-    here = chosen_here(runs_here(), wanted)
+def looking(wanted: str | None, network: Network, plugin_files: Sequence[str] = ()) -> Iterator[Look]:
+    """The run that is meant, here or under agents in reach. Raises FollowspotError where there is none.
+
+    plugin_files: one-file plugins that the agents were given.
+    """
+    use_plugin_files(plugin_files)
+    runs = runs_here()
+    here = chosen_here(runs, wanted)
     if here is not None:
         run = here
         yield Look(
             run.run,
             plan_here(run),
             lambda: run_status_from_data(run.ask("status", _PATIENCE)),
+            True,
             lambda after: page_from_data(run.ask("log", _PATIENCE, after=after)),
+            lambda taps: run.ask("tap", _PATIENCE, taps=[asdict(tap) for tap in taps]),
+            lambda: network_from_data(run.ask("where", _PATIENCE)["network"]),
         )
         return
     from followspot.deploy.attach import attached
 
-    with attached(network, wanted) as attachment:
+    with ExitStack() as stack:
+        try:
+            attachment = stack.enter_context(attached(network, wanted))
+        except FollowspotError as error:
+            raise FollowspotError(f"{error}; on this machine: {_listing(runs)}") from None
         coordinator = attachment.coordinator
-        yield Look(attachment.found.run, coordinator.plan, coordinator.status, coordinator.records)
+        yield Look(
+            attachment.found.run,
+            coordinator.plan,
+            coordinator.status,
+            False,
+            coordinator.records,
+            coordinator.tap,
+            lambda: network,
+        )
+
+
+def _listing(runs: Sequence[RunHere]) -> str:
+    return ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"

@@ -15,6 +15,7 @@ from followspot.deploy.changes.order import change_from_data
 from followspot.deploy.clocks.host import HostClock, read_clock
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
+from followspot.deploy.log.file import LogFile
 from followspot.deploy.parcel import tappings_from_data, unpacked, unpacked_stages
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
@@ -171,6 +172,7 @@ class Agent:
         clock = HostClock(Asker(self.session, self.options.network.own), self.options.clock_offset)
         run = HostRun(name, self.options.network, hub, clock)
         self.parts[found.run] = Part(graph, found, run)
+        run.log.on_log = LogFile(out, again=True).write
         run.prepare(found.here(plan, str(out)), out / ".ledger")
         self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 

@@ -107,7 +107,8 @@ def test_a_log_that_was_torn_is_read_as_far_as_it_is_good(tmp_path: Path) -> Non
     with pytest.raises(InputError, match=r"log\.jsonl:3: not a record"):
         list(read_log(tmp_path))
     LogFile(tmp_path).write(record("anew"))
-    assert [r.text for r in read_log(tmp_path)] == ["anew"]
+    LogFile(tmp_path, again=True).write(record("more"))
+    assert [r.text for r in read_log(tmp_path)] == ["anew", "more"]
 
 
 def test_a_full_disk_ends_the_file_and_not_the_run() -> None:

@@ -1,4 +1,4 @@
-"""`followspot top` and `followspot echo` on a run that answers as runs do."""
+"""`followspot top`, `hz` and `echo` on a run that answers as runs do."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,10 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
+from followspot.plugins.registry import load_stage
 from followspot.runtime.ledger import COLUMNS
 from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.stage import Context
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
@@ -45,20 +48,40 @@ def run() -> Iterator[str]:
     )
     status = RunStatus((worker,), tuple(counts), 7, 100, ("a worker is back",))
 
+    tapped: list[dict[str, Any]] = []
+
     def tap(taps: list[dict[str, Any]]) -> None:
+        tapped[:] = taps
         for wanted in taps:
-            line = Line(Path(wanted["params"]["folder"]))
-            for message in sent(wanted["port"]):
-                line.send(wanted["port"], message)
-            line.close()
+            tell(**wanted)
+
+    def status_now() -> Any:
+        """It is over when what it was asked for has been told."""
+        over = replace(status, workers=(replace(worker, phase="over"),))
+        return (over if tapped else status).to_data()
 
     verbs: dict[str, Callable[..., Any]] = {
         "plan": lambda: plan_to_data(plan),
-        "status": lambda: status.to_data(),
+        "status": status_now,
         "tap": tap,
     }
     with reachable(NAME, plan.graph, verbs):
         yield NAME
+
+
+def tell(port: str, uses: str, params: dict[str, Any]) -> None:
+    """What a tap tells of two messages; of a source, nothing to a meter."""
+    if uses == "dashboard.meter" and not port.startswith("camera/"):
+        meter = load_stage(uses)(Context(), **params)
+        meter.setup()
+        for message in sent(port):
+            meter.process(message)
+        meter.close()
+        return
+    line = Line(Path(params["folder"]))
+    for message in sent(port) if uses == "dashboard.echo" else ():
+        line.send(port, message)
+    line.close()
 
 
 def sent(port: str) -> Iterator[Any]:
@@ -116,8 +139,22 @@ def test_echo_ends_after_so_many_and_takes_all_cameras(run: str, capsys: pytest.
     assert len({line.split()[0] for line in text.splitlines() if "Picture" in line}) > 3
 
 
+def test_hz_tells_how_regularly_each_port_sends_and_what_was_lost(
+    run: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert said("hz", "--run", run, "--json") == 0
+    found = {pace["port"]: pace for pace in json.loads(capsys.readouterr().out)}
+    assert found["track.tracks"]["count"] == 1  # the second comes too soon to be told of
+    assert found["camera/cam0.out"]["count"] is None
+    first = compile_graph(GRAPH).edges[0]
+    assert found[f"{first.from_stage}.{first.from_port}"]["dropped"] == 3
+    assert said("hz", "color/cam0", "--run", run) == 0
+    (_, row) = capsys.readouterr().out.splitlines()
+    assert row.split()[0] == "color/cam0.out"
+
+
 def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:
     with pytest.raises(FollowspotError, match='did you mean "track"'):
         said("echo", "trak", "--run", run)
-    with pytest.raises(FollowspotError, match=r"runs on this machine: .*glowballs"):
+    with pytest.raises(FollowspotError, match=r"on this machine: .*glowballs"):
         said("echo", "track", "--run", "nobody")

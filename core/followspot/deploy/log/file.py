@@ -18,14 +18,17 @@ MAX_BYTES = 64 << 20
 class LogFile:
     """Writes records to the folder; the file is made with the first, and ended by a disk that is full.
 
-    The log of an earlier run in the same folder goes.
+    again: whether it is the same run as before in this folder; else the log that is there goes.
     """
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, again: bool = False) -> None:
         self.path = folder / NAME
         self._left = MAX_BYTES
         with suppress(OSError):
-            self.path.unlink(missing_ok=True)
+            if again:
+                self._left -= self.path.stat().st_size
+            else:
+                self.path.unlink()
 
     def write(self, record: LogRecord) -> None:
         """Append a record, which is on the disk's way when this returns."""

@@ -1,0 +1,135 @@
+"""`followspot hz`: how regularly ports of a run send, and what gets lost behind them."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
+
+from followspot.cli.agent_options import network_of
+from followspot.cli.summary import table
+from followspot.deploy.status import RunStatus
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot_dashboard.meter import Rhythm
+from followspot_watch.ear import Ear, HeardPort, chosen, listening
+from followspot_watch.runs import Look, looking
+
+SINK = "dashboard.meter"
+_LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
+_PERIOD = 0.5
+"""Seconds between two tables on a terminal."""
+_CLEAR = "\x1b[H\x1b[2J"
+
+
+@dataclass(frozen=True)
+class Pace:
+    """One port. silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all
+    edges from it since the run began.
+    """
+
+    port: str
+    rhythm: Rhythm | None
+    silent_s: float
+    dropped: int
+
+    def data(self) -> dict[str, Any]:
+        """JSON types; null where nothing was sent while it was looked at."""
+        names = [name for name, _ in Rhythm.scalars]
+        known = {name: getattr(self.rhythm, name) if self.rhythm else None for name in names}
+        rounded = {n: round(v, 3) if isinstance(v, float) else v for n, v in known.items()}
+        return {"port": self.port, **rounded, "silent_s": round(self.silent_s, 1), "dropped": self.dropped}
+
+
+def hz(args: argparse.Namespace) -> int:
+    """Measure for so many seconds and print; on a terminal until the run ends or Ctrl-C. Returns the code."""
+    once = args.json or not sys.stdout.isatty()
+    with looking(args.run, network_of(args, LOOPBACK, AGENT), args.plugin_files) as look:
+        heard = chosen(args.port, look.plan, near=look.near)
+        measured = Measured(look, heard)
+        try:
+            with listening(look, measured.ports, SINK, window=args.seconds) as ear:
+                _measure(ear, measured, args.seconds if once else None)
+        except KeyboardInterrupt:
+            if not once:
+                return 0
+        paces = measured.paces()
+    print(json.dumps([pace.data() for pace in paces]) if args.json else text(paces))
+    return 0
+
+
+class Measured:
+    """What was told of the ports so far."""
+
+    def __init__(self, look: Look, heard: Sequence[HeardPort]) -> None:
+        self.ports = [replace(port, type=Rhythm) for port in heard]
+        self._look = look
+        self._dropped: Mapping[str, int] = {}
+        self._told: dict[str, tuple[Rhythm, float]] = {}
+        self._since = time.monotonic()
+
+    def take(self, port: str, rhythm: Rhythm) -> None:
+        """A newer measurement."""
+        self._told[port] = rhythm, time.monotonic()
+
+    def paces(self) -> list[Pace]:
+        """One a port, in the order of the graph."""
+        now = time.monotonic()
+        with suppress(FollowspotError):  # it has ended, and the last counts stand
+            self._dropped = dropped(self._look.plan, self._look.status())
+        found = []
+        for port in self.ports:
+            rhythm, at = self._told.get(port.name, (None, self._since))
+            found.append(Pace(port.name, rhythm, now - at, self._dropped.get(port.name, 0)))
+        return found
+
+
+def dropped(plan: Plan, status: RunStatus) -> dict[str, int]:
+    """Messages of each port that did not arrive, whatever the reason, summed over its edges."""
+    found: dict[str, int] = {}
+    for edge, count in status.edges(plan):
+        port = f"{edge.from_stage}.{edge.from_port}"
+        found[port] = found.get(port, 0) + sum(getattr(count, name) for name in _LOSSES)
+    return found
+
+
+def text(paces: Sequence[Pace]) -> str:
+    """A table; a port that sent nothing has none but its losses."""
+    head = ("port", "per second", "mean ms", "jitter ms", "p95 ms", "worst ms", "messages", "dropped", "")
+    return table(head, [_row(pace) for pace in paces])
+
+
+def _row(pace: Pace) -> tuple[str, ...]:
+    r = pace.rhythm
+    silent = f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= 2.0 else ""
+    if r is None:
+        return (pace.port, *("-",) * 5, "0", str(pace.dropped), silent)
+    gaps = (r.mean_ms, r.jitter_ms, r.p95_ms, r.worst_ms)
+    return (
+        pace.port,
+        f"{r.rate:.1f}",
+        *(f"{gap:.2f}" for gap in gaps),
+        str(r.count),
+        str(pace.dropped),
+        silent,
+    )
+
+
+def _measure(ear: Ear, measured: Measured, seconds: float | None) -> None:
+    """Until the time is over, or the run; where there is no time, with tables meanwhile."""
+    end = None if seconds is None else time.monotonic() + seconds
+    for heard in ear.heard(_PERIOD if end is None else min(_PERIOD, seconds or _PERIOD)):
+        if heard is not None:
+            port, message = heard
+            assert isinstance(message, Rhythm)
+            measured.take(port, message)
+        elif end is None:
+            print(_CLEAR + text(measured.paces()), flush=True)
+        if end is not None and time.monotonic() >= end:
+            return
