@@ -10,6 +10,9 @@ import numpy as np
 from followspot import Field, Joined, Source, Stage, StageParams, at
 from followspot.tracking import Frame
 
+FIRST = "first"
+"""File that says that the first pictures are here."""
+
 
 class Film(Stage):
     """A live camera whose picture is smooth with a little noise, as pictures of rooms are."""
@@ -42,14 +45,31 @@ class Film(Stage):
 
 
 class Look(Stage):
-    """Takes pictures of all cameras, each by itself."""
+    """Takes pictures of one camera; the run measures how old they are. Notes that the first is here."""
+
+    noted = False
 
     def process(self, frame: Frame) -> None:
-        """The run measures how old they are."""
+        """Once is enough."""
+        if not self.noted:
+            self.noted = True
+            (self.context.out / FIRST).write_text("picture\nhere\n")
 
 
 class LookAtAll(Stage):
-    """Takes pictures of all cameras as they come together."""
+    """Takes pictures of all cameras as they come together. Notes that one of each has been here."""
+
+    class Params(StageParams):
+        cameras: int = Field(1, ge=1, description="cameras to be heard", unit="1")
+
+    params: Params
+
+    def setup(self) -> None:
+        self.heard: set[str] = set()
 
     def process(self, frames: Joined[Frame]) -> None:
-        """The run measures how old they are."""
+        """A late camera may be missing."""
+        if len(self.heard) < self.params.cameras:
+            self.heard |= {frame.header.source for frame in frames}
+            if len(self.heard) == self.params.cameras:
+                (self.context.out / FIRST).write_text("pictures\nhere\n")
