@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo test thorough lint docs clean
+.PHONY: demo page test thorough lint docs clean
 .DEFAULT_GOAL := demo
 
 $(VENV)/demo: pyproject.toml
@@ -18,6 +18,13 @@ $(VENV)/dev: $(VENV)/demo
 
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
+
+$(VENV)/page: $(VENV)/demo
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dashboard,recording]'
+	@touch $@
+
+page: $(VENV)/page  ## the same, live and without end, as a page in a browser
+	@$(BIN)/followspot run graphs/glowballs.yaml --set camera.realtime=true --set camera.frames=0 --dashboard
 
 # A file on each core; neither threads of BLAS, which would wait for each other, nor deadlines on a busy machine.
 PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadfile --no-loadscope-reorder --hypothesis-profile ci
