@@ -23,10 +23,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from bench_hosts_cases import CASES, FAR, HOPS, STAGES, STARTS, THROUGHPUTS, Hosts, play
+from soak_show import FAULTS as KINDS
 
 FAULTS = "faults"
-_KINDS = 9
-"""Of faults."""
 Figures = dict[str, dict[str, float]]
 
 
@@ -51,7 +50,7 @@ def inflicted(rounds: int) -> Figures:
     """What each kind of fault costs, as tools/soak.py reports it."""
     soak = [sys.executable, str(Path(__file__).parent / "soak.py"), "--json"]
     done = subprocess.run(
-        [*soak, "--faults", str(rounds * _KINDS)], stdout=subprocess.PIPE, text=True, check=False
+        [*soak, "--faults", str(rounds * len(KINDS))], stdout=subprocess.PIPE, text=True, check=False
     )
     if not done.stdout.strip():
         raise SystemExit("tools/soak.py has not reported")
