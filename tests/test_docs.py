@@ -12,14 +12,23 @@ import msgpack
 import numpy as np
 import pytest
 import yaml
+from tests.tools.calibrate.rooms import made_room
 
 from followspot.cli.main import build_parser
+from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
+from followspot.testing import tiny_room
 from followspot.tracking import Blobs
 from followspot.transport.codec import pack
+from followspot_calibrate.triangulation import triangulate
 
 ROOT = Path(__file__).parent.parent
 PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+GRAPHS = ROOT / "graphs"
+TRIED_ELSEWHERE = ("README.md", "reference.md", "tutorial.md")
+"""Tests of their own try those of README and tutorial; in the reference `...` stands where a graph says more."""
+READY = {"distribution.md": "person_panorama.yaml"}
+"""The ready graph that a page speaks of, where it is not the demo's."""
 FENCED = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
@@ -45,15 +54,34 @@ def test_every_command_shown_is_understood(page: str, line: str) -> None:
         assert (ROOT / path).is_file(), path
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "yaml")])
-def test_every_stage_shown_takes_the_parameters_shown(page: str) -> None:
+def test_every_stage_of_the_reference_takes_its_defaults() -> None:
+    for block in blocks("reference.md", "yaml"):
+        for declared in yaml.safe_load(block).values():
+            if "..." not in str(declared):
+                load_stage(declared["uses"])()
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "yaml") and p not in TRIED_ELSEWHERE])
+def test_every_part_of_a_graph_shown_fits_a_ready_graph(page: str, tmp_path: Path) -> None:
+    (tmp_path / "show.mcap").touch()
     for block in blocks(page, "yaml"):
         shown = yaml.safe_load(block)
-        for name, declared in (shown.get("stages") or shown).items():
-            stage = declared["uses"] if isinstance(declared, dict) and "uses" in declared else "room.source"
-            if stage.startswith(("room.", "studio.", "low.")) or "..." in str(declared):
-                continue
-            assert load_stage(stage)(**declared.get("with", {})), name
+        part = tmp_path / "part.yaml"
+        part.write_text(block)
+        if "placement" in shown:
+            assert compile_graph(GRAPHS / "glowballs.yaml", placement=part).workers
+            continue
+        stages = shown.get("stages", shown)
+        ready = yaml.safe_load((GRAPHS / READY.get(page, "glowballs.yaml")).read_text())
+        part.write_text(yaml.safe_dump({**ready, "stages": ready["stages"] | stages}))
+        plan = compile_graph(part, room=GRAPHS / ready["room"])
+        assert {stage.group for stage in plan.stages} > stages.keys()
+
+
+def test_no_page_shows_python_that_no_test_runs() -> None:
+    """Here, in test_readme.py and in test_tutorial.py."""
+    shown = {page for page in PAGES if blocks(page, "python")}
+    assert shown == {"README.md", "calibration.md", "plugins.md", "tutorial.md", "wire.md"}
 
 
 def test_the_decoder_of_the_wire_format_decodes() -> None:
@@ -64,6 +92,23 @@ def test_the_decoder_of_the_wire_format_decodes() -> None:
     assert known["name"] == "Blobs"
     for column, values in known["arrays"].items():  # type: ignore[attr-defined]
         np.testing.assert_array_equal(values, getattr(message, column))
+
+
+def test_the_page_of_a_calibration_is_made_as_shown(tmp_path: Path) -> None:
+    (recipe,) = blocks("calibration.md", "python")
+    made = made_room(3, 50)
+    found = triangulate(made.cameras, made.sightings.pixel)
+    known = {
+        "cameras": made.cameras,
+        "sightings": made.sightings,
+        "points": found.points,
+        "residual": found.residual,
+        "room": tiny_room(),
+        "warnings": [],
+        "room_file": tmp_path / "room.yaml",
+    }
+    exec(recipe, known)  # the page's own words
+    assert "Wand of studio" in (tmp_path / "room.wand.html").read_text()
 
 
 def test_the_tests_shown_to_authors_of_plugins_are_green(tmp_path: Path) -> None:

@@ -1,0 +1,86 @@
+"""Every command that the documents show is run: here, or by the test that is named here."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from followspot.cli.main import main
+
+ROOT = Path(__file__).parent.parent
+PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
+FENCED = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
+PROGRAM = re.compile(r"followspot|make|python|pip|pytest|cp|cd|\. ")
+
+ELSEWHERE = {
+    r"(make|\. )": ".ci/run",
+    r"(cd|pip|pytest)": "tests/test_tutorial.py",
+    r"followspot (new|plugins studio|run graph.yaml)": "tests/test_tutorial.py",
+    r"python tools/bench_bounces.py": "tests/tools/test_bench_bounces.py",
+    r"python tools/bench_persons.py": "tests/tools/test_bench_persons.py",
+    r"python tools/bench": "tests/tools/test_benchmarks.py",
+    r"followspot .*--dashboard|followspot dashboard": "tests/integration/test_dashboard.py",
+    r"followspot (top|hz|echo|logs)": "tests/tools/watch",
+    r"followspot (swap|set)": "tests/integration/test_swap.py",
+    r"followspot move": "tests/integration/test_move.py",
+    r"followspot (agent|router)|followspot run .*--(connect|listen)": "tests/integration/test_agents.py",
+    r"followspot run .*--placement": "tests/integration/test_placement.py",
+    r"followspot calibrate": "tests/integration/test_calibration_chain.py",
+    r"followspot room (import|export)": "tests/tools/test_calibration_formats.py",
+    r"followspot room rectify": "tests/tools/test_room_rectify.py",
+    r"followspot room guess": "tests/tools/test_room_guess.py",
+    r"followspot compare": "tests/tools/test_compare.py",
+    r"followspot sweep": "tests/tools/test_sweep.py",
+    r"followspot train": "tests/tools/train/test_train.py",
+    r"followspot run .*--room (?!graphs/)": "tests/integration/test_recordings.py",
+    r"followspot score": "tests/tools/test_persons_commands.py",
+    r"cp": "tests/tools/test_compare.py",
+}
+"""Beginnings of commands that need devices, other hosts, a browser, recordings, a run that goes on or many
+minutes, and the test that runs them with what it has made for them."""
+FOLLOWED = "tutorial.md"
+"""Whose every line tests/test_tutorial.py follows."""
+
+
+def shown(page: str) -> list[str]:
+    """The commands of a page, with continued lines joined and without what is said of them."""
+    found = [block["text"] for block in FENCED.finditer(PAGES[page]) if block["language"] in ("sh", "")]
+    lines = [line.split(" #")[0].strip() for text in found for line in text.replace("\\\n", " ").splitlines()]
+    return [line for line in lines if PROGRAM.match(line)]
+
+
+def elsewhere(line: str) -> str | None:
+    return next((test for begin, test in ELSEWHERE.items() if re.match(begin, line)), None)
+
+
+def run_here() -> list[str]:
+    """Pages with commands that no other test runs."""
+    return [page for page in PAGES if page != FOLLOWED and not all(map(elsewhere, shown(page)))]
+
+
+@pytest.mark.parametrize("page", run_here())
+def test_the_commands_of_a_page_work_one_after_the_other(
+    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "graphs").symlink_to(ROOT / "graphs")
+    for line in shown(page):
+        if elsewhere(line) is None:
+            assert main(shortened(line)) == 0, line
+
+
+def shortened(line: str) -> list[str]:
+    """The command's words; of a run only the first pictures."""
+    name, *words = shlex.split(line)
+    assert name == "followspot", line
+    few = {"run": ["--frames", "2", "--quiet"], "record": ["--frames", "2", "--quiet"], "replay": ["--quiet"]}
+    return [*words, *few.get(words[0], [])]
+
+
+@pytest.mark.parametrize("begin", ELSEWHERE)
+def test_what_is_run_elsewhere_is_still_shown_and_run(begin: str) -> None:
+    assert any(re.match(begin, line) for page in PAGES for line in shown(page))
+    assert (ROOT / ELSEWHERE[begin]).exists()
