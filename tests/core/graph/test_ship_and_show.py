@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import xml.etree.ElementTree as ET
+from collections import defaultdict
+from collections.abc import Hashable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +16,12 @@ from tests.core.graph.files import TOY, write
 from followspot.errors import FollowspotError
 from followspot.graph import show
 from followspot.graph.compile import compile_graph
+from followspot.graph.outline import outline
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.graph.svg_layout import HEIGHT, Layout, Point, layout
+
+GRAPHS = Path(__file__).parents[3] / "graphs"
 
 
 @pytest.fixture
@@ -95,9 +102,35 @@ def test_svg_is_a_picture_of_every_box_and_edge(plan: Plan) -> None:
         texts
     )
     assert len(list(root.iter(f"{space}path"))) == 8
-    width, height = int(root.attrib["width"]), int(root.attrib["height"])
+    width, height = float(root.attrib["width"]), float(root.attrib["height"])
     for box in root.iter(f"{space}rect"):
-        right = int(box.attrib.get("x", 0)) + int(box.attrib["width"])
-        bottom = int(box.attrib.get("y", 0)) + int(box.attrib["height"])
+        right = float(box.attrib.get("x", 0)) + float(box.attrib["width"])
+        bottom = float(box.attrib.get("y", 0)) + float(box.attrib["height"])
         assert right <= width
         assert bottom <= height
+
+
+@pytest.mark.parametrize("placement", [None, "camera", "stage"])
+@pytest.mark.parametrize("name", ["glowballs", "person_room"])
+def test_no_line_of_the_picture_passes_behind_a_box_or_runs_along_another(
+    name: str, placement: str | None
+) -> None:
+    found = compile_graph(GRAPHS / f"{name}.yaml", placement=placement)
+    laid = layout(found, outline(found))
+    lengths: dict[tuple[Point, Point], set[Hashable]] = defaultdict(set)
+    for line, corners in laid.routes:
+        assert len(corners) >= 4
+        for start, end in pairwise(corners):
+            assert start[0] == end[0] or start[1] == end[1]
+            assert not [box for box, corner in laid.corner.items() if crosses(start, end, corner, laid)]
+        for start, end in pairwise(corners[1:-1]):  # the first and last are of a port
+            whose = (line.start, line.port) if line.back else (line.end, line.input)
+            lengths[start, end].add((line.kind, whose))
+    assert all(len(whose) == 1 for (start, end), whose in lengths.items() if start != end)
+
+
+def crosses(start: Point, end: Point, corner: Point, laid: Layout) -> bool:
+    """Whether a level or upright line has a part inside a box."""
+    left, top = corner
+    (x0, x1), (y0, y1) = sorted((start[0], end[0])), sorted((start[1], end[1]))
+    return x0 < left + laid.box_width and x1 > left and y0 < top + HEIGHT and y1 > top
