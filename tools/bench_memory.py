@@ -39,8 +39,7 @@ class FromMemory(Stage):
 
     def process(self) -> Source[Frame]:
         """One after the other, each with its time."""
-        for frame in self.frames:
-            yield at(frame.header.time, Frame(frame.camera, frame.pixels))
+        yield from self.frames
 
 
 @dataclass(frozen=True)
@@ -99,6 +98,11 @@ def own(frame: Frame) -> Frame:
     return at(frame.header.time, Frame(frame.camera, frame.pixels.copy()))
 
 
+def unsent(frame: Frame) -> Frame:
+    """The frame as a source first yields it."""
+    return at(frame.header.time, Frame(frame.camera, frame.pixels))
+
+
 def measure(
     plan: Plan, played: Shots, out: Path, *, frames: int | None = None, searching: bool = False
 ) -> Cost:
@@ -112,7 +116,7 @@ def measure(
     for stage, cell in zip(plan.stages, run.worker.cells, strict=True):
         if isinstance(cell, SourceCell) and stage.camera is not None:
             source = FromMemory(cell.stage.context)
-            source.frames = played[stage.camera]
+            source.frames = [unsent(frame) for frame in played[stage.camera]]
             cell.stage = source
             continue
         if stage.name == TRACKER and searching:

@@ -13,8 +13,8 @@ from followspot.messages import Array
 from followspot.room import Room
 from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
 
-WINDOW = 1.5
-"""Balls' radii by which a window exceeds its search circle."""
+MARGIN = 2
+"""Px by which a window exceeds a ball on its search circle: what touches the window's edge may be cut off."""
 FARTHEST_OFF = 0.1
 """Cosine of the angle from the optical axis up to which outlines become longer."""
 TINY = np.finfo(float).tiny
@@ -133,7 +133,7 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     radius = search_radius(images.travel, minimum, scale)
     size = picture_sizes(room)
     inside = reaching(images.center, radius, size)
-    corners, sides = windows(images.center, radius + WINDOW * images.ball, inside, size)
+    corners, sides = windows(images.center, radius + images.ball, inside, size)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
     circles = Circles(center, radius.reshape(-1), ball, rows_lost)
     return RoomRegions(circles, inside.reshape(-1), corners.reshape(-1, 2), sides.reshape(-1))
@@ -235,7 +235,7 @@ def windows(center: Array, reach: Array, inside: Array, size: Array) -> tuple[Ar
     picture.
     """
     largest = size.max(axis=1, keepdims=True)
-    half = np.minimum(np.where(inside, reach, 0), largest).astype(int) + 3
+    half = np.minimum(np.where(inside, reach, 0), largest).astype(int) + MARGIN
     nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
     return nearest - half[..., None], 2 * half + 1
 

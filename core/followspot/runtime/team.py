@@ -27,6 +27,7 @@ class Team:
         self.mark = mark
         self.waiting: dict[Cell, int] = {}
         """Members that are ready, with the capture time of their firing, ns."""
+        self.living = {cell for cell in cells if not cell.done}
 
     def step(self, cell: Cell) -> None:
         """Look at a member; fire where all that have not ended are ready. Raises StageError.
@@ -37,9 +38,11 @@ class Team:
         fire_at = cell.due()
         if fire_at is not None:
             self.waiting[cell] = fire_at
-        elif not cell.done:
+        elif cell.done:
+            self.living.discard(cell)
+        else:
             return
-        if lags or all(member.done or member in self.waiting for member in self.cells):
+        if lags or len(self.waiting) == len(self.living):
             self.fire()
 
     def fire(self) -> None:

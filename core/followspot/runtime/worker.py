@@ -85,8 +85,13 @@ class Worker:
 
     def mark_waiting(self, cell: Cell) -> None:
         """Feedback came for this cell; look at it if that may be what it waits for."""
-        if cell.done or any(inlet.queue for inlet in cell.join.members):
+        if cell.done:
             self.mark(cell.rank)
+            return
+        for inlet in cell.join.members:
+            if inlet.queue:
+                self.mark(cell.rank)
+                return
 
     def regroup(self) -> None:
         """Form the teams: stages that are alike now."""
