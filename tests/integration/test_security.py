@@ -273,14 +273,15 @@ else:
 """
 
 LISTEN = """
-import sys, zenoh
+import sys
+from contextlib import closing
+from followspot.deploy.security.door import Door
 from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import connected, log_refusals
-log_refusals()
-session = connected(Network((sys.argv[1],), (), sys.argv[2]))
-print("listening", flush=True)
-sys.stdin.read()
-session.close()
+from followspot.transport.zenoh_session import connected
+network = Network((sys.argv[1],), (), sys.argv[2])
+with Door(lambda line: print(line, file=sys.stderr)), closing(connected(network)):
+    print("listening", flush=True)
+    sys.stdin.read()
 """
 
 
@@ -299,21 +300,23 @@ def knocked(certs: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
 
 
 @pytest.mark.parametrize(
-    ("stranger", "said"),
+    ("stranger", "said", "counted"),
     [
-        ("without a certificate", "peer sent no certificates"),
-        ("of a foreign authority", "invalid peer certificate"),
-        ("with an expired certificate", "certificate expired"),
-        ("without TLS", "InvalidContentType"),
+        ("without a certificate", "peer sent no certificates", "certificate"),
+        ("of a foreign authority", "invalid peer certificate", "certificate"),
+        ("with an expired certificate", "certificate expired", "certificate"),
+        ("without TLS", "InvalidContentType", "tls"),
+        ("that was removed", "not on the list of hosts", "unlisted"),
     ],
 )
-def test_a_stranger_does_not_get_in_and_the_attempt_is_logged(
-    certs: Path, knocked: tuple[str, subprocess.Popen[str]], stranger: str, said: str
+def test_a_stranger_does_not_get_in_and_the_attempt_is_logged_and_counted(
+    certs: Path, knocked: tuple[str, subprocess.Popen[str]], stranger: str, said: str, counted: str
 ) -> None:
     endpoint, process = knocked
     shown = {
         "of a foreign authority": certs.parent / "foreign" / "desk",
         "with an expired certificate": certs / "late",
+        "that was removed": certs.parent / "gone",
     }
     tls: dict[str, object] = {"root_ca_certificate": str(certs / "desk" / "ca.pem")}
     if stranger in shown:
@@ -331,9 +334,11 @@ def test_a_stranger_does_not_get_in_and_the_attempt_is_logged(
     knock = subprocess.run(
         [sys.executable, "-c", KNOCK, json.dumps(settings)], capture_output=True, text=True, check=True
     )
-    assert knock.stdout.strip() in ("refused", "links 0")
+    assert knock.stdout.strip() in ("refused", "links 0") or counted == "unlisted"
     log, _ = process.communicate("", timeout=30)
     assert said in log
+    attempts = log.count(f"refused ({counted}, ")
+    assert log.splitlines()[-1] == f"peers refused: {attempts} {counted}"
 
 
 def test_nothing_but_loopback_is_opened_without_certificates_or_consent() -> None:

@@ -71,6 +71,7 @@ def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path
         _, log = agent.process.communicate(timeout=30)
     assert "refused (role" in log
     assert "pc-right" in log
+    assert "requests refused: " in log.splitlines()[-1]
 
 
 def test_an_agent_does_not_pass_for_another_host(certs: Path) -> None:

@@ -32,8 +32,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.agent import Agent, AgentOptions
+    from followspot.deploy.security.door import Door
     from followspot.transport.zenoh_network import AGENT
-    from followspot.transport.zenoh_session import log_refusals
 
     network = network_of(args, AGENT, ())
     options = AgentOptions(
@@ -44,12 +44,12 @@ def _run(args: argparse.Namespace) -> int:
         tuple(str(Path(file).absolute()) for file in args.plugin_files),
         round(args.clock_offset * 1e6),
     )
-    log_refusals()
-    agent = Agent(options, _tell)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: agent.stop())
-    _tell(f"agent {args.name} listens on {', '.join(agent.locators) or network.router}")
-    agent.serve()
+    with Door(_tell):
+        agent = Agent(options, _tell)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: agent.stop())
+        _tell(f"agent {args.name} listens on {', '.join(agent.locators) or network.router}")
+        agent.serve()
     return 0
 
 

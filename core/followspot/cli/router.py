@@ -6,6 +6,7 @@ import argparse
 import signal
 import sys
 import threading
+from contextlib import closing
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.plugins.hooks import Command
@@ -16,21 +17,21 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.transport.zenoh_session import connected, locators, log_refusals
+    from followspot.deploy.security.door import Door
+    from followspot.transport.zenoh_session import connected, locators
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
-    log_refusals()
-    session = connected(network, routes=True)
-    try:
-        where = ", ".join(locators(session))
-        print(f"router listens on {where}", file=sys.stderr, flush=True)
+    with Door(_tell), closing(connected(network, routes=True)) as session:
+        _tell(f"router listens on {', '.join(locators(session))}")
         over.wait()
-    finally:
-        session.close()  # type: ignore[no-untyped-call]
     return 0
+
+
+def _tell(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 COMMAND = Command(

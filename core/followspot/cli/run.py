@@ -70,6 +70,10 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
     with closing(ProgressBar()) as bar, ExitStack() as watchers:
+        if network.certificates:
+            from followspot.deploy.security.door import Door
+
+            watchers.enter_context(Door(bar.say))
         for options in load_plan_options():
             watchers.enter_context(options.watch(args))
         report = run_plan(

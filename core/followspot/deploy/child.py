@@ -109,8 +109,10 @@ class Child:
         session = None
         network = network_from_data(order["network"])
         if uses_zenoh(plan, order["worker"]) or network.leads_somewhere:
-            from followspot.transport.zenoh_session import connected, locators
+            from followspot.transport.zenoh_session import connected, locators, log_refusals
 
+            if network.certificates:  # whoever started this process counts them
+                log_refusals()
             session = connected(network)
             self.channel.send("listening", locators=locators(session))
         return EdgeLinks(plan, sending, receiving, session, order["run"], order["incarnation"])

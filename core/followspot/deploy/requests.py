@@ -102,10 +102,11 @@ class Answers:
             )
 
     def close(self) -> None:
-        """Answer nothing more."""
+        """Answer nothing more; log how much was refused."""
         for declared in reversed(self._declared):
             declared.undeclare()
         self._waiting.clear()
+        self.admission.sum_up()
 
     def _said(self, asked: Asked, payload: bytes) -> Any:
         data = self.admission.admit(asked, payload)

@@ -98,5 +98,5 @@ def _tls(folder: Path) -> dict[str, Any]:
 
 
 def log_refusals() -> None:
-    """Let Zenoh say on standard output which connections it refuses, and why; RUST_LOG overrides that."""
-    zenoh.init_log_from_env_or("error,zenoh_link_tls=warn")
+    """Let Zenoh say on standard output which peers it refuses, and why; RUST_LOG overrides that."""
+    zenoh.init_log_from_env_or("error,zenoh_link_tls=warn,zenoh::net::routing::interceptor=info")

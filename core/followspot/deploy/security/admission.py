@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import json
 import time
-from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Literal, NamedTuple
 from uuid import uuid4
 
+from followspot.deploy.security.refusals import Refusals
 from followspot.errors import FollowspotError
 from followspot.transport.keys import OPERATOR
 
@@ -24,8 +24,6 @@ WINDOW = 120.0
 MAX_REMEMBERED = 1 << 16
 """Most requests within the window; more are refused."""
 _MAX_ID = 64
-_LOGGED = 20
-"""Refusals of a kind that are logged one by one; then each hundredth."""
 
 _FOR_ALL = frozenset({"clock"})
 """What every host on the list may ask."""
@@ -74,12 +72,15 @@ class Admission:
         tell: Callable[[str], None] = lambda line: None,
         clock: Callable[[], float] = time.time,
     ) -> None:
-        self.refused: Counter[str] = Counter()
-        """Refused requests, by reason."""
+        self._refusals = Refusals(tell)
         self._verbs = frozenset(verbs)
-        self._tell = tell
         self._clock = clock
         self._seen: dict[str, float] = {}
+
+    @property
+    def refused(self) -> Mapping[str, int]:
+        """How many requests were refused, by reason."""
+        return self._refusals.counts
 
     def admit(self, asked: Asked, payload: bytes) -> dict[str, Any]:
         """The arguments of a request that may be answered. Raises Refused, to be given to `count`."""
@@ -93,10 +94,11 @@ class Admission:
 
     def count(self, who: str, error: Refused) -> None:
         """Count and log a refusal; who: the key of the request."""
-        self.refused[error.reason] += 1
-        number = self.refused[error.reason]
-        if number <= _LOGGED or number % 100 == 0:
-            self._tell(f"refused ({error.reason}, {number}): {who[:200]}: {str(error)[:500]}")
+        self._refusals.add(error.reason, who, str(error))
+
+    def sum_up(self) -> None:
+        """Log how many were refused."""
+        self._refusals.sum_up("requests")
 
     def _remember(self, name: str, sent: float) -> None:
         """Raises Refused where the request is old, or was here before."""
