@@ -6,7 +6,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NoReturn
 
 from followspot.errors import FollowspotError
 from followspot_recording.writer import McapWriter
@@ -58,17 +58,22 @@ class Recorder:
         self._writer = McapWriter(self._file, chunking.compression, profile=PROFILE)
 
     def describe(self, metadata: Mapping[str, str], attachments: Mapping[str, str]) -> None:
-        """Embed what the recording is of: facts, and files by name."""
-        self._writer.describe("followspot", dict(metadata))
-        for name, text in attachments.items():
-            kind = "application/json" if name.endswith(".json") else "application/yaml"
-            self._writer.attach(name, kind, text.encode())
+        """Embed what the recording is of: facts, and files by name. Raises FollowspotError as `add` does."""
+        try:
+            self._writer.describe("followspot", dict(metadata))
+            for name, text in attachments.items():
+                kind = "application/json" if name.endswith(".json") else "application/yaml"
+                self._writer.attach(name, kind, text.encode())
+        except OSError as error:
+            self._cut_short(error)
 
     def add(self, topic: str, encoding: str, schema: Schema, time_ns: int, seq: int, data: bytes) -> None:
-        """Append a message. Raises FollowspotError where the disk does not take it.
+        """Append a message. Raises FollowspotError once, where the disk does not take it: the file ends.
 
         time_ns: capture time; MCAP counts from 0, so what lies before stands at 0.
         """
+        if self._broken:
+            return
         now = time.monotonic()
         overdue = now - self._flushed >= self._chunking.seconds
         try:
@@ -81,18 +86,22 @@ class Recorder:
             stamp = max(0, time_ns)
             self._writer.chunk.message(channel, seq & 0xFFFFFFFF, stamp, data)
         except OSError as error:
-            self._broken = True
-            remedy = "free space on the disk or record fewer ports"
-            raise FollowspotError(f"{self.path} is cut short: {error.strerror}\n    {remedy}") from None
+            self._cut_short(error)
 
     def close(self) -> None:
-        """Write the last chunk and the index. Raises FollowspotError."""
+        """Write the last chunk and the index. Raises FollowspotError, if nothing was cut short before."""
         try:
             if not self._broken:
                 self._writer.finish()
             self._file.close()
         except OSError as error:
-            raise FollowspotError(f"{self.path} is cut short: {error.strerror}") from None
+            if not self._broken:
+                self._cut_short(error)
+
+    def _cut_short(self, error: OSError) -> NoReturn:
+        self._broken = True
+        remedy = "free space on the disk or record fewer ports"
+        raise FollowspotError(f"{self.path} is cut short: {error.strerror}\n    {remedy}") from None
 
     def _register(self, topic: str, encoding: str, schema: Schema) -> int:
         if schema.name not in self._schemas:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Literal
 
 from followspot import Field, Message, OutputPath, Stage, StageParams
@@ -32,6 +34,7 @@ class RecordingSink(Stage):
         compression: Compression = Field("lz4", description="lz4 is fast, zstd is small")
         chunk: float = Field(4.0, gt=0, le=64, description="size of a chunk before compression", unit="MiB")
         seconds: float = Field(1.0, gt=0, le=60, description="longest wait for a chunk to be full", unit="s")
+        essential: bool = Field(True, description="whether the run fails where the disk takes no more")
         metadata: dict[str, str] = Field({}, description="facts to embed")
         attachments: dict[str, str] = Field({}, description="texts to embed, by file name")
 
@@ -55,10 +58,23 @@ class RecordingSink(Stage):
             self.recorder.describe(given.metadata, given.attachments)
 
     def process(self, message: Message) -> None:
-        """Write one message. Raises FollowspotError where the disk does not take it."""
-        recorder = self.recorder
-        if recorder is None:
+        """Write one message. Raises FollowspotError where the disk does not take it, if that is essential."""
+        if self.recorder is None:
             raise FollowspotError(f"{self.context.name} has no file: it was not set up")
+        with self._forgiving():
+            self._write(self.recorder, message)
+
+    @contextmanager
+    def _forgiving(self) -> Iterator[None]:
+        """Warn of a disk that takes no more, where the run is to go on. Raises FollowspotError where not."""
+        try:
+            yield
+        except FollowspotError as error:
+            if self.params.essential:
+                raise
+            self.context.warn(f"the recording ends here, the run goes on: {error}")
+
+    def _write(self, recorder: Recorder, message: Message) -> None:
         kind = type(message)
         if self.schema is None:
             self.schema = Schema(type_name(kind), ENCODING, contract_of(kind))
@@ -74,7 +90,8 @@ class RecordingSink(Stage):
             recorder.add(self.view, "json", view[0], header.time, header.seq, view[1])
 
     def close(self) -> None:
-        """Leave the file; the last one completes it. Raises FollowspotError."""
+        """Leave the file; the last one completes it. Raises FollowspotError, if that is essential."""
         if self.recorder is not None:
             recorder, self.recorder = self.recorder, None
-            leave(self.path, recorder)
+            with self._forgiving():
+                leave(self.path, recorder)

@@ -73,7 +73,11 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
     if problem := _unsuitable(path):
         raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
     names = chosen(args.record_ports, output_ports(plan), "--record-ports")
-    params = {"pictures": args.record_pictures, "compression": args.record_compression}
+    params = {
+        "pictures": args.record_pictures,
+        "compression": args.record_compression,
+        "essential": not plan.live,  # the show goes on
+    }
     return with_recording(plan, names, target_of(plan, names, path, params, _files(args)))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import resource
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -23,10 +25,14 @@ PORT = "fuse.out"
 def record(path: Path) -> Path:
     sink = RecordingSink(Context("a"), path=path, port=PORT, chunk=0.001, metadata={"graph": "toy"})
     sink.setup()
-    for number in range(COUNT):
-        sink.process(stamped(seal(Positions.empty()), Header("camera", number, number * 1000)))
+    fill(sink, COUNT)
     sink.close()
     return path
+
+
+def fill(sink: RecordingSink, count: int) -> None:
+    for number in range(count):
+        sink.process(stamped(seal(Positions.empty()), Header("camera", number, number * 1000)))
 
 
 @pytest.fixture(scope="module")
@@ -107,3 +113,40 @@ def test_a_chunk_that_claims_to_be_huge_is_refused(whole: bytes, tmp_path: Path)
     found, problem = read(tmp_path / "a.mcap", bytes(data))
     assert found == []
     assert "allowed" in problem
+
+
+@pytest.fixture
+def full_disk() -> Iterator[None]:
+    """Nothing takes more than so many bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.usefixtures("full_disk")
+def test_a_full_disk_ends_the_recording_with_one_warning_and_not_the_show(tmp_path: Path) -> None:
+    said: list[str] = []
+    path = tmp_path / "a.mcap"
+    sink = RecordingSink(
+        Context("a", warn=said.append), path=path, port=PORT, chunk=0.001, compression="none", essential=False
+    )
+    sink.setup()
+    fill(sink, 200)
+    sink.close()
+    (warning,) = said
+    assert f"{path} is cut short: File too large" in warning
+    with Recording(path) as recording:
+        found = [message.seq for message in recording.messages(PORT)]
+        assert "read up to there" in recording.problem
+    assert found == list(range(len(found)))
+    assert len(found) > 10
+
+
+@pytest.mark.usefixtures("full_disk")
+def test_a_full_disk_ends_a_run_that_is_for_the_recording(tmp_path: Path) -> None:
+    sink = RecordingSink(Context("a"), path=tmp_path / "a.mcap", port=PORT, chunk=0.001, compression="none")
+    sink.setup()
+    with pytest.raises(FollowspotError, match="free space on the disk"):
+        fill(sink, 200)
+    sink.close()
