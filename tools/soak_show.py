@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -17,30 +18,22 @@ sys.path.insert(0, str(ROOT / "tests" / "integration"))
 from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
 from running import children  # type: ignore[import-not-found]  # noqa: E402
 
-from soak_stages import CLOCK  # noqa: E402
+from soak_room import write_files  # noqa: E402
+from soak_watch import Watch  # noqa: E402
 
 __all__ = ["FAULTS", "SIDES", "Hosts", "Show", "children"]
 
 STAGES = ROOT / "tools" / "soak_stages.py"
 SIDES = ("pc-left", "pc-right")
-GRAPH = """
-graph: soak
-stages:
-  left:  {uses: soak_stages.heart, with: {side: 0}}
-  right: {uses: soak_stages.heart, with: {side: 1}}
-  file:  {uses: soak_stages.heart, with: {side: 2, count: 300}}
-  meet:  {uses: soak_stages.meet, in: {beats: [left, right, file]}, tolerance: 0.006, on_error: skip}
-"""
-PLACEMENT = """
-placement: soak
-workers:
-  left:  {host: pc-left, stages: [left, file]}
-  right: {host: pc-right, stages: [right]}
-"""
+CLOCKS = ROOT / "tools" / "soak_clock"
+STEP = 50_000_000
+"""By how much the clock of a host jumps, ns."""
 CUT_S = 2.5
 """Seconds for which cables are pulled and agents stopped: longer than a peer may be silent."""
-_DISK = 4 << 20
+_DISK = 8 << 20
 """Bytes of the disk that the run writes to."""
+_LAST = 10_000
+"""Bytes of the judge's file that are looked at: more than a fault lasts."""
 
 
 class Show:
@@ -50,16 +43,19 @@ class Show:
         self.hosts = hosts
         self.folder = hosts.folder
         self.chance = chance
+        self.clocks: dict[str, int] = {}
         self.out = self.folder / "out"
         self.out.mkdir()
         subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={_DISK}", "soak", str(self.out)], check=True)
         self.endpoint = f"tcp/{hosts.address('middle')}:7447"
         self.router = self._router()
+        for name in SIDES:
+            self._set_clock(name, 0)
         self.agents = {name: self._agent(name) for name in SIDES}
-        (self.folder / "soak.yaml").write_text(GRAPH)
-        (self.folder / "placement.yaml").write_text(PLACEMENT)
+        write_files(self.folder, opened=time.monotonic())
         words = ["run", "soak.yaml", "--placement", "placement.yaml", "--plugin", STAGES, "--out", self.out]
         self.run = hosts.start("desk", *words, "--json", "--quiet", "--insecure", "--router", self.endpoint)
+        self.watch = Watch(self.run.pid, hosts.space("desk"))
 
     def end(self) -> None:
         """Ask agents and the router to end."""
@@ -69,23 +65,20 @@ class Show:
         self.router.communicate(timeout=30)
 
     def close(self) -> None:
-        """The disk goes; processes and namespaces are those of the hosts."""
+        """Watch and disk go; processes and namespaces are those of the hosts."""
+        self.watch.close()
         subprocess.run(["umount", "--lazy", str(self.out)], check=False)
 
-    def heard(self, since: float) -> set[int]:
-        """Sides that were heard after a time, s of the monotonic clock."""
-        path = self.out / "beats.csv"
+    def judged(self) -> list[tuple[float, int, float]]:
+        """When the last frames were tracked, s of the monotonic clock, their numbers, and the errors, m."""
+        path = self.out / "judged.csv"
         if not path.exists():
-            return set()
+            return []
         with path.open("rb") as file:
-            file.seek(max(0, path.stat().st_size - 4000))
-            lines = file.read().decode().splitlines()[1:]
-        sides: set[int] = set()
-        for line in lines:
-            when, _, found = line.partition(",")
-            if found and float(when) > since:
-                sides.update(map(int, found.split()))
-        return sides
+            file.seek(max(0, path.stat().st_size - _LAST))
+            lines = [line.split(",") for line in file.read().decode().splitlines()[1:]]
+        whole = (line for line in lines if len(line) == 3 and line[2])
+        return [(float(when), int(frame), float(error)) for when, frame, error in whole]
 
     def workers(self) -> list[int]:
         """Process ids of all workers."""
@@ -138,10 +131,16 @@ class Show:
             filler.unlink(missing_ok=True)
 
     def step_clock(self) -> None:
-        """The clock of a host jumps by 50 ms, forth or back."""
+        """The clock of a host jumps, forth or back."""
         name = self.chance.choice(SIDES)
-        for path in self.folder.glob(f"runs/*-{name}"):
-            (path / CLOCK).write_text(self.chance.choice(["50000000", "0", "-50000000"]))
+        self._set_clock(name, 0 if self.clocks[name] else self.chance.choice([STEP, -STEP]))
+
+    def _set_clock(self, name: str, error: int) -> None:
+        self.clocks[name] = error
+        path = self.folder / f"{name}.clock"
+        path.touch()
+        with path.open("r+b") as file:  # it stays as long as it is, for processes look into it
+            file.write(struct.pack("<q", error))
 
     def _signal_worker(self, number: signal.Signals) -> None:
         pids = self.workers()
@@ -155,7 +154,9 @@ class Show:
         return router
 
     def _agent(self, name: str) -> Agent:
-        return self.hosts.agent(name, "--plugin", STAGES, router=self.endpoint)
+        paths = os.pathsep.join([str(CLOCKS), *filter(None, [os.environ.get("PYTHONPATH")])])
+        env = {"SOAK_CLOCK": str(self.folder / f"{name}.clock"), "PYTHONPATH": paths}
+        return self.hosts.agent(name, "--plugin", STAGES, router=self.endpoint, env=env)
 
 
 FAULTS: dict[str, Callable[[Show], None]] = {
@@ -168,3 +169,5 @@ FAULTS: dict[str, Callable[[Show], None]] = {
     "disk full": Show.fill_disk,
     "clock steps": Show.step_clock,
 }
+UNSEEN = ("router restarted", "disk full", "clock steps")
+"""Faults after which no worker or host is away for long enough to be missed."""

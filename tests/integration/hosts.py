@@ -6,7 +6,7 @@ import os
 import signal
 import socket
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import TracebackType
@@ -109,22 +109,28 @@ class Hosts:
         """Pull the cable of a host ("down"), or plug it in again ("up")."""
         ip("link", "set", f"to{self.names.index(name)}", state, inside=self.space("hub"))
 
-    def start(self, host: str, *words: str | Path) -> subprocess.Popen[str]:
-        """Begin a command of followspot on a host."""
+    def start(
+        self, host: str, *words: str | Path, env: Mapping[str, str] | None = None
+    ) -> subprocess.Popen[str]:
+        """Begin a command of followspot on a host; env: on top of the environment of the test."""
         process = subprocess.Popen(
             ["ip", "netns", "exec", self.space(host), *COMMAND, *map(str, words)],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
             cwd=self.folder,
+            env={**os.environ, **(env or {})},
         )
         self.processes.append(process)
         return process
 
-    def agent(self, name: str, *options: str | Path, router: str = "") -> Agent:
+    def agent(
+        self, name: str, *options: str | Path, router: str = "", env: Mapping[str, str] | None = None
+    ) -> Agent:
         """An agent that is ready; router: through which it is reached."""
         listen = ("--router", router) if router else ("--listen", self.endpoint(name))
-        return Agent(self.start(name, "agent", "--name", name, *listen, "--insecure", *options), self.folder)
+        words = ("agent", "--name", name, *listen, "--insecure", *options)
+        return Agent(self.start(name, *words, env=env), self.folder)
 
 
 class Agent:

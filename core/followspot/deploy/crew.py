@@ -53,6 +53,8 @@ class Crew:
         self._log = log
         self._selector = selectors.DefaultSelector()
         self._rings = Rings(self.plan, set(self.names()))
+        for name in order.over:
+            self._rings.give_up(name)
         self._taps: list[dict[str, Any]] = []
         self._answers: list[tuple[str, ChangeStatus]] = []
 

@@ -48,6 +48,11 @@ class Rings:
         """The ends that a worker starts with: those of the first pairs, or of the pairs made for it."""
         return self._taken([e for e in self._waiting if e.worker == worker and e.of in ("", worker)])
 
+    def give_up(self, worker: str) -> None:
+        """A worker that will not start: close the ends that wait for it, so that others need not wait."""
+        for end in self.take(worker):
+            end.socket.close()
+
     def renew(self, worker: str) -> None:
         """New pairs for all edges of a worker that starts again; what was left of the last ones is closed."""
         mine = [edge for edge, homes in self._homes.items() if worker in homes]

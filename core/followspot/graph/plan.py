@@ -34,7 +34,10 @@ class PlannedStage:
     tolerance: float = 0.004
     """Largest difference in capture time within one join, s."""
     deadline: float = 0.1
-    """Longest time, s, from a message's entering the graph until a live join fires without those missing."""
+    """Longest time, s, that a live join waits for those missing, on top of what joins upstream of it wait.
+
+    It counts from a message's entering the graph.
+    """
 
 
 @dataclass(frozen=True)

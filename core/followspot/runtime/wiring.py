@@ -86,6 +86,7 @@ class Wiring:
             self.into[edge.to_stage].append(number)
             self.out_of[edge.from_stage].append(number)
         self.slack = self._slacks()
+        self.deadline = self._deadlines()
 
     def message_type(self, edge: PlannedEdge) -> type[Message]:
         """Type of the messages on an edge: what its sender declares."""
@@ -121,6 +122,19 @@ class Wiring:
             inherited = [slack[e.from_stage] for e in edges if not self.held(e)]
             slack[stage.name] = self.window(stage) + max(inherited, default=0)
         return slack
+
+    def _deadlines(self) -> dict[str, float]:
+        """For each stage, s from a message's entering the graph until those still missing are given up.
+
+        A join waits on top of what joins upstream of it wait: else what they make of the rest comes too late.
+        """
+        deadline: dict[str, float] = {}
+        for stage in self.plan.stages:
+            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            members = [deadline[e.from_stage] for e in edges if not self.held(e)]
+            own = stage.deadline if len(members) > 1 else 0.0
+            deadline[stage.name] = own + max(members, default=0.0)
+        return deadline
 
     def _reachable(self, start: str) -> set[str]:
         """Stages downstream of one, itself included."""
@@ -218,7 +232,7 @@ class _Builder:
             )
             source.limit = self.options.frames
             return source
-        deadline = stage.deadline if self.wiring.live else None
+        deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
         return Cell(
             stage.name,
             rank,

@@ -1,0 +1,53 @@
+"""What tools/soak.py runs: the tracker of glowing balls on live cameras of the simulated room."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+GRAPHS = Path(__file__).parent.parent / "graphs"
+CAMERAS = 6
+"""Those that go on."""
+SHORT = "cam6"
+"""The camera whose file ends."""
+SHORT_S = 15
+"""Seconds until then."""
+FPS = 10
+"""Rate of the cameras, 1/s."""
+PERFORMANCE = {"fps": FPS, "seed": 7, "people": 2}
+PLACEMENT = f"""
+placement: soak
+workers:
+  left:  {{host: pc-left, cameras: [cam0, cam1]}}
+  right: {{host: pc-right, cameras: [cam2, cam3], stages: [infrared/{SHORT}]}}
+  short: {{host: pc-right, stages: [camera/{SHORT}]}}
+  desk:  {{cameras: [cam4, cam5]}}
+"""
+
+
+def write_files(folder: Path, opened: float) -> None:
+    """Graph, room and placement; opened: since when time goes on in the room, s of the monotonic clock."""
+    graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
+    graph["room"] = "room.yaml"
+    graph["stages"]["save"]["on_error"] = "skip"
+    judge = {"uses": "soak_stages.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
+    graph["stages"]["judge"] = judge
+    (folder / "soak.yaml").write_text(yaml.safe_dump(graph))
+    (folder / "room.yaml").write_text(yaml.safe_dump(_room(opened)))
+    (folder / "placement.yaml").write_text(PLACEMENT)
+
+
+def _room(opened: float) -> dict[str, Any]:
+    """The simulated room with live cameras, and one more that looks where another one does."""
+    room: dict[str, Any] = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
+    del room["truth"]
+    room["cameras"][SHORT] = dict(room["cameras"]["cam1"])
+    for target in room["targets"].values():
+        for learnt in (target["area"], target["gray"]):
+            learnt[SHORT] = learnt["cam1"]
+    for name, camera in room["cameras"].items():
+        performance = {**PERFORMANCE, "frames": SHORT_S * FPS if name == SHORT else 0, "opened": opened}
+        camera["source"] = {"uses": "soak_stages.live_camera", "with": performance}
+    return room

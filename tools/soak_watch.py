@@ -1,0 +1,101 @@
+"""What the run of tools/soak.py tells of itself: who is away, whose blobs are used, what it noticed."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from followspot.deploy.reachable import RunHere
+from followspot.deploy.status import RunStatus, run_status_from_data
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data
+
+_PERIOD = 0.1
+"""Seconds between two questions."""
+_KEPT = 1200
+"""Newest answers that are kept."""
+_NETWORK = 0x40000000
+"""CLONE_NEWNET of <sched.h>."""
+
+
+class Glance(NamedTuple):
+    """The run at one moment: s of the monotonic clock, news, workers that are away, blobs used by camera."""
+
+    at: float
+    news: Counter[str]
+    away: frozenset[str]
+    used: Mapping[str, int]
+
+
+class Watch:
+    """Asks a run for its status from a thread of its own, inside its network namespace."""
+
+    def __init__(self, pid: int, space: str) -> None:
+        """pid: of the run; space: name of the namespace."""
+        self._pid = pid
+        self._space = space
+        self._glances: deque[Glance] = deque(maxlen=_KEPT)
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._keep_asking, name="watch", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._over.set()
+        self._thread.join()
+
+    def works(self, since: float, cameras: int) -> bool:
+        """Whether all workers are at work, and blobs of as many cameras were used after that time, s."""
+        glances = [glance for glance in tuple(self._glances) if glance.at > since]
+        if not glances or glances[-1].away:
+            return False
+        first, last = glances[0].used, glances[-1].used
+        return sum(last[camera] > count for camera, count in first.items()) >= cameras
+
+    def noticed(self, since: float) -> float | None:
+        """Seconds until the run said that something was wrong; None where it never did."""
+        glances = tuple(self._glances)
+        before = [glance for glance in glances if glance.at <= since][-1]
+        for glance in glances:
+            new = [line for line in glance.news - before.news if not line.endswith("is back")]
+            if glance.at > since and (new or glance.away - before.away):
+                return glance.at - since
+        return None
+
+    def _keep_asking(self) -> None:
+        _enter(self._space)
+        plan: Plan | None = None
+        while not self._over.wait(_PERIOD):
+            with suppress(FollowspotError, OSError, StopIteration):  # it has not begun, or has ended
+                run = RunHere("", "", self._pid, self._socket())
+                plan = plan or plan_from_data(run.ask("plan", 2.0))
+                status = run_status_from_data(run.ask("status", 2.0))
+                self._glances.append(_glance(status, plan))
+
+    def _socket(self) -> str:
+        """Raises StopIteration where the run has none yet."""
+        begin = f"@followspot-{os.getuid()}-{self._pid}-"
+        words = Path(f"/proc/{self._pid}/net/unix").read_text().split()
+        return next(word[1:] for word in words if word.startswith(begin))
+
+
+def _glance(status: RunStatus, plan: Plan) -> Glance:
+    away = frozenset(worker.name for worker in status.workers if worker.phase not in ("running", "over"))
+    edges = [(edge, count) for edge, count in status.edges(plan) if edge.to_stage == "verify"]
+    used = {edge.from_stage: count.delivered for edge, count in edges if not edge.delay}
+    return Glance(time.monotonic(), Counter(status.news), away, used)
+
+
+def _enter(space: str) -> None:
+    """Let the calling thread, and it alone, see the network of a namespace. Raises OSError."""
+    with Path(f"/run/netns/{space}").open() as file:
+        if ctypes.CDLL(None, use_errno=True).setns(file.fileno(), _NETWORK):
+            raise OSError(ctypes.get_errno(), f"namespace {space} cannot be entered")
