@@ -21,6 +21,8 @@ _RIM = 0.15
 """Share of the floor's seen places that may lie outside on each side."""
 _INNER = np.linspace(0.2, 0.8, 5)
 """Where in a picture the floor is looked at, as a share of its width or height."""
+_AROUND = np.linspace(0.0, 1.0, 12, endpoint=False)
+"""The same along a panorama."""
 _DIFFERENT = 20
 """Degrees of hue between colours that can be told apart."""
 _ACROSS = 0.99
@@ -143,7 +145,8 @@ def _camera(camera: Camera) -> dict[str, Any]:
 def _floor_seen(camera: Camera) -> Array:
     """Where the inner part of the picture meets the floor, (N, 3) m."""
     width, height = camera.size
-    grid = np.array(list(product(_INNER * width, _INNER * height)))
+    across = _AROUND if camera.model == "cylinder" else _INNER
+    grid = np.array(list(product(across * width, _INNER * height)))
     rays = ray(camera, grid)
     down = np.isfinite(rays).all(1) & (rays[:, 2] < -0.1)
     steps = -camera.center[2] / rays[down, 2]

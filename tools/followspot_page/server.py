@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import os
 import socket
 import sys
@@ -149,6 +150,7 @@ def _input_over() -> asyncio.Future[None]:
 
 def main() -> int:
     """Entry of the process."""
+    logging.getLogger("asyncio").setLevel(logging.ERROR)  # it warns of each browser that is gone in mid-sentence
     try:
         asyncio.run(serve(**json.loads(sys.argv[1])))
     except (OSError, FollowspotError) as error:

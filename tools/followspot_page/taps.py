@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,18 +15,24 @@ from followspot.runtime.tapping import Tapping
 from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"
+_PIXELS, _MOST = 320 * 240, 1280
+"""Pixels of a preview, and most of them in a row."""
 SMOOTH_RATE = 30.0
 """Tracks and poses shown in a second; they are small, and a target that jumps is hard to follow."""
 
 
 @dataclass(frozen=True)
 class ShownPort:
-    """A port that the page shows. name: STAGE.PORT; host: where it is, "" for here; source: of a source."""
+    """A port that the page shows.
+
+    name: STAGE.PORT; host: where it is, "" for here; source: of a source; size: of its camera's pictures, px.
+    """
 
     name: str
     type: type[Message]
     host: str
     source: bool
+    size: tuple[int, int] = (320, 240)
 
 
 def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
@@ -34,11 +41,19 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
     found = []
     for stage in plan.stages:
         its = ports(load_stage(stage.uses))
+        size = plan.room.cameras[stage.camera].size if stage.camera else (320, 240)
         for port in its.outputs:
             if port.type in SHOWN:
                 name = f"{stage.name}.{port.name}"
-                found.append(ShownPort(name, port.type, hosts[stage.worker], its.source))
+                found.append(ShownPort(name, port.type, hosts[stage.worker], its.source, size))
     return tuple(found)
+
+
+def longest_side(size: tuple[int, int]) -> int:
+    """Of the preview of a picture, px: as many pixels whatever its shape. size: width and height, px."""
+    width, height = size
+    shape = max(width, height) / min(width, height)
+    return min(_MOST, round(math.sqrt(_PIXELS * shape)))
 
 
 def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[Tapping]:
@@ -46,6 +61,7 @@ def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[
     found = []
     for port in looked_at:
         smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
+        look = {"rate": rate, "smooth": smooth, "longest": longest_side(port.size)}
         place = {} if port.host else {"folder": str(folder), "leads": port.source}
-        found.append(Tapping(port.name, TAP, {**place, "port": port.name, "rate": rate, "smooth": smooth}))
+        found.append(Tapping(port.name, TAP, {**place, "port": port.name, **look}))
     return found

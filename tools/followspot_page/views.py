@@ -11,7 +11,7 @@ import numpy as np
 from followspot.geometry import project
 from followspot.messages import Array, Message
 from followspot.people import Boxes, Poses
-from followspot.room import Room
+from followspot.room import Camera, Room
 from followspot.tracking import STATES, Blobs, Forecast, Frame, ImageTracks, Tracks
 from followspot_dashboard.picture import Picture
 
@@ -22,6 +22,8 @@ SMOOTH: tuple[type[Message], ...] = (Tracks, Poses)
 _SENT: tuple[type[Message], ...] = (Picture, *SHOWN[1:])
 KINDS: Mapping[str, type[Message]] = {kind.__name__: kind for kind in _SENT}
 """What taps send, by name."""
+_HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4
+"""Radius of a head, m; how far below its top the chest is, as a share of the height; length of arrows, m."""
 _SEARCH = 3.0
 """Radius of a drawn search region, in standard deviations of the forecast."""
 
@@ -67,7 +69,7 @@ def _forecast(m: Forecast, room: Room) -> dict[str, Any]:
 
 
 def _poses(m: Poses, room: Room) -> dict[str, Any]:
-    head = np.column_stack([m.xy, m.height])
+    points = _body(m)
     return {
         "camera": m.camera,
         "person": m.person.tolist(),
@@ -78,8 +80,29 @@ def _poses(m: Poses, room: Room) -> dict[str, Any]:
         "pan": _rounded(m.pan, 3),
         "tilt": _rounded(m.tilt, 3),
         "sigma": _rounded(m.sigma[:, :2], 3),
-        "images": _images(room, head, np.full(len(head), 0.1)),
+        "images": _images(room, points[:, 0], np.full(len(points), _HEAD)),
+        "arrows": {name: _arrows(camera, points) for name, camera in room.cameras.items()},
     }
+
+
+def _body(m: Poses) -> Array:
+    """Of each person the head, where it looks to, the chest, where that points to, (M, 4, 3) m."""
+    gaze, level = m.heading + m.pan, np.cos(m.tilt)
+    face = np.column_stack([level * np.cos(gaze), level * np.sin(gaze), np.sin(m.tilt)])
+    front = np.column_stack([np.cos(m.heading), np.sin(m.heading), np.zeros(len(m.heading))])
+    head = np.column_stack([m.xy, m.height - _HEAD])
+    chest = np.column_stack([m.xy, m.height * (1 - _CHEST)])
+    return np.stack([head, head + _ARROW * face, chest, chest + _ARROW * front], axis=1)
+
+
+def _arrows(camera: Camera, points: Array) -> list[list[list[float]] | None]:
+    """How the arrows of head and chest, (M, 4, 3) m, appear: four points, px; None where they do not."""
+    pixel = project(camera, points.reshape(-1, 3)).reshape(-1, 4, 2)
+    width, height = camera.size
+    near = (np.abs(pixel - [width / 2, height / 2]) < [width, height]).all((1, 2))
+    whole = (np.abs(pixel[:, 1::2, 0] - pixel[:, ::2, 0]) < width / 2).all(1)  # none over a panorama's seam
+    drawn = np.isfinite(pixel).all((1, 2)) & near & whole
+    return [row if ok else None for row, ok in zip(_rounded(pixel, 1), drawn, strict=True)]
 
 
 def _boxes(m: Boxes, room: Room) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from followspot.graph.plan import Plan
 from followspot_page.asked import order_of
 from followspot_page.hooks import checked, configure
 from followspot_page.showing import PageOrder, shown
-from followspot_page.taps import shown_ports, tappings
+from followspot_page.taps import longest_side, shown_ports, tappings
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 
@@ -77,3 +77,11 @@ def test_an_address_that_cannot_be_served_is_named() -> None:
     elsewhere = PageOrder(os.getpid(), "192.0.2.1", 80)
     with pytest.raises(FollowspotError, match=r"192\.0\.2\.1:80"), shown(elsewhere):
         pass
+
+
+def test_previews_have_as_many_pixels_whatever_their_shape() -> None:
+    assert longest_side((640, 480)) == longest_side((320, 240)) == 320
+    width = longest_side((1396, 260))
+    assert width * width * 260 / 1396 == pytest.approx(320 * 240, rel=0.01)
+    assert longest_side((240, 320)) == 320
+    assert longest_side((10_000, 10)) == 1280

@@ -31,6 +31,7 @@ function span(p50, p95) {
 }
 
 let shown = "";
+let fused = false;
 const takers = {
   answer(answer) {
     ("on" in JSON.parse(answer.to) ? recorder : pipeline).answer(answer);
@@ -67,8 +68,9 @@ const takers = {
     if (view.kind === "Tracks") {
       legend.tracks(view);
       room?.tracks(view);
-    } else if (view.kind === "Poses" && !view.camera) {
-      room?.poses(view);
+    } else if (view.kind === "Poses") {
+      fused ||= !view.camera;
+      if (!(fused && view.camera)) room?.poses(view); // what cameras see apart is shown until it is fused
     }
     tiles.changed(view);
   },

@@ -8,6 +8,7 @@ import { Orbit } from "./orbit.js";
 import { Person } from "./person.js";
 import { Target } from "./target.js";
 
+const around = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12) / 3, Math.sin((i * Math.PI) / 12) / 3, 0]);
 const NIGHT = 0x06080c;
 const FRUSTUM = 0.55; // m, as long as a camera is drawn
 const GONE_MS = 1500; // after which who was not told of is not shown
@@ -65,14 +66,15 @@ export class Room {
     });
   }
 
-  poses({ person, xy, height, heading, pan, sigma }) {
+  poses({ camera, person, xy, height, heading, pan, tilt, sigma, time }) {
     person.forEach((number, i) => {
-      if (!this.people.has(number)) {
+      const name = `${camera} ${number}`;
+      if (!this.people.has(name)) {
         const mark = new Person(number, this.texture);
-        this.people.set(number, mark);
+        this.people.set(name, mark);
         this.scene.add(mark.group);
       }
-      this.people.get(number).move(xy[i], height[i], heading[i], pan[i], sigma[i]);
+      this.people.get(name).move({ xy: xy[i], height: height[i], heading: heading[i], pan: pan[i], tilt: tilt[i], sigma: sigma[i], time });
     });
   }
 
@@ -89,11 +91,11 @@ export class Room {
     const seconds = Math.min(0.1, (now - this.before) / 1000);
     this.before = now;
     for (const target of this.targets) target.step(seconds);
-    for (const [number, mark] of this.people) {
+    for (const [name, mark] of this.people) {
       mark.step(seconds);
       if (performance.now() - mark.heard > GONE_MS) {
         this.scene.remove(mark.group);
-        this.people.delete(number);
+        this.people.delete(name);
       }
     }
     this.renderer.render(this.scene, this.camera);
@@ -131,8 +133,10 @@ function patch({ corners }) {
 function frustum({ name, kind, center, rays }) {
   const color = kind === "infrared" ? 0xc46a6a : 0x9fb4cf;
   const tip = new Vector3(...center);
+  if (!rays.length) rays = around; // it looks all around
   const corners = rays.map((ray) => new Vector3(...ray).multiplyScalar(FRUSTUM).add(tip).toArray());
-  const sides = corners.flatMap((corner, i) => [tip.toArray(), corner, corner, corners[(i + 1) % 4]]);
+  const edges = corners.length > 4 ? [] : corners.flatMap((corner) => [tip.toArray(), corner]);
+  const sides = [...edges, ...corners.flatMap((corner, i) => [corner, corners[(i + 1) % corners.length]])];
   const group = new Group();
   const label = words(name, kind === "infrared" ? "#c98080" : "#a9bbd3", 0.018);
   label.position.copy(tip).z += 0.18;

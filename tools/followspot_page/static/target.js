@@ -1,16 +1,19 @@
 // A target: a ball of light in its own colour, its trail, its uncertainty, and its light on the floor.
 import {
-  AdditiveBlending, BufferGeometry, Color, Float32BufferAttribute, Group, Line, LineBasicMaterial, LineSegments,
-  Mesh, MeshBasicMaterial, PlaneGeometry, SphereGeometry, Vector3, WireframeGeometry,
+  AdditiveBlending, Color, Group, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, PlaneGeometry,
+  SphereGeometry, Vector3, WireframeGeometry,
 } from "./three.module.min.js";
 import { glow, words } from "./light.js";
+import { fill, line } from "./trail.js";
 
 const TRAIL = 75; // places, at 30 a second
+const SIGMAS = 3; // standard deviations from the ball to the shell around it
 const FOLLOW = 16; // 1/s: how fast the ball goes to where the track is
 
 export class Target {
   constructor({ name, color, radius }, texture) {
     this.color = new Color(color);
+    this.radius = radius;
     this.goal = new Vector3();
     this.trail = [];
     this.group = new Group();
@@ -41,7 +44,7 @@ export class Target {
     if (this.trail.length && time < this.trail.at(-1).time) this.trail = [];
     this.trail.push({ xyz, time });
     if (this.trail.length > TRAIL) this.trail.shift();
-    this.cloud.scale.set(...sigma.map((s) => Math.max(s ?? 0, 1e-4)));
+    this.cloud.scale.set(...sigma.map((s) => this.radius + SIGMAS * (s ?? 0)));
     this.halo.material.opacity = state === "tracked" ? 1 : 0.35;
   }
 
@@ -60,27 +63,4 @@ export class Target {
     const places = [...this.trail.slice(0, -1).map((at) => at.xyz), [x, y, z]];
     fill(this.tail, places, (i) => this.color.clone().multiplyScalar((i / TRAIL) ** 1.5 * 0.9));
   }
-}
-
-function line(count, { vertexColors = false, ...look }) {
-  const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(3 * count, 3));
-  if (vertexColors) geometry.setAttribute("color", new Float32BufferAttribute(3 * count, 3));
-  const made = new Line(geometry, new LineBasicMaterial({ transparent: true, depthWrite: false, vertexColors, ...look }));
-  made.frustumCulled = false;
-  return made;
-}
-
-function fill({ geometry }, places, colorAt) {
-  const { position, color } = geometry.attributes;
-  const from = position.count - places.length;
-  places.forEach((place, i) => {
-    position.setXYZ(i, ...place);
-    if (color) {
-      const shade = colorAt(from + i);
-      color.setXYZ(i, shade.r, shade.g, shade.b);
-    }
-  });
-  position.needsUpdate = true;
-  if (color) color.needsUpdate = true;
-  geometry.setDrawRange(0, places.length);
 }

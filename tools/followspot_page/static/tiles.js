@@ -1,5 +1,6 @@
 // One tile for each camera: its picture, and over it what was detected, where it was searched, where tracks are.
 const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second
+const WIDE = 2; // times as wide as high, and wider: such a picture has a row to itself
 const PERSON_HUES = [205, 28, 140, 275, 52, 330];
 
 export class Tiles {
@@ -42,9 +43,10 @@ class Tile {
     this.waiting = false;
     this.figure = document.createElement("figure");
     this.figure.className = "dark";
+    this.figure.classList.toggle("wide", camera.size[0] > WIDE * camera.size[1]);
     this.canvas = document.createElement("canvas");
     const [width, height] = camera.size;
-    this.scale = Math.max(1, Math.min(2, devicePixelRatio, 960 / width)) * Math.min(1, 640 / width);
+    this.scale = Math.max(1, Math.min(2, devicePixelRatio, 960 / width)) * Math.min(1, 800 / width);
     this.canvas.width = Math.round(width * this.scale);
     this.canvas.height = Math.round(height * this.scale);
     const caption = document.createElement("figcaption");
@@ -58,7 +60,7 @@ class Tile {
   show(image, time) {
     if (this.pictures.length && time < this.pictures.at(-1).time) this.forget(this.pictures.length); // a loop began anew
     this.pictures.push({ image, time });
-    this.figure.className = "";
+    this.figure.classList.remove("dark");
     this.redraw();
   }
 
@@ -108,6 +110,22 @@ function circle(pen, [x, y, r], tile, color, { width = 1.2, dash = [] } = {}) {
   pen.stroke();
 }
 
+function arrow(pen, [x0, y0], [x1, y1], tile, color, width) {
+  const along = Math.atan2(y1 - y0, x1 - x0);
+  const barb = Math.min(tile.line(6), Math.hypot(x1 - x0, y1 - y0) / 2);
+  pen.strokeStyle = color;
+  pen.lineWidth = tile.line(width);
+  pen.setLineDash([]);
+  pen.beginPath();
+  pen.moveTo(x0, y0);
+  pen.lineTo(x1, y1);
+  for (const side of [-0.5, 0.5]) {
+    pen.moveTo(x1, y1);
+    pen.lineTo(x1 - barb * Math.cos(along + side), y1 - barb * Math.sin(along + side));
+  }
+  pen.stroke();
+}
+
 const person = (number) => `hsl(${PERSON_HUES[number % PERSON_HUES.length]} 90% 65%)`;
 
 const DRAW = {
@@ -141,8 +159,14 @@ const DRAW = {
     pen.setLineDash([]);
     for (const [x0, y0, x1, y1] of box) pen.strokeRect(x0, y0, x1 - x0, y1 - y0);
   },
-  Poses(pen, { person: number, images }, tile) {
-    images[tile.camera.name]?.forEach((place, i) => place && circle(pen, place, tile, person(number[i]), { width: 2 }));
+  Poses(pen, { person: number, images, arrows }, tile) {
+    images[tile.camera.name]?.forEach((place, i) => place && circle(pen, place, tile, person(number[i]), { width: 1.6 }));
+    arrows[tile.camera.name]?.forEach((points, i) => {
+      if (!points) return;
+      const [head, gaze, chest, front] = points;
+      arrow(pen, head, gaze, tile, person(number[i]), 1.6);
+      arrow(pen, chest, front, tile, person(number[i]), 2.6);
+    });
   },
   ImageTracks(pen, { target, pixel }, tile) {
     pixel.forEach(([x, y], i) => circle(pen, [x, y, tile.line(8)], tile, tile.colors[target[i]] ?? "#fff", { width: 1.6 }));
