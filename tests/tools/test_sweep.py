@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -158,6 +160,29 @@ def test_a_sweep_runs_every_point_once_and_goes_on_where_it_was(
     assert "2 of 2 are done already" in captured.err
     assert json.loads(captured.out) == told
     assert {path: path.stat().st_mtime_ns for path in made} == made
+
+
+SWEEP = """
+import os, subprocess, sys, time
+words = [sys.executable, "-m", "followspot_sweep.bound", str(os.getpid())]
+run = subprocess.Popen([*words, "agent", "--name", "bound", "--listen", "tcp/127.0.0.1:0"])
+print(run.pid, flush=True)
+time.sleep(60)
+"""
+
+
+def test_a_sweep_that_is_killed_leaves_no_run_behind() -> None:
+    pipe = subprocess.PIPE
+    with subprocess.Popen([sys.executable, "-c", SWEEP], stdout=pipe, stderr=pipe, text=True) as sweep:
+        assert sweep.stdout is not None
+        assert sweep.stderr is not None
+        run = Path(f"/proc/{int(sweep.stdout.readline())}/stat")
+        assert "listens" in sweep.stderr.readline()
+        sweep.kill()
+        assert sweep.stderr.read() == ""  # the run held it open, too
+    assert not run.exists() or run.read_text().rpartition(") ")[2].startswith("Z")
+    orphan = [sys.executable, "-m", "followspot_sweep.bound", "1", "--version"]
+    assert subprocess.run(orphan, check=False).returncode == 1
 
 
 def test_every_wrong_value_is_named_before_anything_runs(

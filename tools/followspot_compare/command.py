@@ -13,9 +13,9 @@ from pathlib import Path
 from followspot.accuracy import PoseTruthTable, TruthTable
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
+from followspot.cli.trial_options import check_rooms, planned
 from followspot.deploy.truth import room_truth
 from followspot.errors import InputError, Mistake
-from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
 from followspot_compare.plot import draw
@@ -49,35 +49,18 @@ def compare(args: argparse.Namespace) -> int:
 
 def plan_scenes(variants: Sequence[Variant], args: argparse.Namespace) -> tuple[Scene, ...]:
     """The plans of every variant in every room. Raises InputError with the mistakes of all of them."""
-    names = [Path(room).stem for room in args.rooms]
-    twice = dict.fromkeys(name for name in names if names.count(name) > 1)
-    mistakes = [Mistake(None, f'several rooms are named "{name}"', "rename a file") for name in twice]
+    mistakes = check_rooms(args.rooms)
     rooms = args.rooms or [None]
     scenes = []
     for room in rooms:
-        plans = [plan for v in variants if (plan := _plan(v, room, args, mistakes)) is not None]
+        found = (planned(v.graph, room, [*args.overrides, *v.overrides], args, mistakes) for v in variants)
+        plans = [plan for plan in found if plan is not None]
         if len(plans) == len(variants):
             _check_room(plans, room, mistakes)
             scenes.append(Scene(Path(room).stem if room else plans[0].room.name, tuple(plans)))
     if mistakes:
         raise InputError(list(dict.fromkeys(mistakes)))
     return tuple(scenes)
-
-
-def _plan(
-    variant: Variant, room: str | None, args: argparse.Namespace, mistakes: list[Mistake]
-) -> Plan | None:
-    try:
-        return compile_graph(
-            variant.graph,
-            room=room,
-            overrides=[*args.overrides, *variant.overrides],
-            plugin_files=args.plugin_files,
-            seed=args.seed,
-        )
-    except InputError as error:
-        mistakes += error.mistakes
-        return None
 
 
 def _check_room(plans: Sequence[Plan], room: str | None, mistakes: list[Mistake]) -> None:

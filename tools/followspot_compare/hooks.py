@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 
-from followspot.cli.graph_options import add_change_options, frame_count
+from followspot.cli.graph_options import add_change_options
+from followspot.cli.trial_options import add_trial_options
 from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """Run variants of a graph on the same recordings and compare their accuracy.
@@ -37,14 +38,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("graphs", nargs="+", metavar="GRAPH", help="graph file; each is a variant")
     parser.add_argument(
-        "--room",
-        dest="rooms",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="room file instead of the graphs' own; repeatable: every variant runs in every room",
-    )
-    parser.add_argument(
         "--variant",
         dest="variants",
         action="append",
@@ -53,12 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="one more variant: the first graph with these overrides; repeatable",
     )
     add_change_options(parser)
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
-    parser.add_argument(
-        "-o", "--out", metavar="DIR", help="folder for outputs and plots (default: runs/compare-DATE-TIME)"
-    )
-    parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
+    add_trial_options(parser, "folder for outputs and plots (default: runs/compare-DATE-TIME)")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -6,6 +6,7 @@ import argparse
 import hashlib
 import json
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
@@ -16,9 +17,8 @@ from subprocess import Popen
 from threading import Lock
 
 from followspot.cli.graph_options import output_folder
-from followspot.errors import InputError, Mistake
-from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan
+from followspot.cli.trial_options import check_rooms, planned
+from followspot.errors import InputError
 from followspot.graph.ship import plan_to_data
 from followspot_sweep.axes import Axis, Point, points, read_axes
 from followspot_sweep.plot import draw
@@ -66,6 +66,7 @@ def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
     """
     running: set[Popen[str]] = set()
     lock = Lock()
+    begun = time.monotonic()
 
     def started(process: Popen[str]) -> None:
         with lock:
@@ -84,8 +85,12 @@ def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
             if not quiet:
                 words = ", ".join(f"{name}={value}" for name, value in result.task.point)
                 state = "failed" if result.error else "done"
-                line = f"{len(results)}/{len(tasks)}  {result.task.room}: {words}  {state}"
+                left = _time_left(len(tasks) - len(results), len(waiting), time.monotonic() - begun)
+                line = f"{len(results)}/{len(tasks)}  {result.task.room}: {words}  {state}{left}"
                 print(line, file=sys.stderr, flush=True)
+    except KeyboardInterrupt:
+        print(f"{len(results)} of {len(tasks)} are done; the same command goes on", file=sys.stderr)
+        raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         with lock:
@@ -95,18 +100,22 @@ def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
     return [results[task] for task in tasks]
 
 
+def _time_left(left: int, tasks: int, seconds: float) -> str:
+    """How long the rest of the tasks takes at the pace so far, seconds since they began; empty at the end."""
+    return f", about {seconds * left / (tasks - left):.0f} s left" if 0 < left < tasks else ""
+
+
 def _scenes(args: argparse.Namespace, axes: Sequence[Axis]) -> list[Scene]:
     """The rooms. Raises InputError: every value of every axis is planned once, before anything runs."""
-    mistakes: list[Mistake] = []
+    mistakes = check_rooms(args.rooms)
     scenes = []
     for room in args.rooms or [None]:
-        plans = [plan for point in _trials(axes) if (plan := _plan(args, room, point, mistakes)) is not None]
+        found = (planned(args.graph, room, _overrides(point), args, mistakes) for point in _trials(axes))
+        plans = [plan for plan in found if plan is not None]
         if plans:
             state = json.dumps([version("followspot"), plan_to_data(plans[0])])
             name = Path(room).stem if room else plans[0].room.name
             scenes.append(Scene(name, room, hashlib.sha256(state.encode()).hexdigest()))
-    if not mistakes and len({scene.name for scene in scenes}) < len(scenes):
-        mistakes.append(Mistake(None, "two rooms have the same name", "rename a file"))
     if mistakes:
         raise InputError(list(dict.fromkeys(mistakes)))
     return scenes
@@ -121,22 +130,16 @@ def _trials(axes: Sequence[Axis]) -> Iterator[Point]:
             yield tuple((first | {axis.name: value}).items())
 
 
-def _plan(args: argparse.Namespace, room: str | None, point: Point, mistakes: list[Mistake]) -> Plan | None:
-    overrides = [f"{name}={value}" for name, value in point]
-    files = args.plugin_files
-    try:
-        return compile_graph(args.graph, room=room, overrides=overrides, plugin_files=files, seed=args.seed)
-    except InputError as error:
-        mistakes += error.mistakes
-        return None
+def _overrides(point: Point) -> list[str]:
+    return [f"{name}={value}" for name, value in point]
 
 
 def _command(args: argparse.Namespace, room: str | None, point: Point) -> tuple[str, ...]:
     """Arguments of `followspot`."""
     words = ["run", args.graph]
     words += ["--room", room] if room else []
-    for name, value in point:
-        words += ["--set", f"{name}={value}"]
+    for override in _overrides(point):
+        words += ["--set", override]
     for file in args.plugin_files:
         words += ["--plugin", file]
     words += ["--seed", str(args.seed)] if args.seed is not None else []

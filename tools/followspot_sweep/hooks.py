@@ -6,7 +6,8 @@ import argparse
 import os
 from collections.abc import Sequence
 
-from followspot.cli.graph_options import add_plugin_option, frame_count
+from followspot.cli.graph_options import add_change_options, frame_count
+from followspot.cli.trial_options import add_trial_options
 from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """run a graph over a grid of parameters, several runs at a time, and tell which values are best
@@ -30,25 +31,10 @@ def followspot_commands() -> Sequence[Command]:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("graph", metavar="GRAPH", help="graph file")
-    parser.add_argument(
-        "--set",
-        dest="overrides",
-        action="append",
-        default=[],
-        metavar="STAGE.KEY=VALUES",
-        help="A,B,C or START:STOP:STEP; one value is the same for all; repeatable",
+    add_change_options(
+        parser, "VALUES", "A,B,C or START:STOP:STEP; one value is the same for all; repeatable"
     )
-    parser.add_argument(
-        "--room",
-        dest="rooms",
-        action="append",
-        default=[],
-        metavar="FILE",
-        help="room file instead of the graph's own; repeatable: every point runs in every room",
-    )
-    add_plugin_option(parser, "use the stages of a Python file; repeatable")
-    parser.add_argument("--seed", type=int, metavar="N", help="seed of all random numbers")
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
+    add_trial_options(parser, "folder; the same again to go on (default: runs/sweep-DATE-TIME)")
     parser.add_argument(
         "--jobs",
         type=frame_count,
@@ -62,11 +48,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FIGURE",
         help="the figure that is drawn, and whose smallest value is marked (default rmse_mm)",
     )
-    parser.add_argument(
-        "-o", "--out", metavar="DIR", help="folder; the same again to go on (default: runs/sweep-DATE-TIME)"
-    )
-    parser.add_argument("--json", action="store_true", help="end with one JSON object instead of the table")
-    parser.add_argument("--quiet", action="store_true", help="no progress")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -63,7 +64,15 @@ def kept(task: Task) -> Result | None:
 def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
     """Run it and keep the summary. started: told of the process, so that it can be ended."""
     task.folder.mkdir(parents=True, exist_ok=True)
-    command = [sys.executable, "-m", "followspot.cli.main", *task.command, "--out", str(task.folder)]
+    command = [
+        sys.executable,
+        "-m",
+        "followspot_sweep.bound",
+        str(os.getpid()),
+        *task.command,
+        "--out",
+        str(task.folder),
+    ]
     with subprocess.Popen(
         [*command, "--json", "--quiet"],
         stdin=subprocess.DEVNULL,

@@ -41,15 +41,19 @@ def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:
     )
 
 
-def add_change_options(parser: argparse.ArgumentParser) -> None:
-    """--set, --plugin, --seed."""
+def add_change_options(
+    parser: argparse.ArgumentParser,
+    value: str = "VALUE",
+    meaning: str = "override a parameter, or what a stage uses: --set fuse.uses=balls.mean; repeatable",
+) -> None:
+    """--set, --plugin, --seed. value, meaning: what --set takes, and what it is for."""
     parser.add_argument(
         "--set",
         dest="overrides",
         action="append",
         default=[],
-        metavar="STAGE.KEY=VALUE",
-        help="override a parameter, or what a stage uses: --set fuse.uses=balls.mean; repeatable",
+        metavar=f"STAGE.KEY={value}",
+        help=meaning,
     )
     add_plugin_option(parser, "load the stages of a Python file; repeatable")
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
