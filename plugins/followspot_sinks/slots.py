@@ -39,9 +39,10 @@ class Slots:
 
 
 def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
-    """The slots after one frame of targets; target t has row t."""
+    """The slots after one frame of targets; target t has row t. Who has a number that is NaN is not known."""
     known = np.zeros_like(slots.known)
     position, velocity = slots.position.copy(), slots.velocity.copy()
+    tracks = tracks.where(np.isfinite(np.hstack([tracks.xyz, tracks.velocity])).all(axis=1))
     known[tracks.target] = True
     position[tracks.target] = tracks.xyz
     velocity[tracks.target] = tracks.velocity
@@ -62,9 +63,10 @@ class PersonSlots:
         self._seen = np.zeros(count, "i8")
 
     def after(self, poses: Poses) -> Slots:
-        """The slots after one frame of persons; position is the top of the head."""
+        """The slots after one frame of persons; position is the top of the head. NaN is nobody's place."""
         time, before = poses.header.time, self.slots
         self._release(time - self.hold)
+        poses = poses.where(np.isfinite(np.column_stack([poses.xy, poses.height, poses.heading])).all(axis=1))
         shown = [row for row, person in enumerate(poses.person.tolist()) if self._place(person)]
         at = np.array([self._row[int(poses.person[row])] for row in shown], int)
         known = np.zeros_like(before.known)

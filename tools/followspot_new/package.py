@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 import tomllib
 from collections.abc import Mapping
@@ -10,12 +11,13 @@ from pathlib import Path
 from string import Template
 
 from followspot.errors import InputError, Mistake
+from followspot.graph.expand import ROOM_SOURCE
+from followspot.plugins.registry import catalogue
 
 TEMPLATES = Path(__file__).parent / "templates"
 GROUP = '[project.entry-points."followspot.plugins.v1"]'
 _PLUGIN_NAME = re.compile(r"[a-z][a-z0-9]{0,39}")
 _STAGE_NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
-_TAKEN = ("balls", "persons", "cameras", "recording", "sim", "sinks", "room")
 _FIRST = "low"
 
 PLUGIN_FILES: Mapping[str, str] = {
@@ -37,9 +39,9 @@ STAGE_FILES: Mapping[str, str] = {
 
 def new_plugin(name: str, where: Path) -> Path:
     """Make the package `followspot-NAME` below a folder; return its folder. Raises InputError."""
-    if _PLUGIN_NAME.fullmatch(name) is None:
+    if _PLUGIN_NAME.fullmatch(name) is None or keyword.iskeyword(name):
         raise _wrong(f'"{name}" cannot be the name of a plugin', "one lower-case word, as in: studio")
-    if name in _TAKEN:
+    if name in _taken():
         raise _wrong(f'a plugin "{name}" comes with followspot', f"take another, as in: my{name}")
     folder = where / f"followspot-{name}"
     if folder.exists():
@@ -52,7 +54,7 @@ def new_plugin(name: str, where: Path) -> Path:
 
 def new_stage(name: str, package: Path) -> tuple[Path, str]:
     """Add a stage to a package; return its module and its full name. Raises InputError."""
-    if _STAGE_NAME.fullmatch(name) is None:
+    if _STAGE_NAME.fullmatch(name) is None or keyword.iskeyword(name):
         raise _wrong(f'"{name}" cannot be the name of a stage', "lower-case words joined by _, as in: shout")
     project = package / "pyproject.toml"
     plugin = _plugin_of(project)
@@ -61,12 +63,19 @@ def new_stage(name: str, package: Path) -> tuple[Path, str]:
     for target in targets:
         if target.exists():
             raise _wrong(f"{target} exists already", "choose another name")
-    text = project.read_text(encoding="utf-8")
+    text = project.read_text(encoding="utf-8").rstrip() + "\n"
     line = f'"{plugin}.{name}" = "followspot_{plugin}.{name}:{words["class_name"]}"'
-    project.write_text(text.replace(f"{GROUP}\n", f"{GROUP}\n{line}\n", 1), encoding="utf-8")
+    begin = text.index("\n", text.index(GROUP)) + 1
+    project.write_text(f"{text[:begin]}{line}\n{text[begin:]}", encoding="utf-8")
     for target, template in targets.items():
         _write(target, template, words)
     return package / f"followspot_{plugin}" / f"{name}.py", f"{plugin}.{name}"
+
+
+def _taken() -> set[str]:
+    """First words of stages that come with followspot."""
+    ours = {entry.name for entry in catalogue().values() if entry.distribution == "followspot"}
+    return {name.partition(".")[0] for name in (*ours, ROOM_SOURCE)}
 
 
 def _plugin_of(project: Path) -> str:

@@ -7,6 +7,7 @@ import shutil
 import socket
 import subprocess
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -136,6 +137,21 @@ def test_lights_receive_places_speeds_and_names(receiver: socket.socket) -> None
     assert later.trackers[0].timestamp == 500_000  # µs
     assert pypsn.parse_psn_packet(third).info.frame_id == 2
     assert pypsn.parse_psn_packet(again).trackers[0].tracker_name == b"red"  # a second later
+
+
+def test_lights_never_turn_to_a_number_that_is_none(receiver: socket.socket) -> None:
+    """A place that is NaN is sent as the last one that was known, and as not tracked now."""
+    unknown = np.full((1, 3), np.nan)
+    lost = Tracks(np.array([0], "i4"), np.ones(1, "u1"), unknown, unknown, unknown)
+    sink = Psn(Context(room=ROOM), host="127.0.0.1", port=receiver.getsockname()[1])
+    *_, packet = received(sink, [tracks(0, 0), stamped(lost, Header("track", 1, 500_000_000))], receiver)
+    (red, *_) = pypsn.parse_psn_packet(packet).trackers
+    assert (list(red.pos), red.status) == ([1.0, 0.5, -2.0], 0.0)
+
+
+def test_nobody_whose_place_is_unknown_takes_a_slot() -> None:
+    gone = replace(poses(0.0, 4), heading=np.array([np.nan]))
+    assert PersonSlots(2, hold=3.0).after(stamped(gone, Header("pose", 0, 0))).names == ("", "")
 
 
 def test_many_trackers_are_split_into_packets_that_fit_an_ethernet_frame(receiver: socket.socket) -> None:
