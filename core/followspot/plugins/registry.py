@@ -13,8 +13,6 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Literal
 
-from packaging.requirements import InvalidRequirement, Requirement
-
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.plugins.one_file import FileStage, load_file
 from followspot.ports import ports
@@ -172,16 +170,23 @@ def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[State, st
 def _unfit(distribution: Distribution) -> str:
     """Why a distribution is of another time than this followspot; empty where it is not."""
     for text in distribution.requires or ():
-        if not text.startswith("followspot"):
-            continue
-        try:
-            requirement = Requirement(text)
-        except InvalidRequirement:
-            continue
-        ours = version("followspot")
-        if requirement.name == "followspot" and not requirement.specifier.contains(ours, prereleases=True):
-            return f"{distribution.name} needs followspot {requirement.specifier}, this is {ours}"
+        if text.startswith("followspot") and (problem := _unmet(text)):
+            return f"{distribution.name} {problem}"
     return ""
+
+
+def _unmet(text: str) -> str:
+    """What a requirement asks of followspot that this one is not; empty where it is, or another is meant."""
+    from packaging.requirements import InvalidRequirement, Requirement  # slow, and few need it
+
+    try:
+        requirement = Requirement(text)
+    except InvalidRequirement:
+        return ""
+    ours = version("followspot")
+    if requirement.name != "followspot" or requirement.specifier.contains(ours, prereleases=True):
+        return ""
+    return f"needs followspot {requirement.specifier}, this is {ours}"
 
 
 @cache
