@@ -11,6 +11,7 @@ from hosts import free_port, near_agent
 from running import Finished, balanced, finish, start, wait_until, write_graph
 
 from followspot.deploy.changes.change import move
+from followspot.deploy.reachable import runs_here
 from followspot.errors import FollowspotError
 
 STAGES = """
@@ -70,6 +71,9 @@ def test_a_stage_goes_to_another_worker_and_to_a_host_that_had_no_part_with_its_
             ("one", "pc-right", "two"),
         )
         assert wait_until(lambda: values(out)[:1] > [110] and len(values(out)) > 10, PATIENCE), "it counts on"
+        (run,) = runs_here(name)
+        clocks = run.ask("status")["clocks"]
+        assert {host: clock["reference"] for host, clock in clocks.items()} == {"": "pc-right"}
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
     finally:

@@ -71,6 +71,9 @@ class RunPicture:
             "edges": [_edge(edge, count, rates) for edge, count in self.edges()],
             "paths": [asdict(path) for path in self.paths()],
             "news": list(status.news[-_NEWS:]) if status else [],
+            "clocks": [{"host": host, **asdict(clock)} for host, clock in status.clocks.items()]
+            if status
+            else [],
         }
 
     def _growing(self, status: RunStatus) -> dict[str, float]:

@@ -10,6 +10,7 @@ from typing import Any
 
 from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
+from followspot.deploy.clocks.status import LIMIT_MS
 from followspot.errors import FollowspotError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
@@ -56,6 +57,7 @@ def text(data: dict[str, Any]) -> str:
     head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames"
     parts = [f"{head}, {data['rate']:.1f} per second", _stages(data), _edges(data), _paths(data)]
     errors = [f"  {s['stage']}: {s['error'].splitlines()[0][:_ERROR]}" for s in data["stages"] if s["error"]]
+    parts += ["clocks, what is added to the times of each host\n" + _clocks(data)] if data["clocks"] else []
     parts += ["last errors\n" + "\n".join(errors)] if errors else []
     parts += ["news\n" + "\n".join(f"  {line}" for line in data["news"])] if data["news"] else []
     return "\n\n".join(parts)
@@ -77,6 +79,17 @@ def _edges(data: dict[str, Any]) -> str:
         counts = (str(e[name]) for name in ("sent", "in_flight", *_LOSSES))
         rows.append((f"{e['from']} -> {e['to']}", e["kind"], f"{e['rate']:.1f}", *counts))
     return table(("edge", "kind", "per second", "sent", "in flight", *_LOSSES), rows)
+
+
+def _clocks(data: dict[str, Any]) -> str:
+    head = ("host", "by the clock of", "offset ms", "round trip ms", "")
+    rows = []
+    for c in data["clocks"]:
+        note = "" if c["exchanges"] else "not compared"
+        note = "set it by NTP or PTP" if abs(c["offset_ms"]) >= LIMIT_MS else note
+        times = f"{c['offset_ms']:+.3f}", f"{c['round_trip_ms']:.3f}"
+        rows.append((c["host"] or "this host", c["reference"], *times, note))
+    return table(head, rows)
 
 
 def _paths(data: dict[str, Any]) -> str:

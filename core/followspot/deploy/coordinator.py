@@ -18,8 +18,9 @@ from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.log.merged import MergedLog
 from followspot.deploy.log.record import Level, LogPage
 from followspot.deploy.log.run_log import OnLog
-from followspot.deploy.report import RunReport, WorkerReport, merge, summed
+from followspot.deploy.report import RunReport
 from followspot.deploy.status import RunStatus
+from followspot.deploy.whole import Whole
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
 from followspot.graph.move import moved
@@ -27,7 +28,6 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions
-from followspot.runtime.worker import Progress
 
 _GRACE = 20.0
 """Seconds that hosts have to end after a stop."""
@@ -107,18 +107,11 @@ class Coordinator:
         started = time.monotonic()
         self._attend(on_progress)
         self.log.gather()
-        return self._report(time.monotonic() - started)
+        return self._whole().report(time.monotonic() - started, self._silent, stopped=self.stopped)
 
     def status(self) -> RunStatus:
         """The newest picture of the whole run."""
-        statuses = [host.status() for host in self.hosts]
-        return RunStatus(
-            tuple(self._workers()),
-            tuple(summed([s.counts for s in statuses], len(self.plan.edges)).words.tolist()),
-            self._progress().fired,
-            self._expected(),
-            (*self._news, *(line for status in statuses for line in status.news)),
-        )
+        return self._whole().status()
 
     def change(self, words: Sequence[str], folder: Path, *, fresh: bool = False) -> Changed:
         """Swap stages and set parameters while the run goes on; safe beside the thread that watches.
@@ -156,7 +149,8 @@ class Coordinator:
         for name in names:
             assert self._others is not None
             host = self._others.host(name)
-            host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}))
+            over = tuple(sorted(self._ended))
+            host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))
             host.start()
             self.order = replace(self.order, reference=self.order.reference or name)
             self.hosts.append(host)
@@ -219,7 +213,8 @@ class Coordinator:
                 self._silent[host.name] = str(error)
         self.log.gather()
         if on_progress is not None:
-            on_progress(self._progress(), self._expected())
+            whole = self._whole()
+            on_progress(whole.progress(), whole.expected())
 
     def _tell_news(self, line: str, level: Level) -> None:
         self.log.say(level, line)
@@ -245,46 +240,7 @@ class Coordinator:
         return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
 
     def _workers(self) -> Iterator[WorkerStatus]:
-        return (worker for host in self.hosts for worker in host.status().workers)
+        return self._whole().workers()
 
-    def _report(self, seconds: float) -> RunReport:
-        """One report from the last pictures of all hosts, workers in the order of the plan."""
-        found = {worker.name: worker for worker in self._workers()}
-        reports = [self._worker_report(w.name, w.host, found.get(w.name)) for w in self.plan.workers]
-        restarts = {name: worker.restarts for name, worker in found.items()}
-        statuses = {host.name: host.status() for host in self.hosts}
-        return merge(
-            self.plan,
-            summed([status.counts for status in statuses.values()], len(self.plan.edges)),
-            reports,
-            seconds,
-            stopped=self.stopped,
-            restarts=restarts,
-            news=[
-                *self._news,
-                *(_where(name, line) for name, status in statuses.items() for line in status.news),
-            ],
-            clocks={name: s.clock for name, s in statuses.items() if s.clock.reference},
-            outs={name: status.out for name, status in statuses.items() if name},
-        )
-
-    def _worker_report(self, name: str, host: str, found: WorkerStatus | None) -> WorkerReport:
-        if found is not None and found.report is not None:
-            return found.report
-        why = self._silent.get(host, f"worker {name} did not end in time")
-        return WorkerReport(name, 0, error=why)
-
-    def _progress(self) -> Progress:
-        """Of the sink that is furthest behind; of the sources where no stage is a sink."""
-        senders = {edge.from_stage for edge in self.plan.edges}
-        sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
-        workers = list(self._workers())
-        fired = [worker.fired for worker in workers if worker.name in sinks]
-        return Progress(min(fired, default=0), max((worker.time for worker in workers), default=-1))
-
-    def _expected(self) -> int | None:
-        return max((w.expected for w in self._workers() if w.expected is not None), default=None)
-
-
-def _where(host: str, line: str) -> str:
-    return f"{host}: {line}" if host else line
+    def _whole(self) -> Whole:
+        return Whole(self.plan, {host.name: host.status() for host in self.hosts}, self._news)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import pydantic
 
+from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import COLUMNS, EdgeCount, tally
@@ -15,13 +16,18 @@ from followspot.runtime.ledger import COLUMNS, EdgeCount, tally
 
 @dataclass(frozen=True)
 class RunStatus:
-    """counts: words of the ledger, of all edges of the plan; fired, expected: frames done and to be done."""
+    """One moment.
+
+    counts: words of the ledger, of all edges of the plan; fired, expected: frames done and to be done;
+    clocks: of the hosts that go by that of another one, "" for the operator's own.
+    """
 
     workers: tuple[WorkerStatus, ...]
     counts: tuple[int, ...]
     fired: int
     expected: int | None
     news: tuple[str, ...] = ()
+    clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
