@@ -44,8 +44,7 @@ class Views:
         self.translation = np.array([c.translation for c in self.cameras]).reshape(-1, 1, 3)
         self.others = [i for i, c in enumerate(self.cameras) if c.model != "pinhole"]
         K = np.array([c.matrix for c in self.cameras]).reshape(-1, 3, 3)
-        self.focal = np.diagonal(K, axis1=1, axis2=2)[:, None, :2]
-        self.middle = K[:, None, :2, 2]
+        self.K = K[:, :2, :, None]
         lens = [c.distortion if c.model == "pinhole" else np.zeros(5) for c in self.cameras]
         self.lens = np.array(lens).reshape(-1, 1, 5).transpose(2, 0, 1)
 
@@ -56,15 +55,13 @@ class Views:
     def project_local(self, local: Array) -> Array:
         """Images of points in camera coordinates, as :func:`project_local`: (C, N, 3) m -> (C, N, 2) px."""
         k1, k2, p1, p2, k3 = self.lens
-        depth = local[..., 2:]
-        xy = local[..., :2] / np.where(depth > 0, depth, np.nan)
-        x, y = xy[..., 0], xy[..., 1]
+        depth = np.where(local[..., 2] > 0, local[..., 2], np.nan)
+        x, y = local[..., 0] / depth, local[..., 1] / depth
         r2 = x * x + y * y
-        slope = 2 * (p2 * x + p1 * y)
-        pixel = xy * (1 + r2 * (k1 + r2 * (k2 + r2 * k3)) + slope)[..., None]
-        pixel[..., 0] += p2 * r2
-        pixel[..., 1] += p1 * r2
-        pixel = pixel * self.focal + self.middle
+        radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3)) + 2 * (p2 * x + p1 * y)
+        pixel = np.empty((*r2.shape, 2))
+        pixel[..., 0] = (x * radial + p2 * r2) * self.K[:, 0, 0] + self.K[:, 0, 2]
+        pixel[..., 1] = (y * radial + p1 * r2) * self.K[:, 1, 1] + self.K[:, 1, 2]
         for i in self.others:
             pixel[i] = project_local(self.cameras[i], local[i])
         return np.asarray(pixel)

@@ -206,8 +206,8 @@ def elongation(local: Array) -> Array:
 
 def distances(points: Array, centers: Array) -> Array:
     """Between all of both: (N, 2) and (T, 2) or (N, T, 2) px -> (N, T)."""
-    offset = points[:, None] - centers
-    return np.asarray(np.hypot(offset[..., 0], offset[..., 1]))
+    right, down = points[:, :1] - centers[..., 0], points[:, 1:] - centers[..., 1]
+    return np.asarray(np.sqrt(right * right + down * down))
 
 
 def within(circles: Circles, pixel: Array) -> Array:
