@@ -5,23 +5,31 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from running import balanced, run, write_graph
+from running import Finished, balanced, run, write_graph
 
 SLOW = """
 camera: {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}
 fast:   {{uses: ticks.write, in: {{number: camera}}}}
 slow:   {{uses: ticks.hold, in: {{number: {feed}}}, with: {{lines: 150}}}}
 late:   {{uses: ticks.write, in: {{number: slow}}, with: {{path: late.csv}}}}
+other:  {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}
+ten:    {{uses: ticks.counter, in: {{number: other}}, with: {{sleep: 0.005}}}}
+line:   {{uses: ticks.write, in: {{number: ten}}, with: {{path: line.csv}}}}
 """
+DEPTH = 8
+IN_HAND = 4
+"""Messages before the edge: two in the source's box, one that is being sent, one that is being taken."""
 APART = """
 placement: apart
 workers:
-  slow: {stages: [slow, late]}
+  slow: {stages: [slow, late, ten, line]}
 """
 
 
 @pytest.mark.parametrize(("policy", "edges"), [("latest", "ring"), ("drop_oldest, depth: 6", "zenoh")])
-def test_a_slow_reader_never_holds_up_the_fast_branch(tmp_path: Path, policy: str, edges: str) -> None:
+def test_a_slow_reader_never_holds_up_the_fast_branch_and_what_it_gets_is_not_old(
+    tmp_path: Path, policy: str, edges: str
+) -> None:
     graph = write_graph(tmp_path, SLOW.format(feed=f"{{from: camera, policy: {policy}}}"))
     (tmp_path / "apart.yaml").write_text(APART)
     finished = run(graph, "--placement", str(tmp_path / "apart.yaml"), "--edges", edges)
@@ -35,3 +43,15 @@ def test_a_slow_reader_never_holds_up_the_fast_branch(tmp_path: Path, policy: st
     counts = finished.edge("camera.", "slow.")
     assert counts["dropped"] >= 100
     assert counts["delivered"] == len(slow)
+    check_overload(finished)
+
+
+def check_overload(finished: Finished) -> None:
+    """A stage ten times too slow, on an edge that says nothing: what it gets has waited for few others."""
+    waited = finished.values("line.csv")
+    assert max(waited) <= DEPTH + IN_HAND, "the line before it grew"
+    counts = finished.edge("other.", "ten.")
+    assert counts["dropped"] > 100, "the source dropped the others"
+    assert counts["sent"] == 3000 == counts["delivered"] + counts["dropped"]
+    after = finished.edge("ten.", "line.")
+    assert (after["sent"], after["dropped"]) == (len(waited), 0), "where nothing was too slow, nothing was"

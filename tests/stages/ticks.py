@@ -133,6 +133,25 @@ class Hold(Stage):
         return number
 
 
+class Counter(Stage):
+    """Serves one number after the other, slowly, and tells how many it served while each waited in line."""
+
+    class Params(StageParams):
+        sleep: float = Field(0.005, ge=0, description="time that it takes", unit="s")
+
+    params: Params
+
+    def setup(self) -> None:
+        self.begun: list[int] = []
+
+    def process(self, number: Tick) -> Tick:
+        entered = number.header.entered
+        served = sum(1 for begun in reversed(self.begun) if begun > entered)
+        self.begun.append(time.monotonic_ns())
+        time.sleep(self.params.sleep)
+        return tick(served)
+
+
 class Odd(Stage):
     """Says nothing about even numbers."""
 
