@@ -133,7 +133,8 @@ def stamped(message: M, header: Header) -> M:
 def at(time: int, message: M, *, seq: int = -1) -> M:
     """What a source yields: the message with its capture time in ns.
 
-    seq: the frame's number where the source knows it (a video with gaps); else the runtime counts.
+    seq: the frame's number where the source knows it (a video with gaps); else the runtime counts. A live
+    source that cannot tell the time yields its messages as they are: they get the time at which they came.
     """
     return stamped(message, Header("", seq, time))
 

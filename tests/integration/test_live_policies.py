@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ camera: {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}
 fast:   {{uses: ticks.write, in: {{number: camera}}}}
 slow:   {{uses: ticks.hold, in: {{number: {feed}}}, with: {{lines: 150}}}}
 late:   {{uses: ticks.write, in: {{number: slow}}, with: {{path: late.csv}}}}
-other:  {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}
+other:  {{uses: ticks.live, with: {{count: 3000, period: 0.0005, clock: false}}}}
 ten:    {{uses: ticks.counter, in: {{number: other}}, with: {{sleep: 0.005}}}}
 line:   {{uses: ticks.write, in: {{number: ten}}, with: {{path: line.csv}}}}
 """
@@ -44,6 +45,9 @@ def test_a_slow_reader_never_holds_up_the_fast_branch_and_what_it_gets_is_not_ol
     assert counts["dropped"] >= 100
     assert counts["delivered"] == len(slow)
     check_overload(finished)
+    times = [int(line.split(",")[1]) for line in finished.lines("line.csv")]
+    assert times == sorted(set(times)), "a camera without a clock goes by that of its host"
+    assert abs(times[0] - time.time_ns()) < 600e9
 
 
 def check_overload(finished: Finished) -> None:

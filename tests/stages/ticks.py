@@ -73,6 +73,7 @@ class Live(Stage):
     class Params(StageParams):
         count: int = Field(100, ge=0, description="numbers to yield", unit="1")
         period: float = Field(0.001, ge=0, description="time between two", unit="s")
+        clock: bool = Field(True, description="whether it can tell the time")
 
     params: Params
     live = True
@@ -87,7 +88,7 @@ class Live(Stage):
         for n in range(self.params.count):
             if self.over.wait(self.params.period):
                 return
-            yield at(time.time_ns(), tick(n), seq=n)
+            yield at(time.time_ns(), tick(n), seq=n) if self.params.clock else tick(n)
 
 
 class Add(Stage):

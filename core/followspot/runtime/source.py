@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from followspot.messages import Header, Message
+from followspot.messages import UNSTAMPED, Header, Message
 from followspot.runtime.cell import Cell
 from followspot.stage import Stage
 
@@ -95,6 +95,8 @@ class LiveCell(SourceCell):
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
     _thread: threading.Thread | None = None
+    _came = 0
+    """When the last message was there, ns since 1970 by the clock of this host."""
 
     def start(self) -> None:
         """Begin to grab."""
@@ -122,8 +124,10 @@ class LiveCell(SourceCell):
         self._thread.start()
 
     def _stamp(self, item: Any) -> Header:
+        """By the clock of all; of a camera that has no clock, the time at which its picture came."""
         header = super()._stamp(item)
-        return header._replace(time=self.clock.capture_time(header.time))
+        known = (item if isinstance(item, Message) else _first(item)).header is not UNSTAMPED
+        return header._replace(time=self.clock.capture_time(header.time if known else self._came))
 
     def _grab(self, stage: Stage) -> None:
         try:
@@ -134,7 +138,7 @@ class LiveCell(SourceCell):
                     if len(self._box) == _LIVE_DEPTH:
                         self._box.popleft()
                         self._shed += 1
-                    self._box.append((item, self.clock.now()))
+                    self._box.append((item, self.clock.now(), time.time_ns()))
                 self.notify()
         except Exception as error:
             if self.stage is stage:
@@ -152,8 +156,8 @@ class LiveCell(SourceCell):
             for _, outlet in self.outlets:
                 outlet.shed(shed)
         if item is not None and self.yielded != self.limit:
-            self.entered = item[1]
-            return item[0]
+            found, self.entered, self._came = item
+            return found
         if self._error is not None:
             self._failed(self._error)
             if not self.done:
