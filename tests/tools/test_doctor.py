@@ -5,9 +5,13 @@ from __future__ import annotations
 import json
 import os
 import resource
+import shutil
 import socket
 import subprocess
 import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -15,154 +19,185 @@ import cv2
 import numpy as np
 import pytest
 import yaml
+from hosts import near_agent
+
+from followspot.cli.main import main
+from followspot_doctor.checks.hosts import certificates
 
 ROOT = Path(__file__).parent.parent.parent
 ROOM = ROOT / "graphs" / "rooms" / "simulated.yaml"
+UNSHARED = ("unshare", "--map-root-user", "--net")
+"""A network of its own, with nothing up."""
 
 
-def doctor(*words: object, path: Path | None = None, files: int = 1024) -> tuple[int, list[dict[str, Any]]]:
-    """Exit code and findings. path: a folder with more packages; files: most that may be open."""
-    environment = {**os.environ, "PYTHONPATH": str(path)} if path else None
+@dataclass(frozen=True)
+class Told:
+    """What the doctor said: exit code, and findings by subject."""
+
+    code: int
+    findings: Mapping[str, dict[str, str]]
+
+    def bad(self, subject: str) -> str:
+        """The text of a problem or warning."""
+        found = self.findings[subject]
+        assert found["state"] in ("problem", "warning"), found
+        assert found["remedy"]
+        return found["text"]
+
+
+def doctor(
+    folder: Path, *words: object, path: Path | None = None, files: int = 1024, inside: tuple[str, ...] = ()
+) -> Told:
+    """folder: where it stands; path: one with more packages; files: that may be open; inside: runs it."""
     done = subprocess.run(
-        [sys.executable, "-m", "followspot.cli.main", "doctor", "--json", *map(str, words)],
+        [*inside, sys.executable, "-m", "followspot.cli.main", "doctor", "--json", *map(str, words)],
         capture_output=True,
         text=True,
         check=False,
-        env=environment,
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(path)} if path else None,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (files, files)),
     )
     assert done.stdout, done.stderr
-    return done.returncode, json.loads(done.stdout)["findings"]
-
-
-def problems(*words: object, **options: Any) -> dict[str, str]:
-    """Subject -> text of every problem; each has a remedy."""
-    code, findings = doctor(*words, **options)
-    bad = [f for f in findings if f["state"] == "problem"]
-    assert code == int(bool(bad))
-    assert all(f["remedy"] for f in bad)
-    return {f["subject"]: f["text"] for f in bad}
-
-
-def room_with(folder: Path, source: dict[str, Any], **camera: Any) -> Path:
-    """A room of one camera, cam0 of the simulated room with another source."""
-    cam0 = yaml.safe_load(ROOM.read_text())["cameras"]["cam0"]
-    file = folder / "room.yaml"
-    file.write_text(yaml.safe_dump({"cameras": {"cam0": {**cam0, "source": source, **camera}}}))
-    return file
-
-
-def picture(folder: Path, width: int = 320, height: int = 240) -> Path:
-    """A folder with one picture."""
-    pictures = folder / "pictures"
-    pictures.mkdir()
-    assert cv2.imwrite(str(pictures / "0000.png"), np.zeros((height, width, 3), np.uint8))
-    return pictures
-
-
-def test_a_sound_computer_room_and_graph_have_no_problem() -> None:
-    assert problems("--room", ROOM, "--graph", ROOT / "graphs" / "glowballs.yaml") == {}
-
-
-def test_a_plugin_that_cannot_be_imported(tmp_path: Path) -> None:
-    install(
-        tmp_path, "loud", "[followspot.plugins.v1]\nloud.horn = loud:Horn\n", "import nothing_of_this_name\n"
-    )
-    assert "nothing_of_this_name" in problems(path=tmp_path)["stage loud.horn"]
-
-
-def test_a_stage_that_two_packages_offer(tmp_path: Path) -> None:
-    install(tmp_path, "loud", "[followspot.plugins.v1]\nballs.kalman = loud:Horn\n", "")
-    assert "offered by both" in problems(path=tmp_path)["stage balls.kalman"]
-
-
-def test_a_package_whose_commands_cannot_be_loaded(tmp_path: Path) -> None:
-    install(tmp_path, "loud", "[followspot.hooks.v1]\nloud = loud\n", "raise RuntimeError('out of tune')\n")
-    assert "out of tune" in problems(path=tmp_path)["commands of loud"]
-
-
-def test_too_few_open_files() -> None:
-    assert problems(files=200)["open files"] == "200 at a time"
-
-
-def test_an_output_folder_that_cannot_be_written(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("")
-    assert "cannot be written" in problems("--out", tmp_path / "file" / "runs")["output folder"]
-
-
-def test_a_video_that_is_not_there(tmp_path: Path) -> None:
-    room = room_with(tmp_path, {"uses": "cameras.video", "with": {"path": "gone.mkv"}})
-    assert "gone.mkv does not exist" in problems("--room", room)["cam0"]
-
-
-def test_a_video_that_is_none(tmp_path: Path) -> None:
-    (tmp_path / "cam0.mkv").write_bytes(b"no video at all" * 100)
-    room = room_with(tmp_path, {"uses": "cameras.video", "with": {"path": "cam0.mkv"}})
-    assert "cam0.mkv" in problems("--room", room)["cam0"]
-
-
-def test_a_camera_of_another_size_than_it_was_calibrated_at(tmp_path: Path) -> None:
-    pictures = picture(tmp_path, 640, 480)
-    room = room_with(tmp_path, {"uses": "cameras.images", "with": {"path": str(pictures), "fps": 30}})
-    assert "640x480 px, but camera cam0 is calibrated for 320x240" in problems("--room", room)["cam0"]
-
-
-def test_a_camera_that_is_not_plugged_in(tmp_path: Path) -> None:
-    room = room_with(tmp_path, {"uses": "cameras.device", "with": {"device": "/dev/video77"}})
-    assert "/dev/video77" in problems("--room", room)["cam0"]
-
-
-def test_a_stream_that_nobody_sends(tmp_path: Path) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        url = f"rtsp://127.0.0.1:{taken.getsockname()[1]}/cam"
-        room = room_with(tmp_path, {"uses": "cameras.stream", "with": {"url": url}})
-        assert "127.0.0.1" in problems("--room", room)["cam0"]
-
-
-def test_a_camera_without_a_source_and_one_with_an_unknown_one(tmp_path: Path) -> None:
-    room = room_with(tmp_path, {"uses": "cameras.vidoe"})
-    assert 'no stage "cameras.vidoe"' in problems("--room", room)["cam0"]
-
-
-def test_a_mistake_in_the_room_file(tmp_path: Path) -> None:
-    room = room_with(tmp_path, {"uses": "sim.camera"}, kind="colour")
-    assert any(subject.startswith(f"room {room}:") for subject in problems("--room", room))
-
-
-def test_a_mistake_in_the_graph(tmp_path: Path) -> None:
-    graph = tmp_path / "graph.yaml"
-    graph.write_text("stages: {track: {uses: balls.kalmann, in: {positions: fuse}}}\n")
-    found = problems("--graph", graph)
-    assert any(subject.startswith(f"graph {graph}:1:") for subject in found)
-
-
-def test_the_port_of_a_router_that_is_taken_is_a_warning() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 7447))
-        taken.listen()
-        _, findings = doctor()
-    assert {f["subject"]: f["state"] for f in findings}["port 7447"] == "warning"
-
-
-def test_the_text_counts_what_is_wrong(tmp_path: Path) -> None:
-    room = room_with(tmp_path, {"uses": "cameras.video", "with": {"path": "gone.mkv"}})
-    words = ("-m", "followspot.cli.main", "doctor", "--room", str(room))
-    done = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert "PROBLEM" in done.stdout
-    assert "1 problem" in done.stdout.splitlines()[-1]
+    findings = json.loads(done.stdout)["findings"]
+    assert len({f["subject"] for f in findings}) == len(findings)
+    return Told(done.returncode, {f["subject"]: f for f in findings})
 
 
 def install(site: Path, name: str, entries: str, module: str) -> None:
     """A distribution with one module."""
     info = site / f"{name}-1.0.dist-info"
-    info.mkdir()
+    info.mkdir(parents=True)
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text(entries)
     (site / f"{name}.py").write_text(module)
 
 
-@pytest.fixture(autouse=True)
-def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+def room_with(folder: Path, sources: dict[str, dict[str, Any] | None]) -> Path:
+    """A room of such cameras, otherwise like cam0 of the simulated one."""
+    cam0 = yaml.safe_load(ROOM.read_text())["cameras"]["cam0"]
+    del cam0["source"]
+    cameras = {name: {**cam0, **({"source": use} if use else {})} for name, use in sources.items()}
+    file = folder / "room.yaml"
+    file.write_text(yaml.safe_dump({"cameras": cameras}))
+    return file
+
+
+@pytest.fixture(scope="module")
+def ill(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Told]:
+    """A computer, a room and a graph with every problem at once."""
+    folder = tmp_path_factory.mktemp("ill")
+    site = folder / "site"
+    install(site, "numb", "[followspot.plugins.v1]\nnumb.horn = numb:Horn\n", "import no_such_thing\n")
+    install(site, "double", "[followspot.plugins.v1]\nballs.kalman = double:Horn\n", "")
+    install(site, "torn", "[followspot.hooks.v1]\ntorn = torn\n", "raise RuntimeError('out of tune')\n")
+    (folder / "file").write_text("")
+    (folder / "noise.mkv").write_bytes(b"no video at all" * 100)
+    (folder / "large").mkdir()
+    assert cv2.imwrite(str(folder / "large" / "0000.png"), np.zeros((480, 640, 3), np.uint8))
+    graph = folder / "graph.yaml"
+    graph.write_text("stages: {track: {uses: sinks.csvv, in: {tracks: fuse}}}\n")
+    with socket.socket() as silent, socket.socket() as router:
+        silent.bind(("127.0.0.1", 0))
+        router.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        router.bind(("127.0.0.1", 7447))
+        router.listen()
+        sources: dict[str, dict[str, Any] | None] = {
+            "gone": {"uses": "cameras.video", "with": {"path": "gone.mkv"}},
+            "noise": {"uses": "cameras.video", "with": {"path": "noise.mkv"}},
+            "large": {"uses": "cameras.images", "with": {"path": "large", "fps": 30}},
+            "unplugged": {"uses": "cameras.device", "with": {"device": "/dev/video77"}},
+            "silent": {
+                "uses": "cameras.stream",
+                "with": {"url": f"rtsp://127.0.0.1:{silent.getsockname()[1]}/cam"},
+            },
+            "misspelt": {"uses": "cameras.vidoe"},
+            "bare": None,
+        }
+        words = ("--room", room_with(folder, sources), "--graph", graph, "--out", folder / "file" / "runs")
+        yield doctor(folder, *words, "--certificates", folder / "none", path=site, files=200)
+
+
+def test_a_sound_computer_room_and_graph_have_no_problem(tmp_path: Path) -> None:
+    told = doctor(tmp_path, "--room", ROOM, "--graph", ROOT / "graphs" / "glowballs.yaml")
+    assert {f["text"] for f in told.findings.values() if f["state"] == "problem"} == set()
+    assert told.code == 0
+    assert "no GPU" in told.findings["computer"]["text"]
+
+
+@pytest.mark.parametrize(
+    ("subject", "said"),
+    [
+        ("stage numb.horn", "no_such_thing"),
+        ("stage balls.kalman", "offered by both"),
+        ("commands of torn", "out of tune"),
+        ("open files", "200 at a time"),
+        ("output folder", "cannot be written"),
+        ("certificates", "ca.pem is missing"),
+        ("port 7447", "is taken"),
+        ("gone", "gone.mkv does not exist"),
+        ("noise", "noise.mkv"),
+        ("large", "640x480 px, but camera large is calibrated for 320x240"),
+        ("unplugged", "/dev/video77"),
+        ("silent", "127.0.0.1"),
+        ("misspelt", 'no stage "cameras.vidoe"'),
+        ("bare", "has no source"),
+    ],
+)
+def test_a_problem_is_named_with_a_remedy(ill: Told, subject: str, said: str) -> None:
+    assert said in ill.bad(subject)
+    assert ill.code == 1
+
+
+def test_a_mistake_in_the_graph_is_named_with_its_place(ill: Told) -> None:
+    places = [subject for subject in ill.findings if "graph.yaml:1:" in subject]
+    assert any("sinks.csvv" in ill.bad(place) for place in places)
+
+
+def test_a_computer_without_network_and_with_another_opencv(tmp_path: Path) -> None:
+    if not shutil.which("unshare") or subprocess.run([*UNSHARED, "true"], check=False).returncode:
+        pytest.skip("network namespaces are not permitted here")
+    (tmp_path / "cv2.py").write_text(
+        "__version__ = '5.0.0'\nclass videoio_registry:\n    getBackends = list\n"
+    )
+    told = doctor(tmp_path, path=tmp_path, inside=UNSHARED)
+    assert told.code == 1
+    assert "does not arrive" in told.bad("loopback")
+    assert "does not come back" in told.bad("multicast")
+    assert told.bad("opencv") == "OpenCV 5.0.0 has no HOG detector"
+
+
+def test_a_host_whose_clock_is_off_and_one_that_does_not_answer(tmp_path: Path) -> None:
+    agent = near_agent("pc-left", tmp_path, "--clock-offset", "80")
+    try:
+        told = doctor(tmp_path, "--connect", agent.endpoint)
+    finally:
+        agent.end()
+    assert "ms ahead of this one" in told.bad("host pc-left")
+    assert told.code == 0
+    told = doctor(tmp_path, "--connect", agent.endpoint)
+    assert f"none answers at {agent.endpoint}" in told.bad("agents")
+
+
+@pytest.mark.parametrize(
+    ("days", "state", "said"),
+    [(-1, "problem", "expired"), (3, "warning", "of pc-left"), (99, "ok", "of pc-left")],
+)
+def test_a_certificate_that_ends_soon(tmp_path: Path, days: int, state: str, said: str) -> None:
+    for name in ("ca.pem", "cert.pem", "key.pem"):
+        (tmp_path / name).touch(mode=0o600)
+    expires = (datetime.now(UTC) + timedelta(days=days)).isoformat()
+    hosts = {"pc-left": {"role": "camera", "expires": expires}}
+    (tmp_path / "hosts.json").write_text(json.dumps({"format": 1, "own": "pc-left", "hosts": hosts}))
+    (found,) = certificates(tmp_path)
+    assert found.state == state
+    assert said in found.text
+
+
+def test_the_text_counts_what_is_wrong(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    room = tmp_path / "room.yaml"
+    room.write_text(ROOM.read_text().replace("kind: color", "kind: colour", 1))
+    assert main(["doctor", "--room", str(room), "--out", str(tmp_path)]) == 1
+    text = capsys.readouterr().out
+    assert f"PROBLEM  room {room}:" in text
+    assert "1 problem" in text.splitlines()[-1]

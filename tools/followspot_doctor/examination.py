@@ -6,8 +6,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot_doctor.checks import cameras, libraries, machine, network, plugins
+from followspot.transport.zenoh_network import Network
+from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins
 from followspot_doctor.finding import Finding, doubtful
+
+Check = tuple[str, Callable[[], Iterator[Finding]]]
+"""What it looks at, and what it finds."""
 
 
 @dataclass(frozen=True)
@@ -17,12 +21,14 @@ class Subject:
     room: Path | None = None
     graph: str | None = None
     out: Path = Path("runs")
+    network: Network = Network()
+    """With the certificates that are to be looked at and the agents that are to be asked, if any."""
 
 
 def examine(subject: Subject) -> list[Finding]:
     """Everything that was found, in the order of the checks."""
     room = str(subject.room) if subject.room is not None else None
-    checks: list[tuple[str, Callable[[], Iterator[Finding]]]] = [
+    checks: list[Check] = [
         ("computer", machine.computer),
         ("open files", machine.open_files),
         ("shared memory", machine.shared_memory),
@@ -30,18 +36,28 @@ def examine(subject: Subject) -> list[Finding]:
         ("clock", machine.clock),
         ("loopback", network.loopback),
         ("multicast", network.multicast),
-        ("ports", network.router_port),
+        ("ports", network.ports),
         ("zenoh", network.zenoh_session),
         ("opencv", libraries.opencv),
         ("plugins", plugins.stages),
         ("hooks", plugins.hooks),
     ]
+    checks += _of_hosts(subject.network)
     if room is not None:
         checks.append(("cameras", lambda: cameras.cameras(room)))
     if subject.graph is not None:
         graph = subject.graph
         checks.append(("graph", lambda: plugins.graph(graph, room)))
     return [finding for name, check in checks for finding in _checked(name, check)]
+
+
+def _of_hosts(found: Network) -> list[Check]:
+    checks: list[Check] = []
+    if found.certificates:
+        checks.append(("certificates", lambda: hosts.certificates(Path(found.certificates))))
+    if found.leads_somewhere:
+        checks.append(("agents", lambda: hosts.agents(found)))
+    return checks
 
 
 def _checked(name: str, check: Callable[[], Iterator[Finding]]) -> list[Finding]:

@@ -6,17 +6,20 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from followspot.cli.agent_options import add_network_options, network_of
 from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """look for what would keep a graph from running here, and say how to mend it
 
 Looks at this computer (memory, open files, shared memory, disk, clock), its network (loopback, multicast,
-ports), libraries, plugins, and with a room at every camera: a picture is taken from each. Exit code 1 where
-there is a problem; warnings alone do not count.
+ports), libraries, plugins, and with a room at every camera: a picture is taken from each. With --connect
+agents of other hosts are asked whether they are there and what their clocks say; with --certificates those
+are looked at. Exit code 1 where there is a problem; warnings alone do not count.
 
   followspot doctor
   followspot doctor --room room.yaml
   followspot doctor --graph graphs/glowballs.yaml --room room.yaml --json
+  followspot doctor --connect tls/pc-left:7450 --certificates certs
 """
 
 
@@ -35,12 +38,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, default=Path("runs"), help="where runs are written (default: runs)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
+    add_network_options(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
+    from followspot.transport.zenoh_network import LOOPBACK
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 
-    findings = examine(Subject(room=args.room, graph=args.graph, out=args.out))
+    network = network_of(args, LOOPBACK, ())
+    findings = examine(Subject(room=args.room, graph=args.graph, out=args.out, network=network))
     print(as_json(findings) if args.json else as_text(findings))
     return int(any(finding.state == "problem" for finding in findings))

@@ -1,10 +1,14 @@
-"""One picture from every camera of a room, by the source that the room declares for it."""
+"""One picture from every camera of a room, by the source that the room declares for it.
+
+All are asked at once, as in a run: cameras that share a cable may do one by one what they cannot do together.
+"""
 
 from __future__ import annotations
 
 import tempfile
 import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +21,8 @@ from followspot.stage import Context, PathIn, Stage
 from followspot.tracking import Frame
 from followspot_doctor.finding import Finding, fine, wrong
 
+MOST = 32
+"""Cameras that are asked at once."""
 PATIENCE = 6.0
 """Seconds that a camera has to deliver its first picture."""
 
@@ -29,14 +35,13 @@ def cameras(path: str) -> Iterator[Finding]:
         for mistake in error.mistakes:
             yield wrong(f"room {mistake.place or path}", mistake.text, mistake.remedy)
         return
-    for camera in room.cameras.values():
-        if camera.host:
-            yield fine(camera.name, f"is on {camera.host}: run followspot doctor there")
-        else:
-            yield _camera(camera, room)
+    with ThreadPoolExecutor(MOST) as pool:
+        yield from pool.map(lambda camera: _camera(camera, room), room.cameras.values())
 
 
 def _camera(camera: Camera, room: Room) -> Finding:
+    if camera.host:
+        return fine(camera.name, f"is on {camera.host}: run followspot doctor there")
     use = camera.source
     if use is None:
         return wrong(camera.name, "has no source", "source: {uses: cameras.video, with: {path: ...}}")

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 from followspot_doctor.finding import Finding, doubtful, fine, wrong
 
-ROUTER_PORT = 7447
+PORTS = {7447: "a router", 7450: "an agent", 8777: "the page"}
+"""Where others are looked for, unless told otherwise."""
 GROUP = "239.255.77.7"
 PATIENCE = 2.0
 
@@ -40,18 +41,19 @@ def multicast() -> Iterator[Finding]:
         yield fine("multicast", "a datagram to a group comes back")
 
 
-def router_port() -> Iterator[Finding]:
-    """The port that `followspot router` listens on."""
-    name = f"port {ROUTER_PORT}"
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind(("127.0.0.1", ROUTER_PORT))
-        except OSError:
-            remedy = "a router or agent runs here already, or another program; ss -ltnp tells which"
-            yield doubtful(name, "is taken", remedy)
-        else:
-            yield fine(name, "is free for a router")
+def ports() -> Iterator[Finding]:
+    """The ports that `followspot router`, `agent` and `run --dashboard` listen on."""
+    for port, whose in PORTS.items():
+        name = f"port {port}"
+        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                remedy = f"{whose} runs here already, or another program; ss -ltnp tells which"
+                yield doubtful(name, "is taken", remedy)
+            else:
+                yield fine(name, f"is free for {whose}")
 
 
 def zenoh_session() -> Iterator[Finding]:

@@ -1,0 +1,88 @@
+"""Other hosts: the certificates to meet them with, whether agents answer, and how their clocks differ."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from followspot.errors import FollowspotError
+from followspot.transport.roster import read_certificates
+from followspot_doctor.finding import Finding, doubtful, fine, wrong
+
+if TYPE_CHECKING:
+    from followspot.deploy.clocks.status import ClockStatus
+    from followspot.deploy.requests import Asker
+    from followspot.transport.zenoh_network import Network
+
+PATIENCE = 3.0
+"""Seconds for agents to be found."""
+_REMEDY = "times are corrected while a graph runs; install chrony or ptp4l on both hosts all the same"
+SOON = timedelta(days=30)
+"""How long before its end a certificate is worth a warning."""
+
+
+def certificates(folder: Path) -> Iterator[Finding]:
+    """Whether the folder of this host's certificates is whole, private, and valid for a while."""
+    name = "certificates"
+    try:
+        own = read_certificates(folder).own
+    except FollowspotError as error:
+        yield wrong(name, str(error), "see the message; followspot certs host NAME makes a folder")
+        return
+    text = f"of {own.name}, {own.role}, until {own.expires:%Y-%m-%d}"
+    if own.expires < datetime.now(UTC) + SOON:
+        yield doubtful(name, text, f"followspot certs host {own.name} --renew, where the authority is")
+    else:
+        yield fine(name, text)
+
+
+def agents(network: Network) -> Iterator[Finding]:
+    """A finding a host that answers; a problem where none does."""
+    from followspot.deploy.requests import Asker
+    from followspot.deploy.requests import agents as in_reach
+    from followspot.transport.zenoh_session import connected
+
+    where = network.router or ", ".join(network.connect)
+    try:
+        session = connected(network)
+    except FollowspotError as error:
+        yield wrong("agents", str(error), "see the message")
+        return
+    try:
+        deadline = time.monotonic() + PATIENCE
+        while not (names := in_reach(session)) and time.monotonic() < deadline:
+            time.sleep(0.1)
+        if not names:
+            remedy = "is it started there, with that --listen? a firewall, another certificate?"
+            yield wrong("agents", f"none answers at {where}", remedy)
+        for name in sorted(names):
+            yield _clock(Asker(session, network.own), name)
+    finally:
+        session.close()  # type: ignore[no-untyped-call]
+
+
+def _clock(asker: Asker, host: str) -> Finding:
+    """How the clock there differs from the one here."""
+    from followspot.deploy.clocks.host import HostClock
+
+    clock = HostClock(asker)
+    try:
+        clock.follow(host)
+        found = clock.status()
+    finally:
+        clock.close()
+    name = f"host {host}"
+    if found.warning:
+        return doubtful(name, _said(found), _REMEDY)
+    answers = f"its agent answers within {found.round_trip_ms:.1f} ms"
+    return fine(name, f"{answers}, its clock is {abs(found.offset_ms):.1f} ms off")
+
+
+def _said(found: ClockStatus) -> str:
+    if not found.exchanges:
+        return "its agent does not tell its clock"
+    way = "ahead of" if found.offset_ms > 0 else "behind"
+    return f"its clock is {abs(found.offset_ms):.1f} ms {way} this one"
