@@ -90,3 +90,16 @@ def test_workers_die_and_come_back_in_any_order(tmp_path: Path, seed: int) -> No
             host.ready(worker)
         assert host.connected(), dying
     host.close()
+
+
+def test_who_reads_from_a_worker_that_will_not_start_finds_the_end_of_its_stream(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(CHAIN)
+    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
+    rings = Rings(plan, {"a", "b", "c"})
+    rings.give_up("a")
+    ends = {end.side: end.socket for end in rings.take("b")}
+    ends["receiving"].setblocking(False)
+    assert ends["receiving"].recv(1) == b""
+    for end in ends.values():
+        end.close()
+    rings.close()
