@@ -150,7 +150,7 @@ def _input_over() -> asyncio.Future[None]:
 
 def main() -> int:
     """Entry of the process."""
-    logging.getLogger("asyncio").setLevel(logging.ERROR)  # it warns of each browser that is gone in mid-sentence
+    logging.getLogger("asyncio").setLevel(logging.ERROR)  # else it tells of browsers that are gone
     try:
         asyncio.run(serve(**json.loads(sys.argv[1])))
     except (OSError, FollowspotError) as error:

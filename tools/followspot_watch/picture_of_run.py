@@ -12,7 +12,7 @@ from followspot.deploy.host import WorkerStatus
 from followspot.deploy.status import RunStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import EdgeCount
-from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
 
 _WINDOW = 2.0
 """Seconds over which rates are taken."""
@@ -62,13 +62,14 @@ class RunPicture:
         """In JSON types; rates in 1/s, load as a share of one processor."""
         status = self.status
         rates = self._rates()
+        ages = {age.name: age for _, stage in self.stages() for age in stage.edges}
         return {
             "type": "run",
             "fired": status.fired if status else 0,
             "expected": status.expected if status else None,
             "rate": max((rates.get(f"fired {name}", 0.0) for name in self.sources), default=0.0),
             "stages": [_stage(worker, stage, rates) for worker, stage in self.stages()],
-            "edges": [_edge(edge, count, rates) for edge, count in self.edges()],
+            "edges": [_edge(edge, count, rates, ages) for edge, count in self.edges()],
             "paths": [asdict(path) for path in self.paths()],
             "news": list(status.news[-_NEWS:]) if status else [],
             "clocks": [{"host": host, **asdict(clock)} for host, clock in status.clocks.items()]
@@ -100,16 +101,23 @@ def _stage(worker: WorkerStatus, stage: StageStatus, rates: Mapping[str, float])
         "worker": worker.name,
         "state": "absent" if worker.phase == "absent" else stage.state,
         "error": stage.error[:_ERROR],
+        "edges": [age.name for age in stage.edges],
         "rate": rates.get(f"fired {stage.stage}", 0.0),
         "load": rates.get(f"busy {stage.stage}", 0.0) / 1000.0,
     }
 
 
-def _edge(edge: PlannedEdge, count: EdgeCount, rates: Mapping[str, float]) -> dict[str, Any]:
+def _edge(
+    edge: PlannedEdge, count: EdgeCount, rates: Mapping[str, float], ages: Mapping[str, EdgeAge]
+) -> dict[str, Any]:
+    age = ages.get(edge.name, EdgeAge(edge.name, None, None))
     return {
         "from": f"{edge.from_stage}.{edge.from_port}",
         "to": f"{edge.to_stage}.{edge.to_port}",
         "kind": edge.way,
         "rate": rates.get(edge.name, 0.0),
+        "p50_ms": age.p50_ms,
+        "p95_ms": age.p95_ms,
+        "error": age.error[:_ERROR],
         **asdict(count),
     }

@@ -12,7 +12,7 @@ from typing import Any
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.host import WorkerPhase, WorkerStatus
 from followspot.deploy.report import WorkerReport
-from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.runtime.stage_status import PathStatus, StageStatus, stage_status_from_data
 
 _PATIENCE = 5.0
 """Seconds that a worker that has reported may take to exit."""
@@ -78,7 +78,7 @@ class WorkerProcess:
         if kind == "progress":
             self.fired, self.time = message["fired"], message["time"]
         elif kind == "stages":
-            self.stages = tuple(StageStatus(**{**s, "on": tuple(s["on"])}) for s in message["stages"])
+            self.stages = tuple(stage_status_from_data(stage) for stage in message["stages"])
             self.paths = tuple(PathStatus(**path) for path in message["paths"])
         elif kind == "ready":
             self.phase, self.expected = "ready", message["expected"]

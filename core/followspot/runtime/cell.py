@@ -90,6 +90,8 @@ class Cell:
         """Whether `setup` succeeded."""
         self.blocked = False
         """Whether an output is full; its reader's credit wakes this stage."""
+        self.working = False
+        """Whether the stage is at work on its own."""
         self.absent = False
         """Whether the outputs were declared absent."""
         self.count = CellCount()
@@ -143,11 +145,13 @@ class Cell:
     def run(self, firing: Firing) -> Any:
         """What the stage returns, None where it raised. Raises StageError where the policy is `fail`."""
         started = time.monotonic_ns()
+        self.working = True
         try:
             result = self.stage.process(*firing.arguments)
         except Exception as error:
             self._recover(firing.header, error)
             result = None
+        self.working = False
         self.count.busy_ns += time.monotonic_ns() - started
         return result
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from collections.abc import Callable
 
@@ -14,6 +15,8 @@ UNCHANGED = -END
 """As a bound: nothing new is known; who joins goes on waiting."""
 _BEFORE_ALL = -END - 1
 """Earlier than any bound: the first firings of a feedback edge wait for nothing."""
+_SAMPLED, _AGES = 8, 128
+"""The age of each so many messages is noted, and so many ages are kept."""
 
 
 class Inlet:
@@ -26,6 +29,7 @@ class Inlet:
 
     __slots__ = (
         "after_loss",
+        "ages",
         "bound",
         "depth",
         "invalid_reason",
@@ -62,6 +66,8 @@ class Inlet:
         self.invalid_reason = ""
         self.after_loss = END
         """The bound when the writer dies: `ABSENT` or `UNCHANGED` where it is started again."""
+        self.ages: deque[int] = deque(maxlen=_AGES)
+        """How long before they were taken some messages had entered the graph, ns by this host's clock."""
         self.stale = 0
         """Messages in the queue that a former writer sent; the present one gets no credit for them."""
 
@@ -114,8 +120,12 @@ class Inlet:
 
     def take(self) -> Message:
         """The oldest message, for a firing."""
-        self.words[self.row + DELIVERED] += 1
-        return self._pop()
+        count = self.words[self.row + DELIVERED] + 1
+        self.words[self.row + DELIVERED] = count
+        message = self._pop()
+        if count % _SAMPLED == 1:
+            self.ages.append(time.monotonic_ns() - message.header.entered)
+        return message
 
     def discard(self, column: int) -> None:
         """Remove the oldest message and count it as dropped, late or unmatched."""

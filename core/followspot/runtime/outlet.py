@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -26,6 +26,7 @@ class Outlet:
     __slots__ = (
         "_living",
         "bound",
+        "edges",
         "inlets",
         "patient",
         "refused",
@@ -44,6 +45,8 @@ class Outlet:
         self.inlets: list[Inlet] = []
         self.writers: list[PortWriter] = []
         self.rows: list[list[int]] = []
+        self.edges: list[tuple[str, int]] = []
+        """Names and ledger rows of the edges to other workers that may be full."""
         self._living: list[tuple[PortWriter, list[int]]] = []
         """Writers with the rows of their living readers."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
@@ -53,11 +56,13 @@ class Outlet:
         self.patient = False
         """Whether to wait for a reader that is away and will be back: in replays, which lose nothing."""
 
-    def attach(self, writer: PortWriter, rows: list[int]) -> None:
-        """Add the edges to other workers that one writer serves; rows: of its readers, in its order."""
+    def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:
+        """Add the edges to other workers that one writer serves; names, rows: of its readers in turn."""
         if isinstance(writer, DroppingWriter):
             writer.dropped = partial(self._count, rows, SHED)
             writer.refused = partial(self._refused_later, rows)
+        else:
+            self.edges += zip(names, rows, strict=True)
         self.writers.append(writer)
         self.rows.append(rows)
         self.forget_lost()

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from followspot.runtime.cell import Cell
+from followspot.runtime.clock import Clock
+from followspot.runtime.inlet import Inlet
+from followspot.runtime.ledger import COLUMNS, tally
+from followspot.runtime.outlet import Outlet
 from followspot.runtime.worker import Worker
 from followspot.transport.token import END
 
@@ -15,8 +19,24 @@ StageState = Literal["getting", "processing", "sending", "absent", "over"]
 
 
 @dataclass(frozen=True)
+class EdgeAge:
+    """How old, ms since they entered the graph, the last messages of an edge were when its stage took them.
+
+    error: why one was refused last, "" where none was.
+    """
+
+    name: str
+    p50_ms: float | None
+    p95_ms: float | None
+    error: str = ""
+
+
+@dataclass(frozen=True)
 class StageStatus:
-    """One stage at one moment. on: the edges that it waits for, by name; error: the last one, "" for none."""
+    """One stage at one moment.
+
+    on: the edges that it waits for, by name; error: the last one, "" for none; edges: that lead to it.
+    """
 
     stage: str
     state: StageState
@@ -26,6 +46,7 @@ class StageStatus:
     restarts: int = 0
     busy_ms: float = 0.0
     error: str = ""
+    edges: tuple[EdgeAge, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -36,6 +57,12 @@ class PathStatus:
     sink: str
     p50_ms: float
     p95_ms: float
+
+
+def stage_status_from_data(data: Mapping[str, Any]) -> StageStatus:
+    """From JSON types, as `dataclasses.asdict` gave them."""
+    edges = tuple(EdgeAge(**edge) for edge in data["edges"])
+    return StageStatus(**{**data, "on": tuple(data["on"]), "edges": edges})
 
 
 def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:
@@ -62,8 +89,33 @@ def _status(cell: Cell, error: str) -> StageStatus:
     count = cell.count
     busy = round(count.busy_ns / 1e6, 3)
     return StageStatus(
-        cell.name, state, on, count.fired, count.skipped, count.restarts, busy, error or invalid
+        cell.name,
+        state,
+        on,
+        count.fired,
+        count.skipped,
+        count.restarts,
+        busy,
+        error or invalid,
+        tuple(_age(inlet, cell.clock) for inlet in inlets),
     )
+
+
+def _age(inlet: Inlet, clock: Clock) -> EdgeAge:
+    ages = sorted(inlet.ages.copy())
+    if not ages:
+        return EdgeAge(inlet.name, None, None, inlet.invalid_reason)
+    p50, p95 = (round((ages[int(share * len(ages))] + clock.steady) / 1e6, 3) for share in (0.5, 0.95))
+    return EdgeAge(inlet.name, p50, p95, inlet.invalid_reason)
+
+
+def _full(outlet: Outlet) -> Iterator[str]:
+    """Edges that hold up an output: the full ones of this worker, of those to others who is behind most."""
+    yield from (inlet.name for inlet in outlet.inlets if len(inlet.queue) >= inlet.depth)
+    words = outlet.words
+    behind = {name: tally(words[row : row + COLUMNS].tolist()).in_flight for name, row in outlet.edges}
+    most = max(behind.values(), default=0)
+    yield from (name for name, waiting in behind.items() if waiting == most > 0)
 
 
 def _state(cell: Cell) -> tuple[StageState, tuple[str, ...]]:
@@ -72,6 +124,16 @@ def _state(cell: Cell) -> tuple[StageState, tuple[str, ...]]:
     if cell.absent:
         return "absent", ()
     if cell.blocked:
-        return "sending", tuple(i.name for _, o in cell.outlets for i in o.inlets if len(i.queue) >= i.depth)
-    dry = tuple(i.name for i in cell.join.members if not i.queue and i.bound != END)
+        return "sending", tuple(name for _, outlet in cell.outlets for name in _full(outlet))
+    if cell.working:
+        return "processing", ()
+    dry = tuple(i.name for i in cell.join.members if not i.queue and i.bound != END) or _held_up(cell)
     return ("getting", dry) if dry else ("processing", ())
+
+
+def _held_up(cell: Cell) -> tuple[str, ...]:
+    """Feedback that the next firing waits for."""
+    times = [queue[0].header.time for queue in (i.queue.copy() for i in cell.join.members) if queue]
+    if not times:
+        return ()
+    return tuple(held.inlet.name for held in cell.join.held if not held.ready(min(times)))

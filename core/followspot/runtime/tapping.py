@@ -42,7 +42,6 @@ class Tap:
             if not isinstance(error, EOFError):
                 self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
 
-
     def close(self) -> None:
         """Look no more."""
         self._outlet.taps = tuple(tap for tap in self._outlet.taps if tap is not self)

@@ -260,7 +260,8 @@ class _Builder:
             outlet.inlets += [self.inlets[n] for n in numbers]
             return
         writer = self.links.writer(numbers, kind)
-        outlet.attach(writer, [self.ledger.row(n) for n in numbers])
+        names = [self.plan.edges[n].name for n in numbers]
+        outlet.attach(writer, names, [self.ledger.row(n) for n in numbers])
         self.writers.append((writer, rank))
 
     def _join(self, stage: PlannedStage) -> Join:

@@ -28,7 +28,7 @@ def outlet_with_ring(ledger: Ledger) -> tuple[Outlet, Inlet, Inlet, list[str]]:
     far = Inlet("far", ledger.words, ledger.row(1), depth=8, slack=0)
     far.reader = RingReader(theirs, Note)
     outlet.inlets.append(near)
-    outlet.attach(RingWriter([ours], 8), [ledger.row(1)])
+    outlet.attach(RingWriter([ours], 8), ["a.out -> b.in"], [ledger.row(1)])
     complaints: list[str] = []
     outlet.refused = complaints.append
     return outlet, near, far, complaints

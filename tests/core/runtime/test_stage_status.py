@@ -6,7 +6,9 @@ from pathlib import Path
 
 from followspot.deploy.local import LocalRun
 from followspot.deploy.status import run_status_from_data
+from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
+from followspot.messages import Message
 from followspot.runtime.stage_status import StageStatus, paths_now, stages_now
 from followspot.runtime.wiring import RunOptions
 
@@ -20,10 +22,20 @@ stages:
 """
 
 
-def local_run(folder: Path) -> LocalRun:
+FEEDBACK = """\
+graph: loop
+stages:
+  count: {uses: ticks.count, with: {count: 30}}
+  first: {uses: ticks.accumulate, in: {number: count, before: {from: second, delay: 1}}}
+  second: {uses: ticks.add, in: {number: first}}
+  write: {uses: ticks.write, in: {number: second}}
+"""
+
+
+def local_run(folder: Path, graph: str = GRAPH, edges: EdgeChoice = "auto") -> LocalRun:
     path = folder / "count.yaml"
-    path.write_text(GRAPH)
-    return LocalRun(compile_graph(path, plugin_files=[STAGES]), RunOptions(folder))
+    path.write_text(graph)
+    return LocalRun(compile_graph(path, plugin_files=[STAGES], edges=edges), RunOptions(folder))
 
 
 def stages(run: LocalRun) -> dict[str, StageStatus]:
@@ -49,6 +61,49 @@ def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
     run.worker.close()
 
 
+def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> None:
+    run = local_run(tmp_path, edges="ring")
+    run.worker.setup()
+    count = run.worker.cells[0]
+    while count.has_room():
+        run.worker.sources[0].pull()
+    count.blocked = not count.has_room()
+    assert (stages(run)["count"].state, stages(run)["count"].on) == ("sending", ("count.out -> half.number",))
+    run.worker.close()
+
+
+def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
+    run = local_run(tmp_path, FEEDBACK)
+    run.worker.setup()
+    first = run.worker.cells[1]
+    for _ in range(2):
+        run.worker.sources[0].pull()
+        first.step()
+    assert (stages(run)["first"].state, stages(run)["first"].on) == (
+        "getting",
+        ("second.out -> first.before",),
+    )
+    run.worker.close()
+
+
+def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: Path) -> None:
+    run = local_run(tmp_path)
+    run.worker.setup()
+    half = run.worker.cells[1]
+    seen: list[str] = []
+
+    def process(number: Message) -> Message:
+        seen.append(stages(run)["half"].state)
+        return number
+
+    half.stage.process = process
+    run.worker.sources[0].pull()
+    half.step()
+    assert seen == ["processing"]
+    assert stages(run)["half"].state == "getting"
+    run.worker.close()
+
+
 def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:
     run = local_run(tmp_path)
     report = run.execute()
@@ -58,4 +113,8 @@ def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:
     assert found["half"].skipped > 0
     assert "half failed" in found["half"].error
     assert list(status.edges(run.plan)) == list(report.edges)
+    ages = {age.name: age for stage in found.values() for age in stage.edges}
+    assert set(ages) == {edge.name for edge in run.plan.edges}
+    assert all(0 < age.p50_ms <= age.p95_ms for age in ages.values() if age.p50_ms and age.p95_ms)
+    assert not any(age.p50_ms is None or age.error for age in ages.values())
     assert [(path.origin, path.sink) for path in paths_now(run.worker)] == [("count", "write")]

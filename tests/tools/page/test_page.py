@@ -30,7 +30,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, Message, stamped
 from followspot.runtime.ledger import COLUMNS
-from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
 from followspot_dashboard.gate import WATCHED, Gate, make_gate
@@ -152,7 +152,10 @@ def next_picture(browser: ClientConnection) -> bytes:
 def status(plan: Plan, fired: int = 7) -> RunStatus:
     counts = [0] * (COLUMNS * len(plan.edges))
     counts[:7] = [10, 6, 1, 1, 1, 0, 0]
-    stage = StageStatus("fuse", "sending", ("fuse.out -> track.positions",), 6, 1, 0, 1500.0, "it hurts")
+    age = EdgeAge(plan.edges[0].name, 4.5, 9.0, "too old")
+    stage = StageStatus(
+        "fuse", "sending", ("fuse.out -> track.positions",), 6, 1, 0, 1500.0, "it hurts", (age,)
+    )
     worker = WorkerStatus(
         "main", "running", fired, stages=(stage,), paths=(PathStatus("camera", "save", 1.5, 9.0),)
     )
@@ -370,7 +373,9 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
         page.status = status(page.plan)
         run = next(run for run in things(browser, "run") if run["fired"] == 7)
     assert run["stages"][0]["error"] == "it hurts"
-    assert run["edges"][0]["dropped"] == 1
+    first = run["edges"][0]
+    assert (first["dropped"], first["p50_ms"], first["p95_ms"], first["error"]) == (1, 4.5, 9.0, "too old")
+    assert run["edges"][1]["p50_ms"] is None
     assert json.loads(page.get("status")[1])["news"] == ["a worker is back"]
     code, text, headers = page.get("metrics")
     assert (code, headers["Content-Type"]) == (200, "text/plain; version=0.0.4; charset=utf-8")

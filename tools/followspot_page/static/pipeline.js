@@ -6,6 +6,7 @@ const WORST = ["absent", "sending", "processing", "getting", "over"];
 const LOSSES = ["dropped", "late", "unmatched", "invalid", "lost"];
 
 const groupOf = (stage) => stage.split("/")[0];
+const ms = (value) => (value === null ? "–" : number(value));
 const number = (value) => (value >= 100 ? value.toFixed(0) : value.toFixed(1));
 const lossOf = (edge) => LOSSES.reduce((sum, name) => sum + edge[name], 0);
 
@@ -140,13 +141,18 @@ function stageTable(stages) {
 
 function edgeTable(edges) {
   const counts = ["sent", "delivered", ...LOSSES, "in_flight"];
+  const failed = edges.some(({ error }) => error);
   const rows = edges.map((edge) => [
     `${edge.from} → ${edge.to}`,
     edge.kind,
     number(edge.rate),
+    ms(edge.p50_ms),
+    ms(edge.p95_ms),
     ...counts.map((name) => make("td", edge[name], { className: LOSSES.includes(name) && edge[name] ? "lossy" : "" })),
+    ...(failed ? [make("td", edge.error, { className: "lossy" })] : []),
   ]);
-  return table(["edge", "kind", "per second", ...counts.map((name) => name.replace("_", " "))], rows);
+  const last = failed ? ["last error"] : [];
+  return table(["edge", "kind", "per second", "p50 ms", "p95 ms", ...counts.map((name) => name.replace("_", " ")), ...last], rows);
 }
 
 function waits({ state, on }) {
