@@ -27,6 +27,11 @@ def schemas() -> dict[str, dict[str, Any]]:
     return {kind: document(kind) for kind in ("graph", "room", "placement")}
 
 
+def valid(data: Any, schema: dict[str, Any]) -> None:
+    """Raises jsonschema.ValidationError. That it is a schema is tested once."""
+    jsonschema.Draft202012Validator(schema).validate(data)
+
+
 @pytest.mark.parametrize("kind", ["graph", "room", "placement"])
 def test_it_is_a_schema(schemas: dict[str, dict[str, Any]], kind: str) -> None:
     jsonschema.Draft202012Validator.check_schema(schemas[kind])
@@ -38,7 +43,7 @@ def test_it_is_a_schema(schemas: dict[str, dict[str, Any]], kind: str) -> None:
     ids=lambda value: getattr(value, "stem", value),
 )
 def test_every_ready_file_is_accepted(schemas: dict[str, dict[str, Any]], kind: str, file: Path) -> None:
-    jsonschema.validate(yaml.safe_load(file.read_text()), schemas[kind])
+    valid(yaml.safe_load(file.read_text()), schemas[kind])
 
 
 @pytest.mark.parametrize(
@@ -57,14 +62,35 @@ def test_every_ready_file_is_accepted(schemas: dict[str, dict[str, Any]], kind: 
 )
 def test_a_mistake_in_a_graph_is_seen(schemas: dict[str, dict[str, Any]], text: str) -> None:
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(yaml.safe_load(text), schemas["graph"])
+        valid(yaml.safe_load(text), schemas["graph"])
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        {"uses": "cameras.vidoe", "with": {"path": "a.mkv"}},
+        {"uses": "cameras.video", "with": {"pth": "a.mkv"}},
+        {"uses": "cameras.video"},
+        {"uses": "balls.kalman"},
+        {"uses": "sim.truth"},
+    ],
+)
+def test_a_mistake_in_the_source_of_a_camera_is_seen(
+    schemas: dict[str, dict[str, Any]], source: dict[str, Any]
+) -> None:
+    room = yaml.safe_load(ROOMS[0].read_text())
+    room["cameras"]["cam0"]["source"] = {"uses": "cameras.video", "with": {"path": "a.mkv"}}
+    valid(room, schemas["room"])
+    room["cameras"]["cam0"]["source"] = source
+    with pytest.raises(jsonschema.ValidationError):
+        valid(room, schemas["room"])
 
 
 def test_a_variable_may_stand_for_any_parameter(schemas: dict[str, dict[str, Any]]) -> None:
     text = (
         "{vars: {s: 0.5}, stages: {c: {uses: balls.color_blobs, in: {frame: x}, with: {similarity: '${s}'}}}}"
     )
-    jsonschema.validate(yaml.safe_load(text), schemas["graph"])
+    valid(yaml.safe_load(text), schemas["graph"])
 
 
 def test_the_schema_knows_every_key_and_every_stage(schemas: dict[str, dict[str, Any]]) -> None:

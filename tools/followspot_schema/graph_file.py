@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from followspot.plugins.registry import PluginError, load_stage, stage_names
 from followspot.ports import ports
 from followspot.stage import Stage
 from followspot_schema.parts import FREE, TEXT, Schema, form, named
+from followspot_schema.stages import REFERENCE, models, parameters, stages_offered
 
 ROOM_SOURCE = "room.source"
 """Stands for the source that the room declares for each camera; no plugin offers it."""
-REFERENCE: Schema = {"type": "string", "pattern": r"\$\{[^}]+\}", "description": "a variable of the graph"}
-
 FOR_PORT: Schema = {"type": "string", "pattern": r"^[\w.]+\[[\w.]+\]$", "description": "NAME[STAGE.PORT]"}
 
 
 def graph_schema() -> Schema:
     """The schema of a graph file with all installed stages."""
-    offered = {name: stage for name in stage_names() if (stage := _loaded(name)) is not None}
+    offered = stages_offered()
     one_or_more: Schema = {"anyOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
     return form(
         "stages and the edges between them",
@@ -32,7 +29,7 @@ def graph_schema() -> Schema:
             "stages": named("name -> stage", {"$ref": "#/$defs/stage"}),
         },
         ["stages"],
-    ) | {"$defs": {"stage": _stage(offered), "feed": _feed(), **_models(offered)}}
+    ) | {"$defs": {"stage": _stage(offered), "feed": _feed(), **models(offered)}}
 
 
 def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
@@ -69,43 +66,13 @@ def _of(name: str, stage: type[Stage]) -> Schema:
     feeds = {p.name: {"$ref": "#/$defs/feed"} for p in found.inputs}
     need = [p.name for p in found.inputs if p.required]
     described = form(f"inputs of {name}", feeds, need)
-    says: Schema = {"properties": {"in": described, "with": _parameters(name, stage)}}
+    says: Schema = {"properties": {"in": described, "with": parameters(name, stage, variables=True)}}
     must = [
         key for key, wanted in (("in", need), ("with", says["properties"]["with"].get("required"))) if wanted
     ]
     if must:
         says["required"] = must
     return {"if": {"properties": {"uses": {"const": name}}, "required": ["uses"]}, "then": says}
-
-
-def _parameters(name: str, stage: type[Stage]) -> Schema:
-    """The parameters, each with its unit; any of them may be a variable."""
-    model = _model(name, stage)
-    described = {key: _parameter(field) for key, field in model.get("properties", {}).items()}
-    return form(f"parameters of {name}", described, model.get("required", ()))
-
-
-def _models(offered: Mapping[str, type[Stage]]) -> Schema:
-    """Models within parameters, under names of their own."""
-    found: Schema = {}
-    for name, stage in offered.items():
-        inner = _model(name, stage).get("$defs", {})
-        found |= {f"{name}.{key}": value for key, value in inner.items()}
-    return found
-
-
-def _model(name: str, stage: type[Stage]) -> dict[str, Any]:
-    return stage.Params.model_json_schema(ref_template=f"#/$defs/{name}.{{model}}")
-
-
-def _parameter(field: Schema) -> Schema:
-    unit = field.get("unit")
-    text = field.get("description", "") + (f" ({unit})" if unit and unit != "1" else "")
-    rest = {
-        key: value for key, value in field.items() if key not in ("unit", "title", "description", "default")
-    }
-    found: Schema = {"anyOf": [rest, REFERENCE], "description": text}
-    return found | ({"default": field["default"]} if "default" in field else {})
 
 
 def _feed() -> Schema:
@@ -131,11 +98,3 @@ def _feed() -> Schema:
     )
     either: Schema = {"anyOf": [TEXT, one]}
     return {"anyOf": [TEXT, one, {"type": "array", "items": either, "minItems": 1}]}
-
-
-def _loaded(name: str) -> type[Stage] | None:
-    """A stage that works here; of others the editor need not know."""
-    try:
-        return load_stage(name)
-    except PluginError:
-        return None

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, hookimpl
 
 HELP = """JSON Schema of graph, room or placement files, with every installed stage and its parameters
@@ -32,9 +33,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, metavar="FILE", help="write it there, not to the terminal"
     )
-    parser.add_argument(
-        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
-    )
+    add_plugin_option(parser, "describe the stages of a Python file, too; repeatable")
 
 
 def _run(args: argparse.Namespace) -> int:

@@ -48,9 +48,3 @@ def matrix(description: str) -> Schema:
     """Three rows of three numbers."""
     rows = numbers(3, description)
     return {**rows, "items": numbers(3, "one row")}
-
-
-def stage_use(description: str) -> Schema:
-    """A stage that a room names, with parameters."""
-    keys = {"uses": {**TEXT, "description": "name of a stage"}, "with": {**FREE, "description": "parameters"}}
-    return form(description, keys, ["uses"])

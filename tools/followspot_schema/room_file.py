@@ -2,27 +2,42 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
+from followspot.ports import ports
 from followspot.room_form import BINS
-from followspot_schema.parts import TEXT, Schema, form, matrix, named, numbers, stage_use
+from followspot.stage import Stage
+from followspot.tracking import Frame
+from followspot_schema.parts import TEXT, Schema, form, matrix, named, numbers
+from followspot_schema.stages import models, stage_use, stages_offered
 
 POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
 
 
 def room_schema() -> Schema:
-    """The schema of a room file."""
+    """The schema of a room file with all installed sources: those of pictures, and those of truth."""
+    sources = {name: stage for name, stage in stages_offered().items() if ports(stage).source}
+    pictures = {name: stage for name, stage in sources.items() if _sends_frames(stage)}
     return form(
         "the calibrated place, in metres, z up",
         {
             "room": {**TEXT, "description": "name of the room"},
-            "cameras": named("name -> camera", _camera()),
+            "cameras": named("name -> camera", _camera(pictures)),
             "planes": named("name -> plane", numbers(4, "a b c d: a x + b y + c z + d = 0, unit normal, m")),
             "targets": named("name -> target", _target()),
-            "truth": stage_use("source of the ground truth, where there is one"),
+            "truth": stage_use(
+                "source of the ground truth, where there is one",
+                {name: stage for name, stage in sources.items() if name not in pictures},
+            ),
         },
-    )
+    ) | {"$defs": models(sources)}
 
 
-def _camera() -> Schema:
+def _sends_frames(stage: type[Stage]) -> bool:
+    return any(port.type is Frame for port in ports(stage).outputs)
+
+
+def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
     return form(
         "OpenCV convention: x_cam = R X + t, z forward",
         {
@@ -38,7 +53,7 @@ def _camera() -> Schema:
             },
             "rotation": matrix("R of x_cam = R X + t"),
             "translation": numbers(3, "t of x_cam = R X + t, m"),
-            "source": stage_use("the stage that gives its pictures"),
+            "source": stage_use("the stage that gives its pictures", pictures),
             "host": {"type": "string", "description": "the computer that it is connected to"},
             "clock_offset": {
                 "type": "number",
