@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import select
 import socket
 import threading
 from collections import deque
@@ -51,6 +52,12 @@ class Channel:
         while b"\n" not in self._pending:
             self._pending += self._more()
         return self._cut()
+
+    def waits(self, seconds: float) -> bool:
+        """Whether there is something to `receive` within this time."""
+        poll = select.poll()
+        poll.register(self.socket, select.POLLIN)
+        return b"\n" in self._pending or bool(poll.poll(seconds * 1e3))
 
     def arrived(self) -> list[dict[str, Any]]:
         """Call when readable: what is complete by now. Raises ChannelClosed, ValueError."""

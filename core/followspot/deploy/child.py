@@ -42,6 +42,8 @@ _PROGRESS_PERIOD = 0.2
 """Seconds between two reports of progress."""
 _STAGES_EVERY = 3
 """Reports of progress from one picture of all stages to the next."""
+_REMINDER = 0.5
+"""Seconds, at the barrier, between two words to other workers that the ends of edges here are there."""
 GRACE = 3.0
 """Seconds that a worker has to complete its outputs when its agent is gone."""
 
@@ -129,9 +131,14 @@ class Child:
 
     def _started(self) -> bool:
         """Wait at the barrier; False where the run is called off."""
-        while (order := self.channel.receive())["kind"] not in ("start", "stop"):
+        assert self.links is not None
+        while True:
+            while not self.channel.waits(_REMINDER):
+                self.links.remind()
+            order = self.channel.receive()
+            if order["kind"] in ("start", "stop"):
+                return bool(order["kind"] == "start")
             self._orders.append(order)
-        return bool(order["kind"] == "start")
 
     def _run(self) -> None:
         assert self.worker is not None

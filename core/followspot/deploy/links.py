@@ -132,6 +132,11 @@ class EdgeLinks:
             if waiting:
                 time.sleep(0.005)
 
+    def remind(self) -> None:
+        """Say again that the ends of Zenoh edges are here: who still waits for them may have missed it."""
+        for _, end in self._zenoh_ends:
+            end.matched()
+
     def close(self) -> None:
         """Close the session; the edges were closed by their worker."""
         if self.session is not None:
