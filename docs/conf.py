@@ -7,4 +7,5 @@ myst_heading_anchors = 3
 html_theme = "furo"
 html_title = "followspot"
 html_show_sourcelink = False
+html_show_copyright = False
 exclude_patterns = ["_build"]
