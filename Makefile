@@ -6,15 +6,20 @@ BIN := $(VENV)/bin
 .PHONY: demo page test thorough lint docs clean
 .DEFAULT_GOAL := demo
 
-$(VENV)/demo: pyproject.toml
+# Each of hundreds of worker processes would compile what it imports, where the environment forbids to keep that.
+export PYTHONDONTWRITEBYTECODE :=
+
+$(BIN)/python:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "followspot needs Python >= 3.11; name one: make PYTHON=python3.12"; exit 2; }
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/demo: pyproject.toml | $(BIN)/python
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
-$(VENV)/dev: $(VENV)/demo
-	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
-	@touch $@
+$(VENV)/dev: pyproject.toml | $(BIN)/python
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev,docs]'
+	@touch $(VENV)/demo $@
 
 demo: $(VENV)/demo  ## track glowing balls in a simulated room
 	@$(BIN)/followspot run graphs/glowballs.yaml
@@ -35,11 +40,7 @@ test: $(VENV)/dev  ## the tests
 thorough: $(VENV)/dev  ## those that say the same of more fusions, placements and edges
 	@$(PYTEST) -m thorough
 
-$(VENV)/docs: $(VENV)/demo
-	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[docs]'
-	@touch $@
-
-docs: $(VENV)/docs  ## the documents as pages, runs/docs/index.html
+docs: $(VENV)/dev  ## the documents as pages, runs/docs/index.html
 	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs runs/docs
 
 lint: $(VENV)/dev  ## style, types, layers
