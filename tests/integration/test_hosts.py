@@ -1,4 +1,7 @@
-"""Three hosts, six cameras two by two: the tracks are those of one process, bit for bit."""
+"""Three hosts, six cameras two by two: the tracks are those of one process, bit for bit.
+
+One agent is named, the other one is found.
+"""
 
 from __future__ import annotations
 
@@ -61,8 +64,8 @@ def tracks_on_three_hosts(
     hosts: Hosts, room: Path, out: Path, placement: str | Path, *options: str | Path
 ) -> bytes:
     words = ["run", GRAPH, "--room", room, "--frames", FRAMES, "--out", out, "--json", "--quiet"]
-    there = [word for name in ("pc-left", "pc-right") for word in ("--connect", hosts.endpoint(name))]
-    process = hosts.start("desk", *words, "--placement", placement, "--insecure", *there, *options)
+    there = ("--connect", hosts.endpoint("pc-left"), "--discover", "--insecure")
+    process = hosts.start("desk", *words, "--placement", placement, *there, *options)
     stdout, stderr = process.communicate(timeout=90)
     assert process.returncode == 0, stderr + stdout
     summary = json.loads(stdout)
@@ -77,7 +80,7 @@ def test_a_simulated_room_on_three_hosts_gives_the_tracks_of_one_process(
 ) -> None:
     room = spread(ROOT / "graphs" / "rooms" / "simulated6.yaml", tmp_path / "room.yaml")
     hosts.agent("pc-left")
-    hosts.agent("pc-right")
+    hosts.agent("pc-right", "--discover")
     alone = tracks_in_one_process(room, tmp_path / "alone")
     assert len(alone.splitlines()) > 60
     assert tracks_on_three_hosts(hosts, room, tmp_path / "three", "camera") == alone
@@ -90,8 +93,8 @@ def test_a_recording_on_three_hosts_gives_the_tracks_of_one_process(hosts: Hosts
     command("calibrate", "targets", "--room", room, "--clips", DATA / "templates")
     placement = tmp_path / "placement.yaml"
     placement.write_text(PLACEMENT)
-    for name in ("pc-left", "pc-right"):
-        hosts.agent(name, "--media", RECORDING)
+    hosts.agent("pc-left", "--media", RECORDING)
+    hosts.agent("pc-right", "--media", RECORDING, "--discover")
     alone = tracks_in_one_process(room, tmp_path / "alone")
     assert len(alone.splitlines()) > 60
     assert tracks_on_three_hosts(hosts, room, tmp_path / "three", placement, "--media", RECORDING) == alone

@@ -354,6 +354,9 @@ def test_nothing_but_loopback_is_opened_without_certificates_or_consent() -> Non
         with pytest.raises(FollowspotError, match="open to other hosts without protection"):
             config_of(Network(connect=(endpoint,)))
         config_of(Network((endpoint,), insecure=True))
+    with pytest.raises(FollowspotError, match="local network"):
+        config_of(Network(discover=True))
+    config_of(Network(discover=True, insecure=True))
     for endpoint in ("tcp/127.0.0.1:0", "tcp/[::1]:0", "tcp/localhost:7450"):
         config_of(Network((endpoint,)))
 

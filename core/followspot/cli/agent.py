@@ -33,9 +33,9 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.agent import Agent, AgentOptions
     from followspot.deploy.security.door import Door
-    from followspot.transport.zenoh_network import AGENT
+    from followspot.transport.zenoh_network import AGENT, everywhere
 
-    network = network_of(args, AGENT, ())
+    network = network_of(args, everywhere(args.certificates) if args.discover else AGENT, ())
     options = AgentOptions(
         args.name,
         network,
@@ -63,6 +63,7 @@ COMMAND = Command(
 
   followspot agent --name pc-left                                          reached from this host alone
   followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
+  followspot agent --name pc-left --discover --certificates certs          found by those who discover, too
 
 It runs installed plugins only, and reads and writes files only below --media and --runs.
 """,

@@ -19,7 +19,7 @@ _INSECURE = (
 def add_network_options(
     parser: argparse.ArgumentParser, *, listens: bool = False, routed: bool = True
 ) -> None:
-    """--connect, --router, --certificates, --insecure, and --listen where others connect to this command."""
+    """The options that lead to other hosts; --listen where others connect to this command."""
     group = parser.add_argument_group("other hosts")
     if listens:
         group.add_argument(
@@ -37,6 +37,11 @@ def add_network_options(
         help="an agent to connect to; those that it knows are found through it; repeatable",
     )
     if routed:
+        group.add_argument(
+            "--discover",
+            action="store_true",
+            help="find agents on the local network, and be found there, instead of naming endpoints",
+        )
         group.add_argument(
             "--router",
             default="",
@@ -59,11 +64,12 @@ def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequenc
     from followspot.transport.zenoh_network import Network, secured
 
     listen = tuple(getattr(args, "listen", None) or listen)
-    connect = tuple(args.connect or connect)
+    discover = getattr(args, "discover", False)
+    connect = tuple(args.connect or (() if discover else connect))
     router = getattr(args, "router", "")
     if args.certificates:  # what is open to this host alone is secured, too: certificates tell who is who
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])
-    network = Network(listen, connect, args.certificates, args.insecure, router)
+    network = Network(listen, connect, args.certificates, args.insecure, router, discover)
     if network.insecure and network.exposed:
         print(_INSECURE.format(", ".join(network.exposed)), file=sys.stderr, flush=True)
     return network

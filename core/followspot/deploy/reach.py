@@ -20,6 +20,8 @@ from followspot.graph.plan import Plan
 from followspot.transport.zenoh_network import Network
 from followspot.transport.zenoh_session import connected, locators
 
+_DISCOVERY = 2.0
+"""Seconds until nobody else can be expected to be discovered."""
 _PATIENCE = 5.0
 """Seconds for agents to be found; links between hosts may only just be made."""
 
@@ -29,6 +31,8 @@ def operating(network: Network) -> Iterator[zenoh.Session]:
     """An operator's session. Raises FollowspotError."""
     session = connected(network)
     try:
+        if network.discover:
+            _await_anybody(session)
         yield session
     finally:
         session.close()  # type: ignore[no-untyped-call]
@@ -65,12 +69,20 @@ def reached(plan: Plan, network: Network, media: Path) -> Iterator[tuple[Sequenc
         yield [others.host(name) if name else near for name in names], others
 
 
+def _await_anybody(session: zenoh.Session) -> None:
+    """Return when somebody was discovered, or nobody is there."""
+    deadline = time.monotonic() + _DISCOVERY
+    while not session.info.peers_zid() and time.monotonic() < deadline:
+        time.sleep(0.02)
+
+
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:
     """Return when all these agents are there. Raises InputError naming those that are not."""
     deadline = time.monotonic() + _PATIENCE
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:
-            where = network.router or ", ".join(network.connect)
+            found = ("on the local network",) * network.discover
+            where = network.router or ", ".join((*network.connect, *found))
             raise InputError([_missing(name, where) for name in missing])
         time.sleep(0.1)
 

@@ -16,6 +16,7 @@ LOOPBACK = ("tcp/127.0.0.1:0",)
 AGENT = ("tcp/127.0.0.1:7450",)
 """Where an agent listens, and operators look for one, unless told otherwise."""
 _SECURE = "tls/"
+_EVERYWHERE = "0.0.0.0:0"
 
 
 class Own(NamedTuple):
@@ -36,7 +37,8 @@ class Network:
     listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
     certificates: folder as `followspot certs host` makes it, empty for none;
     insecure: whether the user accepts plain endpoints that other hosts reach;
-    router: endpoint of a router through which all goes, in place of listening and connecting; "" for none.
+    router: endpoint of a router through which all goes, in place of listening and connecting; "" for none;
+    discover: whether to look for others on the local network, and to be found there.
     """
 
     listen: tuple[str, ...] = LOOPBACK
@@ -44,6 +46,7 @@ class Network:
     certificates: str = ""
     insecure: bool = False
     router: str = ""
+    discover: bool = False
 
     @property
     def endpoints(self) -> tuple[str, ...]:
@@ -68,7 +71,13 @@ class Network:
     @property
     def exposed(self) -> tuple[str, ...]:
         """Endpoints beyond this host that nothing protects."""
-        return tuple(e for e in self.endpoints if not e.startswith(_SECURE) and not _near(e))
+        found = ("the local network (--discover)",) if self.discover and not self.certificates else ()
+        return (*(e for e in self.endpoints if not e.startswith(_SECURE) and not _near(e)), *found)
+
+    @property
+    def findable(self) -> bool:
+        """Whether it makes sense for others on the local network to learn where this session listens."""
+        return not self.router and not all(_near(endpoint) for endpoint in self.listen)
 
     @property
     def own(self) -> Own:
@@ -80,12 +89,18 @@ class Network:
 
     def for_worker(self, hub: Sequence[str]) -> Network:
         """The network of a worker: a free port where this one listens, connected to the hub's locators."""
-        return replace(self, listen=tuple(_any_port(e) for e in self.listen), connect=tuple(hub))
+        listen = tuple(_any_port(e) for e in self.listen)
+        return replace(self, listen=listen, connect=tuple(hub), discover=False)
 
 
 def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
     """The endpoints, those of loopback over TLS."""
     return tuple(e.replace("tcp/", _SECURE, 1) if _near(e) else e for e in endpoints)
+
+
+def everywhere(certificates: str) -> tuple[str, ...]:
+    """Listen on a free port of all addresses of this host, for those who discover it."""
+    return ((_SECURE if certificates else "tcp/") + _EVERYWHERE,)
 
 
 def network_from_data(data: Mapping[str, Any]) -> Network:

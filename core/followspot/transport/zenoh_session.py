@@ -15,7 +15,7 @@ from followspot.transport.roster import read_certificates
 from followspot.transport.zenoh_network import LOOPBACK, Network
 
 _SETTINGS: dict[str, Any] = {
-    "scouting/multicast/enabled": False,  # peers are named; those make the others known by gossip
+    "scouting/multicast/address": "224.0.0.224:7449",  # not that of all other users of Zenoh
     "transport/shared_memory/enabled": False,  # the ring does better, and leaves nothing in /dev/shm
     "transport/link/tx/lease": 1500,  # ms until a silent peer counts as dead; a closed one is noticed at once
     "connect/exit_on_failure": False,  # peers may start in any order
@@ -45,6 +45,8 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
         "mode": "router" if routes else "client" if network.router else "peer",
         "listen/endpoints": [] if network.router else list(network.listen),
         "connect/endpoints": [network.router] if network.router else list(network.connect),
+        "scouting/multicast/enabled": network.discover,  # else peers are named; gossip makes others known
+        "scouting/multicast/listen": network.findable,
         **_SETTINGS,
     }
     if network.certificates:
