@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import zlib
+from dataclasses import replace
+
+import cv2
+import msgpack
 import numpy as np
 import pytest
 from hypothesis import given
@@ -52,6 +57,30 @@ def test_what_is_no_picture_is_never_changed(codec: EdgeCodec) -> None:
     assert isinstance(found, Blobs)
     assert identical(found, message)
     assert unpack_as(pack_as(Settled(9), codec), Blobs) == Settled(9)
+
+
+@pytest.mark.parametrize(("codec", "way"), [("lossless", 1), ("jpeg", 2)])
+def test_a_stranger_decodes_coded_arrays_with_zlib_and_a_reader_of_pictures(
+    codec: EdgeCodec, way: int
+) -> None:
+    """The recipe of docs/wire.md."""
+    blobs = stamped(seal(replace(Blobs.empty(), camera="cam0")), Header("color/cam0", 1, 2, 3))
+    for message in (frame(picture(24, 32, 3)), blobs):
+        data = pack_as(message, codec)
+        assert data[1] == way
+        size = int.from_bytes(data[2:4], "little")
+        *_, columns = msgpack.unpackb(data[4 : 4 + size])
+        start = -(-(4 + size) // 64) * 64
+        for name, dtype, shape in columns:
+            length = int.from_bytes(data[start : start + 8], "little")
+            code = data[start + 8 : start + 8 + length]
+            start += -(-(8 + length) // 64) * 64
+            if name == "pixels":
+                found = cv2.imdecode(np.frombuffer(code, "u1"), cv2.IMREAD_UNCHANGED)
+            else:
+                found = np.frombuffer(zlib.decompress(code), dtype).reshape(shape)
+            np.testing.assert_allclose(found, getattr(message, name), atol=12 if codec == "jpeg" else 0)
+        assert start == len(data)
 
 
 @pytest.mark.parametrize("codec", ["lossless", "jpeg"])

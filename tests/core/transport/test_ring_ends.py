@@ -1,0 +1,174 @@
+"""A ring whose other end dies, is replaced, or sends what it must not."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator
+
+import pytest
+from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
+
+from followspot.messages import identical
+from followspot.tracking import Blobs, Frame
+from followspot.transport.doorbell import DOORBELL, INLINE, SLOT
+from followspot.transport.ring_reader import RingReader
+from followspot.transport.ring_writer import RingWriter
+from followspot.transport.token import END, Invalid, Settled
+
+
+@pytest.fixture
+def ring() -> Iterator[Ring]:
+    with Ring() as made:
+        yield made
+
+
+@pytest.fixture
+def shared() -> Iterator[Ring]:
+    """One writer, three readers."""
+    with Ring(3) as made:
+        yield made
+
+
+def test_what_was_sent_before_the_writer_died_arrives_and_then_it_is_lost(ring: Ring) -> None:
+    ring.writer.send(frame(0))
+    ring.writer.want_credit()
+    ring.readers[0].poll()
+    ring.readers[0].consumed()  # a wake-up that nobody reads: the socket reports a reset at first
+    ring.writer.send(frame(1))
+    ring.writer.close()
+    message = messages(ring.readers[0].poll())[0]
+    assert identical(message, frame(1))
+    lost_before_the_end_of_file = ring.readers[0].lost
+    assert ring.readers[0].poll() == []
+    assert (lost_before_the_end_of_file, ring.readers[0].lost) == (False, True)
+
+
+def test_an_ended_stream_is_not_lost(ring: Ring) -> None:
+    ring.writer.send(Settled(END))
+    assert ring.writer.flush()
+    ring.writer.close()
+    assert ring.readers[0].poll() == [Settled(END)]
+    assert ring.readers[0].poll() == []
+    assert not ring.readers[0].lost
+
+
+def test_a_reader_that_leaves_after_the_end_is_not_lost(ring: Ring) -> None:
+    ring.writer.send(Settled(END))
+    ring.readers[0].poll()
+    ring.readers[0].close()
+    ring.writer.drain()
+    assert not ring.writer.filenos()
+    assert not ring.writer.lost
+
+
+def test_a_dead_reader_holds_neither_credit_nor_slots(shared: Ring) -> None:
+    kept = []
+    for number in range(DEPTH):
+        shared.writer.send(frame(number))
+    for reader in shared.readers:
+        kept += reader.poll()
+    for reader in shared.readers[1:]:
+        reader.consumed(DEPTH)
+    assert shared.writer.credit() == 0
+    shared.readers[0].close()
+    shared.writer.drain()
+    assert shared.writer.lost == {0}
+    assert len(shared.writer.filenos()) == 2
+    assert shared.writer.credit() == DEPTH
+    shared.readers[1].close()
+    shared.readers[2].close()
+    for number in range(DEPTH):
+        shared.writer.send(frame(number))
+    assert (set(shared.writer.lost), shared.writer.credit()) == ({0}, 0)  # nobody has noticed yet
+    shared.writer.drain()
+    assert shared.writer.lost == {0, 1, 2}
+    assert shared.writer.credit() == DEPTH
+    shared.writer.send(frame(10))
+    assert shared.writer.flush()
+
+
+def test_a_replaced_reader_begins_with_the_next_message(shared: Ring) -> None:
+    kept = []
+    for number in range(20):
+        if number == 10:
+            shared.readers[1].close()
+            shared.writer.drain()
+            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+            shared.writer.replace(1, ours)
+            shared.readers[1] = RingReader(theirs, Frame)
+            assert not shared.writer.lost
+        shared.writer.send(frame(number))
+        for reader in shared.readers:
+            kept += messages(reader.poll())
+            reader.consumed()
+    assert [message.header.seq for message in kept] == [n for n in range(20) for _ in range(3)]
+    assert all(identical(message, frame(message.header.seq)) for message in kept)
+
+
+def test_a_replaced_reader_starts_with_nothing_to_release(ring: Ring) -> None:
+    """All slots have been used: by loans, by messages that the first reader kept, and by two in flight."""
+    loans = [ring.loan(SHAPE, "u1") for _ in range(DEPTH + 1)]
+    kept = []
+    for number in range(DEPTH + 1):
+        ring.writer.send(frame(number))
+        kept += ring.readers[0].poll()
+        ring.readers[0].consumed()
+    ring.writer.send(frame(5))
+    ring.writer.send(frame(6))
+    assert ring.writer.credit() == 0
+    ring.readers[0].close()
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    ring.writer.replace(0, ours)
+    assert ring.writer.credit() == DEPTH
+    theirs.close()
+    assert len(loans) == len(kept)
+
+
+def test_a_message_of_another_type_is_invalid_and_takes_its_place() -> None:
+    ring = Ring()
+    reader = RingReader(ring.readers[0]._socket, Blobs)
+    for number in range(3 * DEPTH):
+        ring.writer.send(frame(number))
+        (token,) = reader.poll()
+        assert isinstance(token, Invalid)
+        assert "Blobs" in token.reason
+        reader.consumed()
+    assert ring.writer.credit() == DEPTH
+    ring.close()
+
+
+def test_broken_datagrams_are_invalid_with_a_reason() -> None:
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    writer, reader = RingWriter([ours], DEPTH), RingReader(theirs, Frame)
+    writer.send(frame(0))
+    assert len(messages(reader.poll())) == 1
+    for datagram in (
+        DOORBELL.pack(INLINE, 0, 0, 10**6, 1),
+        DOORBELL.pack(SLOT, 0, 999, 10, 2),
+        DOORBELL.pack(SLOT, 7, 0, 10, 3),
+        DOORBELL.pack(SLOT, 0, 0, 2**31, 4),
+        DOORBELL.pack(SLOT, 0, 0, 10, 5) + b"odd",
+    ):
+        ours.send(datagram)
+        (token,) = reader.poll()
+        assert isinstance(token, Invalid)
+        assert token.reason
+    for datagram in (b"x", bytes(64)):
+        ours.send(datagram)
+        assert reader.poll() == []
+    writer.close()
+    reader.close()
+
+
+def test_each_message_that_never_came_is_invalid_in_its_place() -> None:
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    writer, reader = RingWriter([ours], DEPTH), RingReader(theirs, Frame)
+    writer._sequence = 2
+    writer.send(frame(2))
+    *missing, message = reader.poll()
+    assert [str(token) for token in missing] == [
+        str(Invalid(f"gap: message {number} of the port never came")) for number in range(2)
+    ]
+    assert isinstance(message, Frame)
+    writer.close()
+    reader.close()
