@@ -20,12 +20,12 @@ from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.ear import Ear, HeardPort, chosen, listening
 from followspot_watch.runs import Look, looking
+from followspot_watch.screen import screenful
 
 SINK = "dashboard.meter"
 _LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 _PERIOD = 0.5
 """Seconds between two tables on a terminal."""
-_CLEAR = "\x1b[H\x1b[2J"
 
 
 @dataclass(frozen=True)
@@ -130,6 +130,6 @@ def _measure(ear: Ear, measured: Measured, seconds: float | None) -> None:
             assert isinstance(message, Rhythm)
             measured.take(port, message)
         elif end is None:
-            print(_CLEAR + text(measured.paces()), flush=True)
+            print(screenful(text(measured.paces())), flush=True)
         if end is not None and time.monotonic() >= end:
             return

@@ -15,11 +15,11 @@ from followspot.errors import FollowspotError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.runs import looking
+from followspot_watch.screen import screenful
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
 _LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
-_CLEAR = "\x1b[H\x1b[2J"
 _ERROR = 100
 """Characters of an error that are shown."""
 
@@ -38,7 +38,7 @@ def top(args: argparse.Namespace) -> int:
                 if args.json:
                     print(json.dumps({name: value for name, value in data.items() if name != "type"}))
                 else:
-                    print(("" if once else _CLEAR) + text(data), flush=True)
+                    print(text(data) if once else screenful(text(data)), flush=True)
                 if once or _over(data):
                     return 0
                 pause = args.every

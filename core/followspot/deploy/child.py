@@ -12,6 +12,7 @@ import socket
 import sys
 import threading
 import time
+import traceback
 from contextlib import suppress
 from dataclasses import asdict
 from functools import partial
@@ -241,6 +242,12 @@ class Child:
             except ChannelClosed:
                 _exit_later()
 
+    def tell_crash(self) -> None:
+        """The exception that is being handled ends the worker: its traceback is its last word."""
+        with suppress(ChannelClosed):
+            self.log.say("error", "", f"the worker breaks down\n{traceback.format_exc()}")
+            self._tell_log()
+
     def _tell_log(self) -> None:
         if records := self.log.take():
             self.channel.send("log", records=[record.to_data() for record in records])
@@ -273,6 +280,9 @@ def main() -> int:
             child.live()
     except ChannelClosed:
         return 1
+    except Exception:
+        child.tell_crash()
+        raise
     return 0
 
 

@@ -40,7 +40,7 @@ class LocalRun:
     """A run of a one-worker plan in the calling thread."""
 
     def __init__(self, plan: Plan, options: RunOptions, on_log: OnLog | None = None) -> None:
-        """Builds every stage. Raises what a stage raises on construction."""
+        """Builds every stage. Raises StageError where one cannot be built."""
         self.plan = plan
         self.log = RunLog(on_log)
         self._collector = LogCollector(plan.workers[0].name)

@@ -69,15 +69,19 @@ class Cell:
         deadline: float | None = None,
         clock: Clock = Clock(),  # of a host that nobody corrects
     ) -> None:
-        """rank: place in the topological order.
+        """Build the stage. Raises StageError where that fails.
 
-        deadline: longest time, s, from a message's entering the graph until a live join fires without those
-        that are missing; None where it waits for ever; clock: of this host.
+        rank: place in the topological order; deadline: longest time, s, from a message's entering the graph
+        until a live join fires without those that are missing; None where it waits for ever; clock: of this
+        host.
         """
         self.name = name
         self.rank = rank
         self.build = build
-        self.stage = build()
+        try:
+            self.stage = build()
+        except Exception as error:
+            raise StageError(name, None, error) from error
         self.join = join
         self.outlets = tuple(outlets.items())
         self.single = self.outlets[0][1] if len(self.outlets) == 1 and self.outlets[0][0] == "out" else None

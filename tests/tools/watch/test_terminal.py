@@ -28,6 +28,7 @@ from followspot.stage import Context
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
+from followspot_watch.screen import screenful
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 NAME = f"{os.getpid():x}terminal"
@@ -151,6 +152,14 @@ def test_hz_tells_how_regularly_each_port_sends_and_what_was_lost(
     assert said("hz", "color/cam0", "--run", run) == 0
     (_, row) = capsys.readouterr().out.splitlines()
     assert row.split()[0] == "color/cam0.out"
+
+
+def test_a_table_is_cut_to_the_terminal() -> None:
+    text = "\n".join(str(number) * 9 for number in range(10))
+    assert screenful(text, 80, 11).count("\n") == 9
+    lines = screenful(text, 5, 4).splitlines()
+    assert lines[1:] == ["11111", "... 8"]
+    assert lines[0].endswith("00000")
 
 
 def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:

@@ -1,0 +1,21 @@
+"""A text that renews itself on a terminal."""
+
+from __future__ import annotations
+
+import shutil
+
+_HOME_AND_CLEAR = "\x1b[H\x1b[J"
+
+
+def screenful(text: str, columns: int | None = None, lines: int | None = None) -> str:
+    """What to print so that the text, as much as fits, stands where the last one did.
+
+    columns, lines: of the terminal, as it is now unless told.
+    """
+    size = shutil.get_terminal_size()
+    columns, lines = columns or size.columns, lines or size.lines
+    found = text.splitlines()
+    shown = found[: lines - 1]
+    if len(found) > len(shown):
+        shown[-1] = f"... {len(found) - len(shown) + 1} more lines: make the window larger, or see --json"
+    return _HOME_AND_CLEAR + "\n".join(line[:columns] for line in shown)
