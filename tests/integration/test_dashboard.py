@@ -5,33 +5,67 @@ from __future__ import annotations
 import json
 import re
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
 from urllib.request import urlopen
 
 import pytest
 from browser import CHROMIUM, browser
+from hosts import Agent, near_agent
+from websockets.sync.client import ClientConnection, connect
 
-from followspot.deploy.launch import run_plan
+from followspot.deploy.local import LocalRun
 from followspot.graph.compile import compile_graph
+from followspot.runtime.ledger import EdgeCount
 from followspot.runtime.wiring import RunOptions
+from followspot_dashboard.gate import make_gate
+from followspot_dashboard.line import SOCKET
+from followspot_page.taps import shown_ports, tappings
+from followspot_recording.recording import Recording
 
 ROOT = Path(__file__).parents[2]
 GRAPH = ROOT / "graphs" / "glowballs.yaml"
 FRAMES = 12
+UPGRADE = (
+    "GET /look HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+    "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+)
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a run of some frames leaves: its ledger, and its tracks as written."""
+
+    edges: tuple[tuple[str, EdgeCount], ...]
+    tracks: bytes
+
+    @classmethod
+    def by(cls, run: LocalRun, out: Path) -> Done:
+        report = run.execute()
+        assert report.ok, report.errors
+        edges = tuple((edge.name, count) for edge, count in report.edges)
+        return cls(edges, (out / "tracks.csv").read_bytes())
+
+
+def local_run(out: Path) -> LocalRun:
+    return LocalRun(compile_graph(GRAPH), RunOptions(out, FRAMES))
 
 
 @pytest.fixture(scope="module")
-def unseen_tracks(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def unseen(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A run that nobody looks at."""
     out = tmp_path_factory.mktemp("unseen")
-    assert run_plan(compile_graph(GRAPH), RunOptions(out, FRAMES)).ok
-    return (out / "tracks.csv").read_bytes()
+    return Done.by(local_run(out), out)
 
 
 @pytest.fixture
@@ -39,6 +73,50 @@ def room_for_sockets() -> Iterator[Path]:
     """A folder with a short name, for those of sockets have at most 107 bytes."""
     with tempfile.TemporaryDirectory() as folder:
         yield Path(folder)
+
+
+@pytest.fixture
+def agent(tmp_path: Path) -> Iterator[Agent]:
+    """Another host, on this machine."""
+    home = tmp_path / "pc-left"
+    home.mkdir()
+    made = near_agent("pc-left", home)
+    yield made
+    made.end()
+
+
+@contextmanager
+def stalled(host: str) -> Iterator[None]:
+    """A browser that asks for everything and takes nothing."""
+    name, _, port = host.rpartition(":")
+    with socket.socket() as page:
+        page.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+        page.connect((name, int(port)))
+        page.sendall(UPGRADE.format(host).encode())
+        yield
+
+
+def told(page: ClientConnection, kind: str, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+    """The first thing of a type that fits."""
+    while True:
+        said = page.recv(timeout=60)
+        if isinstance(said, str):
+            thing: dict[str, Any] = json.loads(said)
+            if thing["type"] == kind and fits(thing):
+                return thing
+
+
+def cameras_seen(page: ClientConnection) -> set[str]:
+    """Those of the first pictures, until there is one of each of six and changes are possible."""
+    seen: set[str] = set()
+    changes = False
+    while len(seen) < 6 or not changes:
+        said = page.recv(timeout=60)
+        if isinstance(said, bytes):
+            seen.add(said[1 : 1 + said[0]].decode())
+        elif (thing := json.loads(said))["type"] == "scene":
+            changes = bool(thing["ports"])
+    return seen
 
 
 @contextmanager
@@ -62,13 +140,37 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
             process.kill()
 
 
-@pytest.mark.thorough
-def test_a_run_in_many_processes_that_is_looked_at_is_the_same_and_the_page_ends_with_it(
-    tmp_path: Path, room_for_sockets: Path, unseen_tracks: bytes, monkeypatch: pytest.MonkeyPatch
+def test_previews_that_nobody_takes_change_neither_ledger_nor_tracks(
+    tmp_path: Path, room_for_sockets: Path, unseen: Done
 ) -> None:
-    placement = ROOT / "graphs" / "placements" / "two.yaml"
+    """The page is there and asks for pictures, 60 a second, and then takes none: taps do not wait for it."""
+    make_gate(room_for_sockets).watched = True
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as page:
+        page.bind(str(room_for_sockets / SOCKET))
+        page.listen(64)
+        run = local_run(tmp_path)
+        run.tap(tappings(shown_ports(run.plan), room_for_sockets, rate=60.0))
+        taps = [tap for cell in run.worker.cells for _, outlet in cell.outlets for tap in outlet.taps]
+        assert len(taps) == 14  # six cameras, six detectors, tracks and forecasts
+        assert Done.by(run, tmp_path) == unseen
+
+
+@pytest.mark.thorough
+def test_a_run_on_two_hosts_that_is_looked_at_is_the_same_and_the_page_ends_with_it(
+    tmp_path: Path, room_for_sockets: Path, unseen: Done, agent: Agent, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One browser looks and records, one has stalled; half of the cameras are on another host."""
+    placement = tmp_path / "two.yaml"
+    placement.write_text("workers: {left: {host: pc-left, cameras: [cam0, cam1, cam2]}}\n")
     monkeypatch.setenv("TMPDIR", str(room_for_sockets))
-    with watched(tmp_path, "--quiet", "--placement", str(placement)) as (process, url):
+    options = ("--quiet", "--placement", str(placement), "--connect", agent.endpoint)
+    with watched(tmp_path, *options) as (process, url), ExitStack() as browsers:
+        host = urlsplit(url).netloc
+        browsers.enter_context(stalled(host))
+        looking = browsers.enter_context(connect(f"ws://{host}/look", max_size=None, proxy=None))
+        assert cameras_seen(looking) == set(compile_graph(GRAPH).room.cameras)
+        looking.send(json.dumps({"on": True, "ports": "track.tracks"}))
+        recorded = told(looking, "recording", lambda about: about["messages"] > FRAMES)
         status = json.load(urlopen(url + "status", timeout=60))
         while status["fired"] <= FRAMES or not status["paths"]:
             time.sleep(0.1)
@@ -80,12 +182,16 @@ def test_a_run_in_many_processes_that_is_looked_at_is_the_same_and_the_page_ends
     assert not list(room_for_sockets.glob("followspot-page-*"))
     summary = json.loads(out)
     assert summary["ok"]
+    assert all(edge["dropped"] == edge["invalid"] == edge["in_flight"] == 0 for edge in summary["edges"][:6])
+    with Recording(recorded["file"]) as recording:
+        assert not recording.problem  # it was complete when its run had ended
+        assert sum(1 for _ in recording.messages("track.tracks")) >= recorded["messages"]
     assert [edge["from"] for edge in status["edges"]] == [edge["from"] for edge in summary["edges"]]
     assert all(
         now["sent"] <= then["sent"] for now, then in zip(status["edges"], summary["edges"], strict=True)
     )
     assert {path["sink"] for path in status["paths"]} == {"save"}
-    assert (tmp_path / "tracks.csv").read_bytes().startswith(unseen_tracks)
+    assert (tmp_path / "tracks.csv").read_bytes().startswith(unseen.tracks)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")

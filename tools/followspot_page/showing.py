@@ -27,11 +27,12 @@ class PageOrder:
 
 
 class ShownPage:
-    """A page that is served. url: its address."""
+    """A page that is served. url: its address; pid: of its process."""
 
     def __init__(self, process: subprocess.Popen[str], url: str) -> None:
         self._process = process
         self.url = url
+        self.pid = process.pid
 
     def wait(self) -> int:
         """Until the page ends, with its run; its exit code."""

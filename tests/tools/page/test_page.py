@@ -67,6 +67,7 @@ class Shown:
         self.asked: list[list[str]] = []
         self.out = out
         self.recorded: dict[str, Any] = {}
+        self.pid = 0
 
     def tap(self, taps: list[dict[str, Any]]) -> None:
         """Previews first, then recordings."""
@@ -118,6 +119,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
     made = Shown(compile_graph(GRAPH), tmp_path_factory.mktemp("run"))
     name = f"{os.getpid():x}page"
     with reachable(name, made.plan.graph, made.verbs()), shown(PageOrder(os.getpid())) as served:
+        made.pid = served.pid
         made.serve(served.url)
         yield made
 
@@ -232,23 +234,31 @@ def test_pictures_are_asked_for_only_while_somebody_looks(page: Shown) -> None:
     assert not page.gate.words[WATCHED]
 
 
-def test_who_does_not_listen_holds_up_nobody_and_is_told_the_newest_only(page: Shown) -> None:
-    """The stalled browser's socket is full after some pictures; the other one sees every newest one."""
-    raw = socket.create_connection(page.host.split(":"))  # type: ignore[arg-type]
-    raw.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
-    raw.sendall(UPGRADE.format(host=page.host).replace("\n", "\r\n").encode())
+def resident(pid: int) -> int:
+    """Memory of a process, bytes."""
+    return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
+
+
+def test_who_does_not_listen_holds_up_nobody_and_takes_bounded_memory(page: Shown) -> None:
+    """The stalled browser is sent nothing more after some pictures; the other one sees the newest ones."""
     noise = np.random.default_rng(0).integers(0, 255, (240, 320, 3), dtype="u1")
-    with page.look(max_size=None) as browser:
+    picture = picture_of(at(0, Frame("cam0", noise)), 320)  # type: ignore[arg-type]
+    assert picture is not None
+    with socket.create_connection(page.host.split(":")) as stalled, page.look(max_size=None) as browser:  # type: ignore[arg-type]
+        stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        stalled.sendall(UPGRADE.format(host=page.host).replace("\n", "\r\n").encode())
         next(things(browser, "scene"))
-        for number in range(150):
-            picture = picture_of(at(number, Frame("cam0", noise)), 320)  # type: ignore[arg-type]
-            assert picture is not None
-            page.line.send("camera/cam0.out", picture)
-            page.line.send("track.tracks", at(number, tracks(1)))
-            while next(things(browser, "view"))["seq"] != number:
-                continue
+        memory = []
+        for number in range(500):
+            page.line.send("camera/cam0.out", at(number, picture))
+            if number % 3 == 2:  # more at once do not fit into the line
+                page.line.send("track.tracks", at(number, tracks(1)))
+                while next(things(browser, "view"))["seq"] != number:
+                    continue
+            memory.append(resident(page.pid) if number % 100 == 99 else 0)
     assert page.line.dropped == 0
-    raw.close()
+    assert 500 * picture.jpeg.nbytes > 20e6  # what the stalled browser was not sent
+    assert memory[-1] - memory[99] < 4e6
 
 
 @pytest.mark.parametrize("junk", JUNK)
