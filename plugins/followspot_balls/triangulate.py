@@ -7,6 +7,7 @@ import numpy as np
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
 from followspot.tracking import TRACKED, Candidates, Forecast, Pairs
+from followspot_balls.disagreement import Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, search_spheres, tracked_targets
@@ -74,6 +75,7 @@ class Triangulate(Stage):
         self.outlines = np.square(self.sizes)
         self.alike = alike(self.room)
         self.ambiguous = bool(self.alike.any())
+        self.disagreement = Disagreement()
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
@@ -82,12 +84,13 @@ class Triangulate(Stage):
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
-        if not tracked_targets(forecast, len(self.sizes)).all():
+        tracked = tracked_targets(forecast, len(self.sizes))
+        if not tracked.all():
             targets &= self.plausible(sizes, forecast) & self.unclaimed(pairs, forecast)
         whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.whole * self.outlines
         evident = pairs.evident & (targets & whole).any(axis=1)
         rows = np.flatnonzero(targets.any(axis=1))
-        return Candidates(
+        candidates = Candidates(
             cameras=pairs.cameras,
             xyz=xyz.take(rows, axis=0),
             view=pairs.view.take(rows, axis=0),
@@ -100,6 +103,13 @@ class Triangulate(Stage):
             evident=evident.take(rows),
             targets=targets.take(rows, axis=0),
         )
+        self.disagreement.add(candidates, tracked)
+        return candidates
+
+    def close(self) -> None:
+        """Tell the user where the cameras contradict each other."""
+        if text := self.disagreement.warning():
+            self.context.warn(text)
 
     def within(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.

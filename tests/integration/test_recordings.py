@@ -64,7 +64,9 @@ def scores(rooms: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> 
     found: dict[str, dict[str, Any]] = {}
     for fusion in BARS:
         for sequence, room in (rooms | simulated).items():
-            targets = track(room, out / sequence / fusion, "--set", f"fuse.uses={fusion}")["targets"]
+            summary = track(room, out / sequence / fusion, "--set", f"fuse.uses={fusion}")
+            assert not summary["warnings"]  # the calibrations are the true ones
+            targets = summary["targets"]
             present = {f"{sequence} {name}": t for name, t in targets.items() if t["frames"] > 0}
             found.setdefault(fusion, {}).update(present)
     assert [len(targets) for targets in found.values()] == [17, 17]

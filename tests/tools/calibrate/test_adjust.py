@@ -19,7 +19,7 @@ from followspot_calibrate.adjust.rods import groups_of
 from followspot_calibrate.similarity import Similarity
 
 small = st.floats(-0.3, 0.3)
-everything = Free(poses=True, focal=True, center=True, distortion=5)
+everything = Free(poses=True, focal=True, aspect=True, center=True, distortion=5)
 
 
 @given(lens=st.tuples(small, small, small, small, small), seed=st.integers(0, 1000))

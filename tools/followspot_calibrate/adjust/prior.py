@@ -17,8 +17,8 @@ from followspot_calibrate.adjust.projection import Free
 class Prior:
     """C cameras, and how well each of their free parameters is known.
 
-    sigma: (C, P) in the order of `Free`: direction (rad), centre (m), log focal length (1), principal point
-    (px), distortion (1). Poses must be free.
+    sigma: (C, P) in the order of `Free`: direction (rad), centre (m), log focal length (1), log aspect (1),
+    principal point (px), distortion (1). Poses must be free.
     """
 
     cameras: Sequence[Camera]
@@ -30,6 +30,8 @@ class Prior:
         parts = [rotation_vector(camera.rotation @ given.rotation.T), camera.center - given.center]
         if free.focal:
             parts.append(np.log(camera.matrix[:1, 0] / given.matrix[0, 0]))
+        if free.aspect:
+            parts.append(np.log(aspect(camera) / aspect(given)))
         if free.center:
             parts.append(camera.matrix[:2, 2] - given.matrix[:2, 2])
         parts.append((camera.distortion - given.distortion)[: free.distortion])
@@ -40,6 +42,11 @@ class Prior:
         rows = np.eye(free.parameters)
         rows[3:6, :6] = -camera.rotation.T @ np.hstack([cross_matrix(camera.translation), np.eye(3)])
         return np.asarray(rows / self.sigma[number, : free.parameters, None])
+
+
+def aspect(camera: Camera) -> Array:
+    """Focal length along y over that along x, (1,)."""
+    return np.asarray(camera.matrix[1:2, 1] / camera.matrix[0, 0])
 
 
 def rotation_vector(rotation: Array) -> Array:

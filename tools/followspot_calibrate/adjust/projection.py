@@ -15,12 +15,13 @@ from followspot.messages import Array
 class Free:
     """Which parameters of every camera an adjustment may change.
 
-    focal: one factor for fx and fy, so square pixels stay square; distortion: how many of the leading
-    coefficients, 0 (none), 1 (k1), 2 (k1 k2), 4 (and p1 p2) or 5 (and k3).
+    focal: one factor for fx and fy, so square pixels stay square; aspect: one for fy alone; distortion: how
+    many of the leading coefficients, 0 (none), 1 (k1), 2 (k1 k2), 4 (and p1 p2) or 5 (and k3).
     """
 
     poses: bool = True
     focal: bool = False
+    aspect: bool = False
     center: bool = False
     distortion: int = 0
 
@@ -31,18 +32,18 @@ class Free:
     @property
     def center_at(self) -> slice:
         """Where the principal point stands among the parameters."""
-        first = 6 * self.poses + self.focal
+        first = 6 * self.poses + self.focal + self.aspect
         return slice(first, first + 2 * self.center)
 
     @property
     def intrinsics(self) -> bool:
         """Whether anything but the poses may change."""
-        return self.focal or self.center or self.distortion > 0
+        return self.focal or self.aspect or self.center or self.distortion > 0
 
     @property
     def parameters(self) -> int:
-        """Of one camera, in this order: rotation 3, translation 3, log focal 1, center 2, lens."""
-        return 6 * self.poses + self.focal + 2 * self.center + self.distortion
+        """Of one camera, in this order: rotation 3, translation 3, log focal 1, aspect 1, center 2, lens."""
+        return 6 * self.poses + self.focal + self.aspect + 2 * self.center + self.distortion
 
 
 def image(camera: Camera, points: Array) -> Array:
@@ -72,6 +73,8 @@ def linearise(camera: Camera, points: Array, free: Free) -> tuple[Array, Array, 
         parts += [np.cross(turned[:, None], by_local), by_local]
     if free.focal:
         parts.append((distorted * focal)[..., None])
+    if free.aspect:
+        parts.append((distorted * focal * [0.0, 1.0])[..., None])
     if free.center:
         parts.append(np.broadcast_to(np.eye(2), (len(points), 2, 2)))
     parts.append(lens[..., : free.distortion] * focal[:, None])
@@ -89,6 +92,9 @@ def moved(camera: Camera, step: Array, free: Free) -> Camera:
     matrix = camera.matrix.copy()
     if free.focal:
         matrix[[0, 1], [0, 1]] *= np.exp(rest[0])
+        rest = rest[1:]
+    if free.aspect:
+        matrix[1, 1] *= np.exp(rest[0])
         rest = rest[1:]
     if free.center:
         matrix[:2, 2] += rest[:2]

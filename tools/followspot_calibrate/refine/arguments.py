@@ -16,6 +16,7 @@ how far they are apart, no tracker can see: that stays as the camera centres of 
 move with what the cameras see. Targets must have been carried through the common view, at many places.
 
   followspot calibrate refine --room room.yaml
+  followspot calibrate refine --room room.yaml --clips templates
   followspot calibrate refine --room room.yaml --run runs/monday --dry-run --json
 """
 GRAPH = "graphs/glowballs.yaml"
@@ -29,6 +30,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="DIR",
         help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs) instead of tracking now",
+    )
+    parser.add_argument(
+        "--clips",
+        type=Path,
+        metavar="DIR",
+        help="the clips DIR/TARGET/CAMERA.mkv that `calibrate targets` learns from, where they are "
+        "synchronised: more places, and better ones",
     )
     parser.add_argument(
         "--graph", default=GRAPH, help=f"graph that tracks, with a stage sinks.csv (default: {GRAPH})"

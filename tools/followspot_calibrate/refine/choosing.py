@@ -1,4 +1,4 @@
-"""Which sightings of tracked targets tell about the cameras."""
+"""Which sightings of tracked targets tell about the cameras, and how much."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.messages import Array
+from followspot_calibrate.targets.places import Places
 from followspot_calibrate.triangulation import triangulate
 
 LIT = 2.0
@@ -15,11 +16,13 @@ LIT = 2.0
 CELL = 0.2
 """One sighting counts in each cube of that side, m: a target that lies still says one thing many times."""
 
+OFF_MIDDLE = 0.04
+"""How far a tracked sighting may be from the middle of its target, one sigma over its width; people hide
+parts of it, lamps sit where they sit, and that stays alike for a while."""
 
-def telling(
-    cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]
-) -> tuple[Array, Array]:
-    """Numbers of the rows that count, and their pixels, (N, C, 2) with NaN for sightings that do not.
+
+def telling(cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]) -> Places:
+    """The rows that count, with NaN for sightings that do not.
 
     pixel: (M, C, 2) px; radius: (M,) m, of the target of each row. Colour cameras see a target that lies on
     a plane together with the light that it throws on it, so these sightings do not count.
@@ -36,7 +39,15 @@ def telling(
     cells = np.round(points[rows] / CELL).astype(np.int64)
     first = np.unique(cells, axis=0, return_index=True)[1]
     chosen = rows[np.sort(first)]
-    return chosen, pixel[chosen]
+    sigma = OFF_MIDDLE * widths(cameras, points[chosen], radius[chosen])
+    return Places(pixel[chosen], sigma)
+
+
+def together(some: Places, others: Places | None) -> Places:
+    """All rows of both."""
+    if others is None:
+        return some
+    return Places(np.concatenate([some.pixel, others.pixel]), np.concatenate([some.sigma, others.sigma]))
 
 
 def widths(cameras: Sequence[Camera], points: Array, radius: Array) -> Array:

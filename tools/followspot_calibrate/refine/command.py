@@ -10,10 +10,12 @@ from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.check.tracks import read_run, target_sightings
+from followspot_calibrate.refine.choosing import telling, together
 from followspot_calibrate.refine.page import page_of
 from followspot_calibrate.refine.solving import Refinement, refine
 from followspot_calibrate.refine.text import as_json, as_text
 from followspot_calibrate.report import write_report
+from followspot_calibrate.targets.places import Places, find_places
 from followspot_calibrate.tracked import Tracked, track_recording
 
 
@@ -22,7 +24,8 @@ def refine_room(args: argparse.Namespace) -> int:
     room = load(args.room)
     require(room, args)
     tracked = read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames)
-    found = refined(room, tracked)
+    shown = None if args.clips is None else find_places(args.clips, list(room.cameras.values()))
+    found = refined(room, tracked, shown)
     report = args.report or args.room.with_suffix(".refine.html")
     try:
         if not args.dry_run:
@@ -49,8 +52,10 @@ def require(room: Room, args: argparse.Namespace) -> None:
         )
 
 
-def refined(room: Room, tracked: Tracked) -> Refinement:
-    """What the tracked targets tell about the cameras of a room. Raises FollowspotError."""
+def refined(room: Room, tracked: Tracked, shown: Places | None) -> Refinement:
+    """What targets, tracked or shown alone in clips, tell about a room's cameras. Raises FollowspotError."""
     seen = target_sightings(tracked, room)
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
-    return refine(list(room.cameras.values()), seen.pixel, radius, room.planes)
+    cameras = list(room.cameras.values())
+    places = telling(cameras, seen.pixel, radius, room.planes)
+    return refine(cameras, together(places, shown), room.planes)

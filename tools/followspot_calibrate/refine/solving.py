@@ -11,16 +11,13 @@ from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Prior, Progress, adjust
-from followspot_calibrate.refine.choosing import telling, widths
 from followspot_calibrate.refine.planes import as_seen
 from followspot_calibrate.similarity import Similarity, on_a_line, similarity
+from followspot_calibrate.targets.places import Places
 from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
 
-OPEN = Free(focal=True, center=True, distortion=2)
+OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
 """What is adjusted."""
-OFF_MIDDLE = 0.04
-"""How far a tracked sighting may be from the middle of its target, one sigma over its width; people hide
-parts of it, lamps sit where they sit, and that stays alike for a while."""
 CAUSES = 3
 """Place, direction and lens share what the cameras are off."""
 ROUNDS = 4
@@ -45,26 +42,24 @@ class Refinement:
 
 def refine(
     cameras: Sequence[Camera],
-    pixel: Array,
-    radius: Array,
+    places: Places,
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Refinement:
-    """Cameras from what they saw of targets, (M, C, 2) px, of radius (M,) m.
+    """Cameras from what they saw of targets.
 
     Each camera is believed to be about as far off as the sightings contradict each other; their common frame
     of reference and scale are those of the given centres. Raises FollowspotError for too few sightings.
     """
-    rows, pixel = telling(cameras, pixel, radius, planes)
+    pixel = places.pixel
     before = settled = chosen(cameras, pixel)
     require_sightings(before)
-    scale = SCALE * OFF_MIDDLE * widths(cameras, before.points, radius[rows])
     prior = prior_of(before)
     for number in range(ROUNDS):
         if progress is not None:
             progress("adjust", number / ROUNDS)
         clean = np.where(settled.used[..., None], pixel, np.nan)
-        better = adjust(settled.cameras, settled.points, clean, OPEN, prior=prior, scale=in_px(scale))
+        better = adjust(settled.cameras, settled.points, clean, OPEN, prior=prior, scale=SCALE * places.sigma)
         settled = chosen(better.cameras, pixel)
     motion = onto(settled.cameras, cameras)
     after = chosen([motion.camera(camera) for camera in settled.cameras], pixel)
@@ -91,14 +86,9 @@ def prior_of(settled: Settled) -> Prior:
     for camera in settled.cameras:
         focal, edge = camera.matrix[0, 0], max(camera.size) / 2 / camera.matrix[0, 0]
         depth = float(np.nanmedian(np.linalg.norm(settled.points - camera.center, axis=1)))
-        lens = [1 / (focal * edge), 1, 1, 1 / (focal * edge**3), 1 / (focal * edge**5)]
+        lens = [*[1 / (focal * edge)] * 2, 1, 1, 1 / (focal * edge**3), 1 / (focal * edge**5)]
         rows.append([*[1 / focal] * 3, *[depth / focal] * 3, *lens])
     return Prior(settled.cameras, pixels * np.array(rows))
-
-
-def in_px(scale: Array) -> Array:
-    """Scales of rows without a point, which take no part, are any."""
-    return np.nan_to_num(scale, nan=1.0)
 
 
 def onto(cameras: Sequence[Camera], given: Sequence[Camera]) -> Similarity:

@@ -1,0 +1,65 @@
+"""By how much cameras contradict each other about tracked targets: a sign that their calibration is off."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.tracking import Candidates
+
+EACH = 8
+"""One frame in so many is looked at."""
+MOST = 256
+"""Frames that are kept; older ones make way."""
+FEWEST = 200
+"""Pairs that tell."""
+LIMIT = 0.05
+"""Median distance of a blob from the epipolar line of its partner, over the width of the blobs, beyond which
+cameras disagree. Calibrated well it is 0.03 at most, where lamps sit somewhere on a ball."""
+
+
+class Sample(NamedTuple):
+    """N pairs of tracked targets in one frame."""
+
+    epipolar: Array
+    """(N,) px."""
+    area: Array
+    """(N, 2) px."""
+
+
+class Disagreement:
+    """Collects pairs of tracked targets and judges at the end.
+
+    A target that is hidden in part spoils some pairs, a camera that is off most of its pairs.
+    """
+
+    def __init__(self) -> None:
+        self.samples: deque[Sample] = deque(maxlen=MOST)
+        self.frames = 0
+
+    def add(self, candidates: Candidates, tracked: Array) -> None:
+        """The candidates of a frame. tracked: (T,) bool, whose pairs count."""
+        self.frames += 1
+        if self.frames % EACH == 0:
+            rows = (candidates.targets & tracked).any(axis=1)
+            self.samples.append(Sample(candidates.epipolar[rows], candidates.area[rows]))
+
+    def warning(self) -> str:
+        """What the user is told, empty where there is nothing to tell."""
+        if not self.samples:
+            return ""
+        epipolar, area = (np.concatenate(parts) for parts in zip(*self.samples, strict=True))
+        if len(epipolar) < FEWEST:
+            return ""
+        share = float(np.median(epipolar / np.sqrt(4 / np.pi * area.mean(axis=1))))
+        if share <= LIMIT:
+            return ""
+        return (
+            f"cameras contradict each other about targets by {np.median(epipolar):.2f} px (median of their "
+            f"epipolar distances, {100 * share:.0f} % of a target's width): their calibration is off, which "
+            "`followspot calibrate refine --room ROOM.yaml --clips CLIPS` corrects, or they are not "
+            "synchronised (`followspot calibrate clocks`)"
+        )
