@@ -61,7 +61,8 @@ def inflicted(rounds: int) -> Figures:
 def tables(found: Figures, faults: Figures) -> str:
     """Everything that was measured, in Markdown."""
     near = found.get("same worker", {}).get("p50_ms")
-    kinds = [(name, *map(str, f.values())) for name, f in faults.items()]
+    columns = tuple(dict.fromkeys(key for f in faults.values() for key in f))
+    kinds = [(name, *(str(f.get(key, "")) for key in columns)) for name, f in faults.items()]
     parts = [
         _table(
             ("from camera to reader", "p50, ms", "added by the hop, ms", "p95, ms", "arrived"),
@@ -75,7 +76,7 @@ def tables(found: Figures, faults: Figures) -> str:
             ("start", "until the first result, s"),
             [(name, f"{found[name]['start_s']:.1f}") for name in ("same worker", *STARTS) if name in found],
         ),
-        _table(("fault", *next(iter(faults.values()), {})), kinds),
+        _table(("fault", *columns), kinds),
     ]
     return "\n\n".join(part for part in parts if part)
 
