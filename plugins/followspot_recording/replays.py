@@ -43,116 +43,32 @@ REPLAYS: Mapping[str, type[Message]] = {
 """What each stage `recording.NAME` replays."""
 
 
-class ReplayFrame(Replay):
-    """Recorded pictures."""
+def replay_of(kind: type[Message], description: str) -> type[Replay]:
+    """The stage class that replays messages of one type."""
 
-    def process(self) -> Source[Frame]:
+    def process(self: Replay) -> Any:
         """The messages of the port, in order."""
-        yield from self.messages(Frame)
+        yield from self.messages(kind)
+
+    process.__annotations__["return"] = Source[kind]  # type: ignore[valid-type]
+    body = {"__doc__": description, "__module__": __name__, "process": process}
+    return type(f"Replay{kind.__name__}", (Replay,), body)
 
 
-class ReplayBlobs(Replay):
-    """Recorded blobs."""
-
-    def process(self) -> Source[Blobs]:
-        """The messages of the port, in order."""
-        yield from self.messages(Blobs)
-
-
-class ReplayPairs(Replay):
-    """Recorded pairs of blobs."""
-
-    def process(self) -> Source[Pairs]:
-        """The messages of the port, in order."""
-        yield from self.messages(Pairs)
-
-
-class ReplayCandidates(Replay):
-    """Recorded candidates."""
-
-    def process(self) -> Source[Candidates]:
-        """The messages of the port, in order."""
-        yield from self.messages(Candidates)
-
-
-class ReplayPositions(Replay):
-    """Recorded fused positions."""
-
-    def process(self) -> Source[Positions]:
-        """The messages of the port, in order."""
-        yield from self.messages(Positions)
-
-
-class ReplayForecast(Replay):
-    """Recorded forecasts."""
-
-    def process(self) -> Source[Forecast]:
-        """The messages of the port, in order."""
-        yield from self.messages(Forecast)
-
-
-class ReplayTracks(Replay):
-    """Recorded tracks."""
-
-    def process(self) -> Source[Tracks]:
-        """The messages of the port, in order."""
-        yield from self.messages(Tracks)
-
-
-class ReplayTruth(Replay):
-    """Recorded ground truth."""
-
-    def process(self) -> Source[Truth]:
-        """The messages of the port, in order."""
-        yield from self.messages(Truth)
-
-
-class ReplayImageTracks(Replay):
-    """Recorded tracks in pictures."""
-
-    def process(self) -> Source[ImageTracks]:
-        """The messages of the port, in order."""
-        yield from self.messages(ImageTracks)
-
-
-class ReplayGradients(Replay):
-    """Recorded gradients."""
-
-    def process(self) -> Source[Gradients]:
-        """The messages of the port, in order."""
-        yield from self.messages(Gradients)
-
-
-class ReplayBoxes(Replay):
-    """Recorded boxes of upper bodies."""
-
-    def process(self) -> Source[Boxes]:
-        """The messages of the port, in order."""
-        yield from self.messages(Boxes)
-
-
-class ReplayAppearances(Replay):
-    """Recorded appearances of persons."""
-
-    def process(self) -> Source[Appearances]:
-        """The messages of the port, in order."""
-        yield from self.messages(Appearances)
-
-
-class ReplayPoses(Replay):
-    """Recorded poses of persons."""
-
-    def process(self) -> Source[Poses]:
-        """The messages of the port, in order."""
-        yield from self.messages(Poses)
-
-
-class ReplayPoseTruth(Replay):
-    """Recorded true poses of persons."""
-
-    def process(self) -> Source[PoseTruth]:
-        """The messages of the port, in order."""
-        yield from self.messages(PoseTruth)
+ReplayFrame = replay_of(Frame, "Recorded pictures.")
+ReplayBlobs = replay_of(Blobs, "Recorded blobs.")
+ReplayPairs = replay_of(Pairs, "Recorded pairs of blobs.")
+ReplayCandidates = replay_of(Candidates, "Recorded candidates.")
+ReplayPositions = replay_of(Positions, "Recorded fused positions.")
+ReplayForecast = replay_of(Forecast, "Recorded forecasts.")
+ReplayTracks = replay_of(Tracks, "Recorded tracks.")
+ReplayTruth = replay_of(Truth, "Recorded ground truth.")
+ReplayImageTracks = replay_of(ImageTracks, "Recorded tracks in pictures.")
+ReplayGradients = replay_of(Gradients, "Recorded gradients.")
+ReplayBoxes = replay_of(Boxes, "Recorded boxes of upper bodies.")
+ReplayAppearances = replay_of(Appearances, "Recorded appearances of persons.")
+ReplayPoses = replay_of(Poses, "Recorded poses of persons.")
+ReplayPoseTruth = replay_of(PoseTruth, "Recorded true poses of persons.")
 
 
 class ReplayPort(Replay):
@@ -161,13 +77,7 @@ class ReplayPort(Replay):
     @classmethod
     def for_type(cls, kind: type[Message]) -> type[Stage]:
         """The replay of this type."""
-
-        def process(self: Replay) -> Any:
-            """The messages of the port, in order."""
-            yield from self.messages(kind)
-
-        process.__annotations__["return"] = Source[kind]  # type: ignore[valid-type]
-        return type(f"Replay{kind.__name__}", (Replay,), {"__doc__": cls.__doc__, "process": process})
+        return replay_of(kind, cls.__doc__ or "")
 
     def setup(self) -> None:
         """Say what is missing. Raises FollowspotError."""
