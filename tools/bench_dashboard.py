@@ -1,7 +1,7 @@
 """What the operator's page costs a graph: without it, unwatched, watched, and with a stalled browser.
 
     python tools/bench_dashboard.py
-    python tools/bench_dashboard.py --room room.yaml --frames 600 --rounds 5 --json
+    python tools/bench_dashboard.py --room room.yaml --frames 1200 --rounds 3 --json
 
 The same run in each of four settings, in turns, so that what else the machine does falls on all alike. Both
 the frames per second and the processor time of the graph's own process are told, each as a ratio to the run
@@ -78,7 +78,7 @@ def main() -> None:
     )
     parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
     parser.add_argument("--room", help="room file instead of the graph's own")
-    parser.add_argument("--frames", type=int, default=300, help="frame sets of each run (default 300)")
+    parser.add_argument("--frames", type=int, default=600, help="frame sets of each run (default 600)")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--rate", type=float, default=10.0, help="pictures a second (default 10)")
     parser.add_argument("--json", action="store_true")

@@ -74,6 +74,15 @@ def _edges(run: RunPicture) -> Iterator[Figure]:
     ]
     yield Figure("edge_sent_total", "counter", "Messages sent on an edge.", sent)
     yield Figure("edge_messages", "gauge", "What became of them; the sum is what was sent.", became)
+    ends_of = {edge.name: _ends(edge) for edge, _ in run.edges()}
+    ages = [
+        ({**ends_of[age.name], "quantile": quantile}, ms / 1000.0)
+        for _, stage in run.stages()
+        for age in stage.edges
+        for quantile, ms in (("0.5", age.p50_ms), ("0.95", age.p95_ms))
+        if ms is not None and age.name in ends_of
+    ]
+    yield Figure("edge_age_seconds", "gauge", "Age of an edge's last messages when they were taken.", ages)
 
 
 def _stages(run: RunPicture) -> Iterator[Figure]:

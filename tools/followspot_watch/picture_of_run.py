@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any
 
+from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.status import RunStatus
 from followspot.graph.plan import Plan, PlannedEdge
@@ -72,9 +73,7 @@ class RunPicture:
             "edges": [_edge(edge, count, rates, ages) for edge, count in self.edges()],
             "paths": [asdict(path) for path in self.paths()],
             "news": list(status.news[-_NEWS:]) if status else [],
-            "clocks": [{"host": host, **asdict(clock)} for host, clock in status.clocks.items()]
-            if status
-            else [],
+            "clocks": [_clock(host, clock) for host, clock in status.clocks.items()] if status else [],
         }
 
     def _growing(self, status: RunStatus) -> dict[str, float]:
@@ -93,6 +92,10 @@ class RunPicture:
         (start, old), (end, new) = self._past[0], self._past[-1]
         grown = {name: max(0.0, value - old.get(name, value)) for name, value in new.items()}
         return {name: round(growth / (end - start), 3) for name, growth in grown.items()}
+
+
+def _clock(host: str, clock: ClockStatus) -> dict[str, Any]:
+    return {"host": host, **asdict(clock), "warning": clock.warning}
 
 
 def _stage(worker: WorkerStatus, stage: StageStatus, rates: Mapping[str, float]) -> dict[str, Any]:

@@ -397,6 +397,7 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
     assert samples['followspot_target_state{target="green",state="tracked"}'] == "1"
     assert samples['followspot_target_state{target="red",state="lost"}'] == "1"
     assert samples['followspot_path_latency_seconds{from="camera",to="save",quantile="0.95"}'] == "0.009"
+    assert samples[f'followspot_edge_age_seconds{{{ends},quantile="0.95"}}'] == "0.009"
     for line in text.splitlines():
         assert re.fullmatch(f"{HELP}|{SAMPLE}", line), line
 

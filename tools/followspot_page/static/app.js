@@ -1,5 +1,6 @@
 // The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
 import { Legend } from "./legend.js";
+import { make } from "./make.js";
 import { Pipeline } from "./pipeline.js";
 import { Recorder } from "./recorder.js";
 import { Room } from "./room.js";
@@ -7,6 +8,7 @@ import { Tiles } from "./tiles.js";
 import { Views } from "./views.js";
 
 const RETRY_MS = 3000;
+const NEWS = 4; // lines
 const $ = (id) => document.getElementById(id);
 
 const views = new Views();
@@ -29,6 +31,9 @@ function span(p50, p95) {
   const [scale, unit, digits] = p95 >= 1000 ? [1000, "s", 1] : [1, "ms", p95 >= 100 ? 0 : 1];
   return `${(p50 / scale).toFixed(digits)} / ${(p95 / scale).toFixed(digits)} ${unit}`;
 }
+
+// Hosts whose clocks are so far off that the run warns.
+const clocks = (run) => run.clocks.filter(({ warning }) => warning).map(({ host, warning }) => `${host || "this host"}: ${warning}`);
 
 let shown = "";
 let fused = false;
@@ -58,6 +63,7 @@ const takers = {
     $("latency").textContent = path ? span(path.p50_ms, path.p95_ms) : "–";
     $("lost").textContent = lost;
     $("lost").className = lost ? "lossy" : "";
+    $("news").replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
     pipeline.update(run);
   },
   recording(recording) {
