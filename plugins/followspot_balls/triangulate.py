@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
@@ -62,6 +64,11 @@ class Triangulate(Stage):
 
     params: Params
 
+    @cached_property
+    def disagreement(self) -> Disagreement:
+        """What is told at the end, also of a run that never began."""
+        return Disagreement()
+
     def setup(self) -> None:
         cameras = self.room.cameras.values()
         self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
@@ -75,7 +82,6 @@ class Triangulate(Stage):
         self.outlines = np.square(self.sizes)
         self.alike = alike(self.room)
         self.ambiguous = bool(self.alike.any())
-        self.disagreement = Disagreement()
 
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
