@@ -46,6 +46,7 @@ PROMISES: tuple[Promise, ...] = (
     work.does_together_what_it_does_alone,
     life.closes_without_setup,
     life.closes_twice,
+    life.closes_within_a_second,
     life.leaves_no_thread_behind,
     life.leaves_no_file_open,
     life.has_a_state_of_plain_values,

@@ -54,6 +54,16 @@ class Clocked(Stage):
         return Frame(frame.camera, np.array([[[time.perf_counter_ns() % 251]]], np.uint8))
 
 
+class Lingering(Stage):
+    """Waits for somebody who does not come."""
+
+    def process(self, blobs: Blobs) -> None:
+        self.busy = True
+
+    def close(self) -> None:
+        time.sleep(1.1)
+
+
 class Drawing(Stage):
     """Draws from the generator of all."""
 

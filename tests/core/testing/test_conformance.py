@@ -11,6 +11,8 @@ import pytest
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.testing import PROMISES, check_stage, findings
+from followspot.testing.promises.life import closes_within_a_second
+from followspot.testing.trial import Trial
 from followspot.tracking import Blobs, Frame, ImageTracks
 
 SLOW = {"persons.pose_tracker": {"particles": 20}, "persons.appearance": {"particles": 20}}
@@ -119,6 +121,11 @@ def test_the_kit_names_each_broken_promise() -> None:
 )
 def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
     assert promise in {finding.promise for finding in findings(stage, messages=400)}
+
+
+def test_a_stage_that_holds_up_the_end_is_found() -> None:
+    (told,) = closes_within_a_second(Trial(breaking.Lingering))
+    assert told.startswith("close takes 1.")
 
 
 def test_a_class_inside_a_function_cannot_be_started_in_a_worker() -> None:

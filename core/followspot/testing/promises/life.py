@@ -8,6 +8,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -35,6 +36,20 @@ def closes_without_setup(trial: Trial) -> Iterator[str]:
 def closes_twice(trial: Trial) -> Iterator[str]:
     """After an error a stage may be closed again."""
     yield from _closed(trial, setup=not trial.ports.source, times=2)
+
+
+def closes_within_a_second(trial: Trial) -> Iterator[str]:
+    """Ctrl-C waits for every stage; a thread or a peer that does not answer must not hold up the others."""
+    if not trial.computes:
+        return
+    try:
+        with trial.at_work() as stage:
+            _feed(trial, stage, range(3))
+            started = time.monotonic()
+    except Exception:
+        return  # others say so
+    if time.monotonic() - started > 1.0:
+        yield f"close takes {time.monotonic() - started:.1f} s"
 
 
 def leaves_no_thread_behind(trial: Trial) -> Iterator[str]:
