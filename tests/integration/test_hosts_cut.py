@@ -76,3 +76,4 @@ def test_a_router_between_hosts_may_be_restarted(hosts: Hosts) -> None:
     grows(written, of_left, 5)
     finished = ended(process, hosts.folder / "out")
     assert balanced(finished.summary), finished.summary["edges"]
+    assert not any("not from its sender" in line for line in finished.summary["warnings"])

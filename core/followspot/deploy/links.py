@@ -137,6 +137,11 @@ class EdgeLinks:
         for _, end in self._zenoh_ends:
             end.matched()
 
+    def strangers(self) -> dict[str, int]:
+        """How much came to each edge that was not from its writer, where any did."""
+        found = {name: getattr(end, "strangers", 0) for name, end in self._zenoh_ends}
+        return {name: count for name, count in found.items() if count}
+
     def close(self) -> None:
         """Close the session; the edges were closed by their worker."""
         if self.session is not None:

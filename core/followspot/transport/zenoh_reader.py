@@ -67,6 +67,7 @@ class ZenohReader:
         self._joined = False
         """Whether the writer knows that this reader is there: what comes else was not meant for it."""
         self._ended = False
+        self._passed_over = self._flooded = 0
         self._there: set[str] = set()
         self._gone = incarnation > 0
         self._bell = Bell()
@@ -87,6 +88,11 @@ class ZenohReader:
     def lost(self) -> bool:
         """Whether the writer was there and is gone without an end."""
         return self._gone and not self._ended and not self._arrived
+
+    @property
+    def strangers(self) -> int:
+        """How much came that was not from the writer; no ledger knows it."""
+        return self._passed_over + self._flooded
 
     @property
     def broken(self) -> bool:
@@ -163,6 +169,7 @@ class ZenohReader:
             return
         attachment = b"" if sample.attachment is None else sample.attachment.to_bytes()
         if len(attachment) != NUMBER.size:
+            self._passed_over += 1
             return
         writer, number, messages = NUMBER.unpack(attachment)
         skipped = number - self._tokens
@@ -170,10 +177,12 @@ class ZenohReader:
         if not self._joined or writer != self._writer:
             return
         if not 0 <= skipped <= self._limit or not 0 <= new <= skipped + 1:
+            self._passed_over += 1
             return
         token = self._token(sample)
         missing = new - (not isinstance(token, Settled))
         if missing < 0:
+            self._passed_over += 1
             return
         self._tokens, self._messages = number + 1, messages
         self._got += new
@@ -209,6 +218,8 @@ class ZenohReader:
     def _on_arrival(self, sample: zenoh.Sample) -> None:
         if len(self._arrived) < self._limit:  # a flood from a stranger; the numbers show what is missing
             self._arrived.append(sample)
+        else:
+            self._flooded += 1
         self._bell.ring()
 
     def _on_presence(self, sample: zenoh.Sample) -> None:

@@ -131,7 +131,7 @@ def test_a_message_without_credit_is_a_mistake_of_the_caller(pair: Pair) -> None
         pair.writer.send(frame(DEPTH))
 
 
-def test_what_strangers_put_on_the_key_is_passed_over(pair: Pair) -> None:
+def test_what_strangers_put_on_the_key_is_passed_over_and_counted(pair: Pair) -> None:
     intruder = pair.intruder(KEY)
     intruder.put(b"hello")
     intruder.put(b"", attachment=b"")
@@ -145,6 +145,7 @@ def test_what_strangers_put_on_the_key_is_passed_over(pair: Pair) -> None:
     pair.writer.send(frame(1))
     tokens = arrived(pair.reader, 2)
     assert all(isinstance(token, Message) and identical(token, frame(n)) for n, token in enumerate(tokens))
+    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 7)
 
 
 def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None:
@@ -180,7 +181,7 @@ def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
         publisher.put(bytes(1000))
     publisher.put(bytes(1000), attachment=b"last")
     until(lambda: len(pair.reader._arrived) == pair.reader._limit)
-    assert pair.reader.poll() == []
+    until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 2001)
 
 
 def test_false_reports_give_no_more_credit_than_was_sent(pair: Pair) -> None:

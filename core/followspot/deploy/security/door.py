@@ -5,6 +5,7 @@ Zenoh tells of them on standard output and nowhere else, so that passes through 
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import threading
@@ -22,6 +23,8 @@ _UNLISTED = re.compile(rb"access_control: (?P<who>[0-9a-f]+) did not match any c
 _STDOUT = 1
 _LONGEST = 1 << 16
 """Bytes of a line; what is longer comes in pieces."""
+_ROOM = 1 << 20
+"""Bytes that wait while this process hangs; workers write here, too, and go on meanwhile."""
 
 
 class Door:
@@ -32,6 +35,7 @@ class Door:
         self.refusals = Refusals(tell)
         self._out = os.dup(_STDOUT)
         reading, writing = os.pipe()
+        fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, _ROOM)
         os.dup2(writing, _STDOUT)
         os.close(writing)
         self._thread = threading.Thread(target=self._listen, args=(reading,), name="door", daemon=True)
