@@ -187,7 +187,10 @@ class Stage:
         return None
 
     def restore(self, state: Any) -> None:
-        """Carry on from what `state` of a predecessor gave; called after `setup`."""
+        """Carry on from what `state` of a predecessor gave; called after `setup`.
+
+        Where a swap takes a moment, it is called again with a newer state before the first message.
+        """
 
 
 Source = Iterator
