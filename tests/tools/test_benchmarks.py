@@ -8,8 +8,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 import bench_cost
+import bench_replay
 from followspot.room_file import load, save
 
 
@@ -35,3 +37,14 @@ def test_rooms_of_the_cost_table_are_valid_and_have_the_size_they_say(tmp_path: 
     centers = np.array([camera.center for camera in room.cameras.values()])
     apart = np.linalg.norm(centers[:, None] - centers, axis=2) + np.eye(24)
     assert apart.min() > 0.1
+
+
+def test_the_room_of_the_long_replay_is_valid_and_small(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text(yaml.safe_dump(bench_replay.small_room(frames=40)))
+    room = load(tmp_path / "room.yaml")
+    assert {name: camera.size for name, camera in room.cameras.items()} == {
+        "cam0": (160, 120),
+        "cam1": (160, 120),
+        "cam2": (160, 120),
+    }
+    assert all(camera.source.params["frames"] == 40 for camera in room.cameras.values() if camera.source)
