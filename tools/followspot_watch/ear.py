@@ -172,11 +172,14 @@ def _listen_afar(stack: ExitStack, ear: Ear, look: Look, far: Mapping[str, str],
     from followspot.transport.keys import look_key
     from followspot.transport.zenoh_post import looking
     from followspot.transport.zenoh_session import connected
+    from followspot.transport.zenoh_terms import undeclare
 
     session = connected(look.network())
     stack.callback(session.close)
-    for port, host in far.items():
-        looking(session, look_key(look.run, host, port, uses), ear.taker(port))
+    subscribers = [
+        looking(session, look_key(look.run, host, port, uses), ear.taker(port)) for port, host in far.items()
+    ]
+    stack.callback(undeclare, subscribers)
 
 
 def _names(port: str) -> tuple[str, str, str, str]:

@@ -30,8 +30,10 @@ _PERIOD = 0.5
 
 @dataclass(frozen=True)
 class Pace:
-    """One port. silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all
-    edges from it since the run began.
+    """One port.
+
+    silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all edges from
+    it since the run began.
     """
 
     port: str

@@ -6,14 +6,16 @@ import argparse
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 
 from followspot.cli.agent_options import network_of
 from followspot.deploy.log.file import read_log
-from followspot.deploy.log.record import LEVELS, LogPage, LogRecord
-from followspot.errors import FollowspotError
+from followspot.deploy.log.record import LEVELS, LogRecord
+from followspot.errors import FollowspotError, InputError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
-from followspot_watch.runs import looking
+from followspot_watch.runs import Look, looking
 
 _PERIOD = 0.3
 """Seconds between two questions for more."""
@@ -30,7 +32,7 @@ def logs(args: argparse.Namespace) -> int:
         return 0
     with looking(args.run, network_of(args, LOOPBACK, AGENT)) as look:
         try:
-            _print(_records(look.log, follow=args.follow), wanted, show)
+            _print(_records(look, follow=args.follow), wanted, show)
         except KeyboardInterrupt:
             return 0
     return 0
@@ -49,22 +51,26 @@ def _as_json(record: LogRecord) -> str:
     return json.dumps(record.to_data())
 
 
-def _records(log: Callable[[int], LogPage], *, follow: bool) -> Iterator[LogRecord]:
+def _records(look: Look, *, follow: bool) -> Iterator[LogRecord]:
     """All there are, and then, where they are followed, those that come until the run is over."""
+    out = look.out() if follow else None
     last = -1
     while True:
+        over = follow and look.over()
         try:
-            page = log(last)
+            page = look.log(last)
         except FollowspotError:
-            if last < 0:
+            if out is None:
                 raise
+            with suppress(InputError):  # where nothing was ever said there is no file
+                yield from islice(read_log(out), last + 1, None)  # what was said at the very end
             return
         yield from page.records
+        last = page.last
         if not page.records:
-            if not follow:
+            if over or not follow:
                 return
             time.sleep(_PERIOD)
-        last = page.last
 
 
 def _print(

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from followspot.deploy.changes.change import chosen_here
 from followspot.deploy.log.record import LogPage, page_from_data
@@ -17,23 +19,28 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.tapping import Tapping
 from followspot.transport.zenoh_network import Network, network_from_data
 
+if TYPE_CHECKING:
+    from followspot.deploy.attach import Attachment
+
 _PATIENCE = 10.0
 """Seconds that a run may take to answer."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """A run that is looked at: its name, its plan as it was at first, how it is, and what it said.
+    """A run that is looked at: its name, its plan as it was at first, how it is, and what it says.
 
-    near: whether the operator's host is this one; log: the records after the one of a number; tap: puts sinks
-    at ports; network: of one more session beside those of its hosts.
+    near: whether the operator's host is this one; log: the records after the one of a number; out: the folder
+    of its outputs, where it is on this host; tap: puts sinks at ports; network: of one more session beside
+    those of its hosts.
     """
 
     run: str
     plan: Plan
-    status: Callable[[], RunStatus]
     near: bool
+    status: Callable[[], RunStatus]
     log: Callable[[int], LogPage]
+    out: Callable[[], Path | None]
     tap: Callable[[Sequence[Tapping]], None]
     network: Callable[[], Network]
 
@@ -75,16 +82,7 @@ def looking(wanted: str | None, network: Network, plugin_files: Sequence[str] = 
     runs = runs_here()
     here = chosen_here(runs, wanted)
     if here is not None:
-        run = here
-        yield Look(
-            run.run,
-            plan_here(run),
-            lambda: run_status_from_data(run.ask("status", _PATIENCE)),
-            True,
-            lambda after: page_from_data(run.ask("log", _PATIENCE, after=after)),
-            lambda taps: run.ask("tap", _PATIENCE, taps=[asdict(tap) for tap in taps]),
-            lambda: network_from_data(run.ask("where", _PATIENCE)["network"]),
-        )
+        yield _here(here)
         return
     from followspot.deploy.attach import attached
 
@@ -93,16 +91,34 @@ def looking(wanted: str | None, network: Network, plugin_files: Sequence[str] = 
             attachment = stack.enter_context(attached(network, wanted))
         except FollowspotError as error:
             raise FollowspotError(f"{error}; on this machine: {_listing(runs)}") from None
-        coordinator = attachment.coordinator
-        yield Look(
-            attachment.found.run,
-            coordinator.plan,
-            coordinator.status,
-            False,
-            coordinator.records,
-            coordinator.tap,
-            lambda: network,
-        )
+        yield _afar(attachment, network)
+
+
+def _here(run: RunHere) -> Look:
+    return Look(
+        run=run.run,
+        plan=plan_here(run),
+        near=True,
+        status=lambda: run_status_from_data(run.ask("status", _PATIENCE)),
+        log=lambda after: page_from_data(run.ask("log", _PATIENCE, after=after)),
+        out=lambda: Path(run.ask("where", _PATIENCE)["out"]),
+        tap=lambda taps: run.ask("tap", _PATIENCE, taps=[asdict(tap) for tap in taps]),
+        network=lambda: network_from_data(run.ask("where", _PATIENCE)["network"]),
+    )
+
+
+def _afar(attachment: Attachment, network: Network) -> Look:
+    coordinator = attachment.coordinator
+    return Look(
+        run=attachment.found.run,
+        plan=coordinator.plan,
+        near=False,
+        status=coordinator.status,
+        log=coordinator.records,
+        out=lambda: None,
+        tap=coordinator.tap,
+        network=lambda: network,
+    )
 
 
 def _listing(runs: Sequence[RunHere]) -> str:

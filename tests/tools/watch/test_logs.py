@@ -10,10 +10,12 @@ from pathlib import Path
 import pytest
 
 from followspot.cli.main import main
+from followspot.deploy.host import WorkerStatus
 from followspot.deploy.log.file import LogFile
 from followspot.deploy.log.record import LogRecord
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.reachable import reachable
+from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
@@ -29,21 +31,29 @@ SAID = (
 
 
 @pytest.fixture
-def run() -> Iterator[str]:
-    """A run that says one thing more, and ends."""
-    kept = RunLog()
+def run(tmp_path: Path) -> Iterator[str]:
+    """A run that says one thing more, and ends with a last word that nobody can ask for."""
+    kept = RunLog(LogFile(tmp_path).write)
     kept.add(*SAID)
     plan = plan_to_data(compile_graph(GRAPH))
 
     def log(after: int) -> object:
         if after == len(SAID):
+            kept.add(LogRecord(5, "error", "a last word"))
             raise FollowspotError("the run has ended")
         page = kept.after(after)
         if not page.records:
             kept.add(LogRecord(4, "info", "at last"))
         return page.to_data()
 
-    with reachable(NAME, "glowballs", {"plan": lambda: plan, "log": log}):
+    running = RunStatus((WorkerStatus("main", "running"),), (), 0, None)
+    verbs = {
+        "plan": lambda: plan,
+        "status": running.to_data,
+        "log": log,
+        "where": lambda: {"out": str(tmp_path), "network": None},
+    }
+    with reachable(NAME, "glowballs", verbs):
         yield NAME
 
 
@@ -80,7 +90,7 @@ def test_a_run_that_goes_on_is_asked_once_or_followed_to_its_end(
     lines = capsys.readouterr().out.splitlines()
     assert lines[1].endswith("warning pc-left/left color/cam1: dark")
     assert lines[2] == "    very"
-    assert lines[-1].endswith(": at last")
+    assert [line.rpartition(": ")[2] for line in lines[-2:]] == ["at last", "a last word"]
 
 
 def test_a_folder_without_a_log_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
