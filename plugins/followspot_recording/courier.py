@@ -41,8 +41,7 @@ class Courier:
 
     def send(self, port: str, number: int, packed: bytes) -> None:
         """Take a message along, or leave it where too much waits. Raises EOFError when nobody records."""
-        name = port.encode()
-        head = HEAD.pack(len(packed), number, len(name)) + name
+        head = head_of(port, number, packed)
         with self._news:
             if self._over:
                 raise EOFError("the recorder is gone")
@@ -80,6 +79,23 @@ class Courier:
             head, packed = self._waiting.popleft()
             self._bytes -= len(packed)
             return head, packed
+
+
+def head_of(port: str, number: int, packed: bytes) -> bytes:
+    """What stands before a packed message."""
+    name = port.encode()
+    return HEAD.pack(len(packed), number, len(name)) + name
+
+
+def parcel_of(packet: bytes) -> tuple[str, int, bytes] | None:
+    """Port, number and packed message of a packet that is one parcel; None where it is none."""
+    if len(packet) < HEAD.size:
+        return None
+    size, number, name = HEAD.unpack_from(packet)
+    start = HEAD.size + name
+    if len(packet) != start + size:
+        return None
+    return packet[HEAD.size : start].decode(errors="replace"), number, packet[start:]
 
 
 def parcels(sender: socket.socket) -> Iterator[tuple[str, int, bytes]]:

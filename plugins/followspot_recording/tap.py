@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from followspot import Field, InputPath, Message, Stage, StageParams
+from followspot.stage import Post
 from followspot.wire import pack
-from followspot_recording.courier import Courier, hire, release
+from followspot_recording.courier import Courier, head_of, hire, release
 
 
 class RecordingTap(Stage):
@@ -15,11 +16,12 @@ class RecordingTap(Stage):
     """
 
     class Params(StageParams):
-        socket: InputPath | None = Field(None, description="where the recorder listens")
+        socket: InputPath | None = Field(None, description="where the recorder listens, if on this host")
         port: str = Field("", description="port that is recorded, STAGE.PORT; this stage's name unless told")
 
     params: Params
     courier: Courier | None = None
+    heard = False
 
     def setup(self) -> None:
         """Find the recorder; one that has ended needs nothing more."""
@@ -36,9 +38,23 @@ class RecordingTap(Stage):
         if self.courier is not None:
             self.courier.send(self.port, self.number, pack(message))
             self.number += 1
+        elif self.context.post is not None:
+            self._post(self.context.post, message)
+
+    def _post(self, post: Post, message: Message) -> None:
+        """From another host: while a recorder listens, and until it has gone."""
+        if post.wanted:
+            self.heard = True
+            packed = pack(message)
+            post.send(head_of(self.port, self.number, packed) + packed)
+            self.number += 1
+        elif self.heard:
+            raise EOFError("the recorder has gone")
 
     def close(self) -> None:
         """Let go of the recorder."""
+        if self.context.post is not None:
+            self.context.post.close()
         if self.courier is not None and self.params.socket is not None:
             release(self.params.socket)
         self.courier = None

@@ -169,8 +169,8 @@ def test_a_run_on_two_hosts_that_is_looked_at_is_the_same_and_the_page_ends_with
         browsers.enter_context(stalled(host))
         looking = browsers.enter_context(connect(f"ws://{host}/look", max_size=None, proxy=None))
         assert cameras_seen(looking) == set(compile_graph(GRAPH).room.cameras)
-        looking.send(json.dumps({"on": True, "ports": "track.tracks"}))
-        recorded = told(looking, "recording", lambda about: about["messages"] > FRAMES)
+        looking.send(json.dumps({"on": True, "ports": "track.tracks,color,camera/cam0"}))
+        recorded = told(looking, "recording", lambda about: about["messages"] > 5 * FRAMES)
         status = json.load(urlopen(url + "status", timeout=60))
         while status["fired"] <= FRAMES or not status["paths"]:
             time.sleep(0.1)
@@ -185,7 +185,11 @@ def test_a_run_on_two_hosts_that_is_looked_at_is_the_same_and_the_page_ends_with
     assert all(edge["dropped"] == edge["invalid"] == edge["in_flight"] == 0 for edge in summary["edges"][:6])
     with Recording(recorded["file"]) as recording:
         assert not recording.problem  # it was complete when its run had ended
-        assert sum(1 for _ in recording.messages("track.tracks")) >= recorded["messages"]
+        kept = {port: sum(1 for _ in recording.messages(port)) for port in recording.ports}
+    assert set(kept) == {"track.tracks", "camera/cam0.out", *(f"color/cam{i}.out" for i in (0, 2, 5))}
+    assert all(count > 5 for count in kept.values()), kept  # color/cam0 and color/cam2 are on the other host
+    assert sum(kept.values()) >= recorded["messages"]
+    assert recorded["lost"] == 0
     assert [edge["from"] for edge in status["edges"]] == [edge["from"] for edge in summary["edges"]]
     assert all(
         now["sent"] <= then["sent"] for now, then in zip(status["edges"], summary["edges"], strict=True)

@@ -7,7 +7,7 @@ import importlib.util
 import json
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 from itertools import count
@@ -18,6 +18,7 @@ from followspot.deploy.reachable import RunHere
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.runtime.tapping import Tapping
+from followspot.transport.keys import look_key
 from followspot_record.order import Order
 from followspot_record.ports import chosen, output_ports
 
@@ -45,7 +46,7 @@ class RecordButton:
         self._telling: asyncio.Task[None] | None = None
 
     async def start(self, run: RunHere, plan: Plan, words: str) -> str:
-        """Record the ports that the words name, all on this host where there are none; what was done.
+        """Record the ports that the words name, all where there are none; what was done.
 
         Raises FollowspotError.
         """
@@ -53,12 +54,13 @@ class RecordButton:
             raise FollowspotError('recordings need mcap: pip install "followspot[recording]"')
         if self._process is not None:
             raise FollowspotError("it is recorded already")
-        names = _here(plan, words)
+        names = chosen(words or None, output_ports(plan), "record")
         where = await asyncio.to_thread(run.ask, "where", _PATIENCE)
         path = Path(where["out"]) / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
         listen = self._folder / f"recorder-{next(self._numbers)}"
-        begun = await self._begin(Order(plan, names, path, listen))
-        taps = [asdict(Tapping(name, TAP, {"socket": str(listen), "port": name})) for name in names]
+        far = _far(plan, run.run, names)
+        begun = await self._begin(Order(plan, names, path, listen, far, where["network"]))
+        taps = [asdict(Tapping(name, TAP, _params(name, None if name in far else listen))) for name in names]
         await asyncio.to_thread(run.ask, "tap", _PATIENCE, taps=taps)
         self._tell(begun)
         return f"recording {len(names)} ports to {begun['file']}"
@@ -124,17 +126,17 @@ class RecordButton:
 
 
 def recordable(plan: Plan) -> list[str]:
-    """Stages of the graph file that send something on this host, in its order."""
-    return list(dict.fromkeys(name.partition("/")[0].partition(".")[0] for name in _ports_here(plan)))
+    """Stages of the graph file that send something, in its order."""
+    return list(dict.fromkeys(name.partition("/")[0].partition(".")[0] for name in output_ports(plan)))
 
 
-def _here(plan: Plan, words: str) -> tuple[str, ...]:
-    """The ports on this host that the words name, as `--record-ports` takes them. Raises InputError."""
-    return chosen(words or None, _ports_here(plan), "record")
+def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
+    """Those of the ports that are on other hosts, with the keys of Zenoh that their taps send to."""
+    hosts = {worker.name: worker.host for worker in plan.workers}
+    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
+    there = {name: home[name.rpartition(".")[0]] for name in names}
+    return {name: look_key(run, host, name, TAP) for name, host in there.items() if host}
 
 
-def _ports_here(plan: Plan) -> list[str]:
-    """Every port, STAGE.PORT, of a stage on this host."""
-    near = {worker.name for worker in plan.workers if not worker.host}
-    stages = {stage.name for stage in plan.stages if stage.worker in near}
-    return [name for name in output_ports(plan) if name.rpartition(".")[0] in stages]
+def _params(name: str, listen: Path | None) -> dict[str, str]:
+    return {"port": name, **({"socket": str(listen)} if listen else {})}

@@ -14,24 +14,30 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
 from followspot.messages import InvalidMessage
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.ports import ports
+from followspot.transport.zenoh_network import network_from_data
 from followspot.wire import unpack
 from followspot_record.order import Order, order_from_line
 from followspot_record.record import target_of
 from followspot_recording.courier import parcels
 from followspot_recording.sink import RecordingSink
 
+if TYPE_CHECKING:
+    from followspot_record.far import FarTaps, Take
+
 _PERIOD = 0.5
 """Seconds between two lines."""
 _PATIENCE = 3.0
 """Seconds that those who send may take to leave when the run is over."""
 _BACKLOG = 256
+_BROKEN = (FollowspotError, InvalidMessage, ValueError, KeyError)
+"""What a message that cannot be, or a disk that takes no more, raises."""
 
 
 class Taker:
@@ -45,12 +51,14 @@ class Taker:
         self._kinds = _kinds(order)
         self._sinks = _sinks(order)
         self._one = threading.Lock()
+        self._expected: dict[str, int] = {}
         self._began = time.monotonic()
         self._senders: list[tuple[threading.Thread, socket.socket]] = []
         self._door = socket.socket(socket.AF_UNIX)
         self._door.bind(str(order.listen))
         self._door.listen(_BACKLOG)
         threading.Thread(target=self._admit, daemon=True).start()
+        self._far = _far(order, self._hear_far)
 
     def told(self, state: str) -> dict[str, Any]:
         """What has been recorded so far; seconds since the beginning, bytes of the file."""
@@ -62,6 +70,8 @@ class Taker:
     def close(self, *, at_once: bool) -> None:
         """Complete the file; unless at once, after those who send have left."""
         self._door.close()
+        if self._far is not None:
+            self._far.close()
         deadline = time.monotonic() + (0.0 if at_once else _PATIENCE)
         for thread, _ in self._senders:
             thread.join(max(0.0, deadline - time.monotonic()))
@@ -92,17 +102,39 @@ class Taker:
         with sender:
             try:
                 for port, number, packed in parcels(sender):
-                    message = unpack(packed, self._kinds[port])
-                    with self._one:
-                        if port not in self._sinks:
-                            return
-                        self.lost += number - expected.get(port, number)
-                        expected[port] = number + 1
-                        if isinstance(message, Message):
-                            self._sinks[port].process(message)
-                            self.messages += 1
-            except (FollowspotError, InvalidMessage, ValueError, KeyError) as error:
+                    self._write(port, number, packed, expected)
+            except _BROKEN as error:
                 self.error = self.error or str(error)
+
+    def _hear_far(self, port: str, number: int, packed: bytes) -> None:
+        """Write what a worker on another host sent; where that was started again, its numbers begin anew."""
+        if number < self._expected.get(port, 0):
+            del self._expected[port]
+        try:
+            self._write(port, number, packed, self._expected)
+        except _BROKEN as error:
+            self.error = self.error or str(error)
+
+    def _write(self, port: str, number: int, packed: bytes, expected: dict[str, int]) -> None:
+        """Raises one of _BROKEN. expected: the next number of each port; what lies between was lost."""
+        message = unpack(packed, self._kinds[port])
+        with self._one:
+            if port not in self._sinks:
+                return
+            self.lost += number - expected.get(port, number)
+            expected[port] = number + 1
+            if isinstance(message, Message):
+                self._sinks[port].process(message)
+                self.messages += 1
+
+
+def _far(order: Order, take: Take) -> FarTaps | None:
+    """The way from the other hosts, where ports of theirs are recorded. Raises FollowspotError."""
+    if order.network is None or not order.far:
+        return None
+    from followspot_record.far import FarTaps
+
+    return FarTaps(network_from_data(order.network), dict(order.far), take)
 
 
 def _kinds(order: Order) -> Mapping[str, type[Message]]:
