@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 
 PLOT = "sweep.svg"
 MISSING = 'no plot: matplotlib is not installed; pip install "followspot[plots]"'
+_ALIKE = 0.02
+"""Share of a figure by which runs may differ without its being seen."""
 _COLORS = ("#1b6ca8", "#e07a1f", "#3d9970", "#b03a48", "#7d5ba6", "#6b6b6b")
 
 
@@ -36,9 +38,18 @@ def draw(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str, fol
         for panel, axis in zip(panels, varied, strict=True):
             _panel(panel, known, axis, figure)
         panels[0].set_ylabel(figure)
+        panels[0].set_ylim(*_span([row[figure] for row in known]))
+        panels[0].ticklabel_format(axis="y", useOffset=False)
         panels[0].legend(frameon=False, fontsize=8)
         sheet.savefig(folder / PLOT, metadata={"Date": None})
     return f"plot: {folder / PLOT}"
+
+
+def _span(values: Sequence[float]) -> tuple[float, float]:
+    """From below the smallest to above the largest, by so much that what is all the same looks so."""
+    middle, room = (min(values) + max(values)) / 2, 0.55 * (max(values) - min(values))
+    room = max(room, _ALIKE * abs(middle), 1e-9)
+    return middle - room, middle + room
 
 
 def _panel(panel: Axes, known: Sequence[dict[str, Any]], axis: Axis, figure: str) -> None:
