@@ -1,4 +1,4 @@
-"""What viewers know (Foxglove's schemas in JSON) of frames, tracks, poses and log lines."""
+"""What viewers (Foxglove's schemas in JSON) are shown of frames, points, tracks, poses and log lines."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import math
 from base64 import b64encode
 from collections.abc import Iterable
+from functools import cache
 from typing import Any, Literal
 
 import cv2
@@ -16,6 +17,14 @@ from followspot.messages import Array
 from followspot.people import Poses, PoseTruth
 from followspot.tracking import Frame, Tracks, Truth
 from followspot_recording.recorder import Schema
+from followspot_recording.schemas import (
+    COMPRESSED_IMAGE,
+    IMAGE_ANNOTATIONS,
+    POINT_CLOUD,
+    POSES_IN_FRAME,
+    RAW_IMAGE,
+    SCENE_UPDATE,
+)
 
 Pictures = Literal["jpeg", "png", "raw", "none"]
 ROOM_FRAME = "room"
@@ -25,73 +34,11 @@ _LIFETIME = {"sec": 0, "nsec": 250_000_000}
 """A sphere that is not renewed in this time vanishes: the target is lost."""
 _LOOKS = {"tracked": (0.1, 0.8, 0.2, 1.0)}
 _OTHER_LOOK = (0.9, 0.6, 0.1, 0.5)
-
-
-def _object(title: str = "", **properties: Any) -> dict[str, Any]:
-    made = {"type": "object", "properties": properties, "required": list(properties)}
-    return {"title": title, **made} if title else made
-
-
-def _array(items: dict[str, Any]) -> dict[str, Any]:
-    return {"type": "array", "items": items}
-
-
-_TEXT, _NUMBER = {"type": "string"}, {"type": "number"}
-_WHOLE = {"type": "integer", "minimum": 0}
-_BYTES = {"type": "string", "contentEncoding": "base64"}
-_TIME = _object("time", sec=_WHOLE, nsec={**_WHOLE, "maximum": 999_999_999})
-_DURATION = _object("duration", sec={"type": "integer"}, nsec={**_WHOLE, "maximum": 999_999_999})
-_VECTOR = _object("foxglove.Vector3", x=_NUMBER, y=_NUMBER, z=_NUMBER)
-_QUATERNION = _object("foxglove.Quaternion", x=_NUMBER, y=_NUMBER, z=_NUMBER, w=_NUMBER)
-_POSE = _object("foxglove.Pose", position=_VECTOR, orientation=_QUATERNION)
-_COLOR = _object("foxglove.Color", r=_NUMBER, g=_NUMBER, b=_NUMBER, a=_NUMBER)
-_SPHERE = _object("foxglove.SpherePrimitive", pose=_POSE, size=_VECTOR, color=_COLOR)
-_LABEL = _object(
-    "foxglove.TextPrimitive",
-    pose=_POSE,
-    billboard={"type": "boolean"},
-    font_size=_NUMBER,
-    scale_invariant={"type": "boolean"},
-    color=_COLOR,
-    text=_TEXT,
-)
-_ANY = _array({"type": "object"})
-_ENTITY = _object(
-    "foxglove.SceneEntity",
-    timestamp=_TIME,
-    frame_id=_TEXT,
-    id=_TEXT,
-    lifetime=_DURATION,
-    frame_locked={"type": "boolean"},
-    metadata=_ANY,
-    arrows=_ANY,
-    cubes=_ANY,
-    spheres=_array(_SPHERE),
-    cylinders=_ANY,
-    lines=_ANY,
-    triangles=_ANY,
-    texts=_array(_LABEL),
-    models=_ANY,
-)
-
-
-def _schema(name: str, /, **properties: Any) -> Schema:
-    return Schema(name, "jsonschema", json.dumps(_object(name, timestamp=_TIME, **properties)))
-
-
-COMPRESSED_IMAGE = _schema("foxglove.CompressedImage", frame_id=_TEXT, data=_BYTES, format=_TEXT)
-RAW_IMAGE = _schema(
-    "foxglove.RawImage", frame_id=_TEXT, width=_WHOLE, height=_WHOLE, encoding=_TEXT, step=_WHOLE, data=_BYTES
-)
-POSES_IN_FRAME = _schema("foxglove.PosesInFrame", frame_id=_TEXT, poses=_array(_POSE))
-LOG = _schema(
-    "foxglove.Log", level={"enum": [0, 1, 2, 3, 4, 5]}, message=_TEXT, name=_TEXT, file=_TEXT, line=_WHOLE
-)
-SCENE_UPDATE = Schema(
-    "foxglove.SceneUpdate",
-    "jsonschema",
-    json.dumps(_object("foxglove.SceneUpdate", deletions=_ANY, entities=_array(_ENTITY))),
-)
+_POINTS, _FLOAT32 = 1, 7
+"""Foxglove's numbers of points that stand alone, and of a type of number."""
+_MARK = {"r": 1.0, "g": 0.9, "b": 0.1, "a": 1.0}
+_MARK_SIZE = 4.0
+"""Of a point in a picture, px."""
 
 
 def view_of(message: Message, room: Room, pictures: Pictures) -> tuple[Schema, bytes] | None:
@@ -105,7 +52,18 @@ def view_of(message: Message, room: Room, pictures: Pictures) -> tuple[Schema, b
         return POSES_IN_FRAME, _poses(message, xyz, message.heading)
     if isinstance(message, Truth):
         return POSES_IN_FRAME, _poses(message, message.xyz, np.zeros(len(message.xyz)))
+    kind: Any = type(message)
+    if _has(kind, "pixel", 2):
+        return IMAGE_ANNOTATIONS, _marks(message.header.time, message.__dict__["pixel"])
+    if _has(kind, "xyz", 3):
+        return POINT_CLOUD, _cloud(message.header.time, message.__dict__["xyz"])
     return None
+
+
+@cache
+def _has(kind: Any, name: str, size: int) -> bool:
+    """Whether messages of a type have a column of points, (N, size)."""
+    return any(column.name == name and column.shape[1:] == (size,) for column in kind.columns)
 
 
 def log_line(time: int, text: str) -> bytes:
@@ -157,6 +115,27 @@ def _entity(time: int, name: str, xyz: list[float], size: float, tracked: bool) 
         "spheres": [sphere],
         "texts": [label | {"color": color, "text": name}],
     }
+
+
+def _cloud(time: int, xyz: Array) -> bytes:
+    """xyz: (N, 3) m. Rows that are not known are left out."""
+    packed = np.ascontiguousarray(_known(xyz), "<f4")
+    fields = [{"name": axis, "offset": 4 * i, "type": _FLOAT32} for i, axis in enumerate("xyz")]
+    about = {"timestamp": _time(time), "frame_id": ROOM_FRAME, "pose": _pose([0.0, 0.0, 0.0])}
+    return _json(about | {"point_stride": 12, "fields": fields, "data": _base64(packed)})
+
+
+def _marks(time: int, pixel: Array) -> bytes:
+    """pixel: (N, 2) px, as they stand in the picture. Rows that are not known are left out."""
+    points = [{"x": x, "y": y} for x, y in _known(pixel).tolist()]
+    looks = {"outline_color": _MARK, "outline_colors": [], "fill_color": _MARK, "thickness": _MARK_SIZE}
+    marks = {"timestamp": _time(time), "type": _POINTS, "points": points, **looks, "metadata": []}
+    return _json({"timestamp": _time(time), "circles": [], "points": [marks], "texts": [], "metadata": []})
+
+
+def _known(points: Array) -> Array:
+    """(N, D) without the rows that are not known."""
+    return points[np.isfinite(points).all(axis=1)]
 
 
 def _poses(message: Message, xyz: Array, heading: Array) -> bytes:

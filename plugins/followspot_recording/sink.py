@@ -11,8 +11,9 @@ from followspot.errors import FollowspotError
 from followspot.messages import stamped
 from followspot.wire import pack
 from followspot_recording.contract import contract_of, type_name
-from followspot_recording.foxglove import LOG, Pictures, log_line, view_of
+from followspot_recording.foxglove import Pictures, log_line, view_of
 from followspot_recording.recorder import Chunking, Compression, Recorder, Schema, join, leave
+from followspot_recording.schemas import LOG
 from followspot_recording.topics import ENCODING, exact_topic, view_topic
 
 MIB = 1 << 20

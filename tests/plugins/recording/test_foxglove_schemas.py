@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from followspot_recording.foxglove import COMPRESSED_IMAGE, LOG, POSES_IN_FRAME, RAW_IMAGE, SCENE_UPDATE
+from followspot_recording import schemas
 from followspot_recording.recorder import Schema
 
 pytest.importorskip("foxglove_schemas_protobuf")
@@ -45,9 +45,10 @@ def named_otherwise(where: str, ours: dict[str, Any], theirs: Any) -> Iterator[s
         yield from differences(where, ours, theirs)
 
 
-@pytest.mark.parametrize(
-    "schema", [COMPRESSED_IMAGE, RAW_IMAGE, POSES_IN_FRAME, LOG, SCENE_UPDATE], ids=lambda schema: schema.name
-)
+OURS = [value for value in vars(schemas).values() if isinstance(value, Schema)]
+
+
+@pytest.mark.parametrize("schema", OURS, ids=lambda schema: schema.name)
 def test_a_schema_has_the_fields_of_foxgloves_own(schema: Schema) -> None:
     name = schema.name.removeprefix("foxglove.")
     theirs = getattr(import_module(f"foxglove_schemas_protobuf.{name}_pb2"), name).DESCRIPTOR

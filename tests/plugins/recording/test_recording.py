@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import json
+from base64 import b64decode
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -19,9 +22,10 @@ from followspot.people import Poses, PoseTruth
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.testing import tiny_room
-from followspot.tracking import Blobs, Frame, Tracks, Truth
+from followspot.tracking import Blobs, Frame, Positions, Tracks, Truth
 from followspot.wire import unpack
 from followspot_recording.contract import ContractError, contract_of, message_type
+from followspot_recording.foxglove import view_of
 from followspot_recording.recording import Recording
 from followspot_recording.replays import REPLAYS
 from followspot_recording.sink import RecordingSink
@@ -111,6 +115,43 @@ def test_what_viewers_are_shown_fits_its_foxglove_schema(tmp_path: Path, picture
         jsonschema.validate(json.loads(message.data), told)
     image = "foxglove.RawImage" if pictures == "raw" else "foxglove.CompressedImage"
     assert names == {image, "foxglove.SceneUpdate", "foxglove.Log"}
+
+
+def shown(message: Message) -> dict[str, Any]:
+    """What viewers are shown of it, held against its schema."""
+    view = view_of(stamped(seal(message), Header("x", 0, 1_500_000_000)), ROOM, "none")
+    assert view is not None
+    schema, data = view
+    told: dict[str, Any] = json.loads(data)
+    jsonschema.validate(told, json.loads(schema.text))
+    return told | {"schema": schema.name}
+
+
+def test_viewers_are_shown_points_in_pictures_and_in_the_room() -> None:
+    pixel = np.array([[10.5, 20.0], [np.nan, 0.0]])
+    two = np.zeros(2)
+    marks = shown(Blobs("cam0", pixel, pixel, two, two, np.zeros((2, 1), bool)))
+    assert marks["schema"] == "foxglove.ImageAnnotations"
+    assert [points["points"] for points in marks["points"]] == [[{"x": 10.5, "y": 20.0}]]
+    empty = Positions.empty()
+    xyz = np.array([[1.0, -2.0, 0.5]])
+    whole, yes = np.zeros(1, "i4"), np.ones(1, bool)
+    cloud = shown(
+        replace(
+            empty,
+            target=whole,
+            xyz=xyz,
+            covariance=np.zeros((1, 3, 3)),
+            support=whole,
+            confirmed=yes,
+            evident=yes,
+            iterations=whole,
+            predicted=yes,
+        )
+    )
+    assert (cloud["schema"], cloud["timestamp"]) == ("foxglove.PointCloud", {"sec": 1, "nsec": 500_000_000})
+    assert np.frombuffer(b64decode(cloud["data"]), "<f4").tolist() == xyz[0].tolist()
+    assert shown(empty)["data"] == ""
 
 
 @pytest.mark.parametrize("kind", [Truth, Poses, PoseTruth, Blobs])
