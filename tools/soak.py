@@ -30,7 +30,7 @@ from pathlib import Path
 from typing import Any
 
 from soak_room import CAMERAS
-from soak_show import FAULTS, SIDES, UNSEEN, Hosts, Show, children
+from soak_show import FAULTS, SIDES, UNSEEN, Hosts, Show, children, unused_memory
 
 _RIGHT = 0.15
 """Largest error of a target that counts as tracked, m."""
@@ -105,10 +105,9 @@ def _after(seconds: float | None) -> str:
     return "never" if seconds is None else f"after {seconds:.1f} s"
 
 
-def left_over(hosts: Hosts) -> list[str]:
-    """Processes that are still in the namespaces of the hosts, and shared memory that has a name."""
-    shared = Path("/dev/shm").iterdir()
-    found = [str(path) for path in shared if "followspot" in path.name or "zenoh" in path.name]
+def left_over(hosts: Hosts, before: set[str]) -> list[str]:
+    """Processes in the namespaces of the hosts, and memory with a name that was not there before."""
+    found = sorted(unused_memory() - before)
     for name in hosts.names:
         words = ["ip", "netns", "pids", hosts.space(name)]
         pids = subprocess.run(words, capture_output=True, text=True, check=False).stdout.split()
@@ -159,6 +158,7 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
     """The whole show; what is to be printed."""
     started = time.monotonic()
     names = ["desk", *SIDES, "middle"]
+    before = unused_memory()
     with tempfile.TemporaryDirectory() as folder, Hosts(Path(folder), names) as hosts:
         show = Show(hosts, random.Random(args.seed))
         try:
@@ -168,7 +168,7 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
             seen = soak(show, args.faults, args.only, lambda line: print(line, file=sys.stderr, flush=True))
             summary = summary_of(show)
             show.end()
-            left = left_over(hosts)
+            left = left_over(hosts, before)
         finally:
             show.close()
     return {

@@ -16,6 +16,8 @@ SHORT_S = 15
 """Seconds until then."""
 FPS = 10
 """Rate of the cameras, 1/s."""
+_MISSING = 4
+"""Frames after which a target that is not seen is sought everywhere: as long as at 60 frames a second."""
 PERFORMANCE = {"fps": FPS, "seed": 7, "people": 2}
 PLACEMENT = f"""
 placement: soak
@@ -32,6 +34,7 @@ def write_files(folder: Path, opened: float) -> None:
     graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
     graph["room"] = "room.yaml"
     graph["stages"]["save"]["on_error"] = "skip"
+    graph["stages"]["track"]["with"] = {"missing": _MISSING}
     judge = {"uses": "soak_stages.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
     graph["stages"]["judge"] = judge
     (folder / "soak.yaml").write_text(yaml.safe_dump(graph))

@@ -16,12 +16,12 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "integration"))
 
 from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
-from running import children  # type: ignore[import-not-found]  # noqa: E402
+from running import alive, children, unused_memory  # type: ignore[import-not-found]  # noqa: E402
 
 from soak_room import write_files  # noqa: E402
 from soak_watch import Watch  # noqa: E402
 
-__all__ = ["FAULTS", "SIDES", "Hosts", "Show", "children"]
+__all__ = ["FAULTS", "SIDES", "UNSEEN", "Hosts", "Show", "children", "unused_memory"]
 
 STAGES = ROOT / "tools" / "soak_stages.py"
 SIDES = ("pc-left", "pc-right")
@@ -83,7 +83,7 @@ class Show:
     def workers(self) -> list[int]:
         """Process ids of all workers."""
         hosts = [self.run.pid, *(agent.process.pid for agent in self.agents.values())]
-        return [pid for host in hosts for pid in children(host)]
+        return [pid for host in hosts for pid in children(host) if alive(pid)]
 
     def kill_worker(self) -> None:
         """SIGKILL."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -98,3 +100,12 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+def unused_memory() -> set[str]:
+    """Shared memory with a name that no process of this machine uses: what a run could leave behind."""
+    used = set()
+    for maps in Path("/proc").glob("[0-9]*/maps"):
+        with suppress(OSError):  # it has ended
+            used.update(re.findall("/dev/shm/.*", maps.read_text()))
+    return {str(path) for path in Path("/dev/shm").iterdir()} - used

@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import socket
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
+from running import (
+    Finished,
+    alive,
+    balanced,
+    children,
+    finish,
+    start,
+    unused_memory,
+    wait_until,
+    write_graph,
+)
 
 ENDLESS = """
 a:    {uses: ticks.count, with: {count: 1000000, size: 5000}}
@@ -18,15 +26,6 @@ b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.001}}
 save: {uses: ticks.write, in: {number: b}}
 """
 PLACEMENTS = [(), ("--placement", "stage"), ("--placement", "stage", "--edges", "zenoh")]
-
-
-def leftovers() -> set[str]:
-    """Shared memory with a name that no process of this host uses: what a run could leave behind."""
-    used = set()
-    for maps in Path("/proc").glob("[0-9]*/maps"):
-        with suppress(OSError):  # it has ended
-            used.update(re.findall("/dev/shm/.*", maps.read_text()))
-    return {str(path) for path in Path("/dev/shm").iterdir()} - used
 
 
 def running(out: Path) -> bool:
@@ -59,7 +58,7 @@ def test_ctrl_c_and_sigterm_end_cleanly_with_complete_outputs(
 @pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("victim", ["a", "b", "save"])
 def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, victim: str, edges: str) -> None:
-    before = leftovers()
+    before = unused_memory()
     process = start(
         write_graph(tmp_path, ENDLESS), tmp_path / "out", "--placement", "stage", "--edges", edges
     )
@@ -71,7 +70,7 @@ def test_a_worker_killed_mid_run_is_named_and_the_rest_ends(tmp_path: Path, vict
     assert any(f"worker {victim} " in e and "SIGKILL" in e for e in finished.summary["errors"])
     check_counts(finished)
     assert wait_until(lambda: not any(alive(pid) for pid in workers))
-    assert wait_until(lambda: leftovers() <= before)
+    assert wait_until(lambda: unused_memory() <= before)
 
 
 def worker_of(launcher: int, stage: str) -> int:
@@ -94,7 +93,7 @@ def check_counts(finished: Finished) -> None:
 def test_workers_listen_on_loopback_only_and_end_when_their_launcher_is_killed(
     tmp_path: Path, options: tuple[str, ...]
 ) -> None:
-    before = leftovers()
+    before = unused_memory()
     process = start(write_graph(tmp_path, ENDLESS), tmp_path / "out", *options)
     assert wait_until(lambda: running(tmp_path / "out")), "the run never began"
     workers = children(process.pid)
@@ -103,7 +102,7 @@ def test_workers_listen_on_loopback_only_and_end_when_their_launcher_is_killed(
     process.kill()
     process.communicate()
     assert wait_until(lambda: not any(alive(pid) for pid in workers))
-    assert wait_until(lambda: leftovers() <= before)
+    assert wait_until(lambda: unused_memory() <= before)
     lines = (tmp_path / "out" / "ticks.csv").read_text().splitlines()
     assert [int(line.split(",")[2]) for line in lines] == list(range(1, len(lines) + 1))
 

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage
+from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputPort as PortSpec
@@ -195,13 +195,25 @@ class _Builder:
     def _inlet(self, number: int) -> Inlet:
         edge = self.plan.edges[number]
         slack = self.wiring.slack[edge.from_stage]
-        depth, keep = (_ENDLESS, edge.depth) if edge.drops and self.plan.live else (edge.room, None)
+        depth, keep = self._limits(edge)
         inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack, keep=keep)
         if edge.kind != "reference":
             inlet.reader = self.links.reader(number, self.wiring.message_type(edge))
             if self.options.rejoin:
                 inlet.after_loss = ABSENT if self.wiring.live else UNCHANGED
         return inlet
+
+    def _limits(self, edge: PlannedEdge) -> tuple[int, int | None]:
+        """Messages with which an edge is full for its sender, and beyond which its oldest goes, if ever.
+
+        What a live stage only samples does not wait for it to fire: else a camera that falls silent, or comes
+        back after a while, would hold up those whose results it samples, and they what it waits for.
+        """
+        if self.wiring.live and edge.drops:
+            return _ENDLESS, edge.depth
+        if self.wiring.live and self.wiring.held(edge):
+            return edge.room, max(edge.room - AHEAD, edge.delay + 1)
+        return edge.room, None
 
     def _cell(self, rank: int, stage: PlannedStage) -> Cell:
         outlets = self._outlets(rank, stage)

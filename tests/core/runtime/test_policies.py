@@ -14,6 +14,7 @@ from followspot.runtime.firing import InputPort, Join
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.wiring import RunOptions
+from followspot.runtime.worker import Progress
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 
@@ -65,3 +66,33 @@ def test_an_input_keeps_its_newest_messages_and_counts_the_others_as_dropped() -
     inlet.shed()
     assert [message.header.time for message in inlet.queue] == [8, 9]
     assert ledger.count(0).dropped == 8
+
+
+@pytest.mark.parametrize("edges", ["reference", "ring"])
+@pytest.mark.parametrize("delay", ["", ", delay: 1"], ids=["latest", "delayed"])
+def test_a_camera_that_falls_silent_does_not_hold_up_those_whose_results_it_only_samples(
+    tmp_path: Path, edges: str, delay: str
+) -> None:
+    (tmp_path / "graph.yaml").write_text(
+        "graph: g\nstages:\n"
+        "  a: {uses: ticks.live, with: {count: 1000000}}\n"
+        "  silent: {uses: ticks.live, with: {period: 1000}}\n"
+        "  fast: {uses: ticks.add, in: {number: a}}\n"
+        f"  slow: {{uses: ticks.accumulate, in: {{number: silent, before: {{from: fast{delay}}}}}}}\n"
+        "  save: {uses: ticks.write, in: {number: fast}}\n"
+    )
+    plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[TICKS], edges=edges)  # type: ignore[arg-type]
+    run = LocalRun(plan, RunOptions(tmp_path))
+    looks = iter(range(50))
+
+    def stop(progress: Progress, expected: int | None) -> None:
+        if progress.fired > 30 or next(looks, None) is None:  # the looks only bound a failure
+            run.stop()
+
+    report = run.execute(stop)
+    assert report.ok
+    (sampled,) = (
+        count for edge, count in report.edges if edge.to_stage == "slow" and edge.to_port == "before"
+    )
+    assert sampled.sent > 30, "edges are full with eight"
+    assert sampled.sent == sampled.delivered + sampled.dropped + sampled.unmatched
