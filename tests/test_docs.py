@@ -6,6 +6,7 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import msgpack
@@ -116,6 +117,8 @@ def test_the_tests_shown_to_authors_of_plugins_are_green(tmp_path: Path) -> None
     package.mkdir()
     (package / "__init__.py").touch()
     (package / "low.py").write_text(f'"""Keep what is low."""\n\n{blocks("README.md", "python")[0]}')
+    (offered,) = tomllib.loads(blocks("plugins.md", "toml")[0])["project"]["entry-points"].values()
+    assert offered == {"mine.low": "followspot_mine.low:Low"}
     (tmp_path / "test_low.py").write_text("\n\n".join(blocks("plugins.md", "python")))
     words = [sys.executable, "-m", "pytest", "-q", "--import-mode=prepend", tmp_path]
     done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
