@@ -95,9 +95,9 @@ def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path)
     ]
     connect = [word for agent in agents for word in ("--connect", agent.endpoint)]
     out = tmp_path / "out"
+    placement = ("--placement", str(tmp_path / "far.yaml"))
+    process = start(write_graph(tmp_path, FAR_STAGES), out, *placement, *connect)
     try:
-        placement = ("--placement", str(tmp_path / "far.yaml"))
-        process = start(write_graph(tmp_path, FAR_STAGES), out, *placement, *connect)
         assert wait_until(lambda: len(values(out)) > 50, PATIENCE)
         report = move(str(process.pid), ["b"], "pc-right")
         assert (report.worker, report.host) == ("right", "pc-right")
@@ -105,6 +105,7 @@ def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path)
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
     finally:
+        process.kill()
         for agent in agents:
             agent.process.kill()
             agent.process.communicate()

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command
 
 
@@ -18,16 +20,19 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "one of its instances; a worker of the run, or a host in reach of it",
     )
     parser.add_argument("--json", action="store_true", help="print what was moved as one JSON object")
+    add_plugin_option(parser, "a file that agents have loaded, for runs under agents; repeatable")
     add_network_options(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.changes.change import move
     from followspot.errors import InputError, Mistake
+    from followspot.plugins.registry import use_plugin_files
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
 
     if len(args.words) not in (2, 3):
         raise InputError([Mistake(None, "what is to go where?", "for example: camera/cam3 pc-right")])
+    use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     *wanted, stage, place = args.words
     moved = move(wanted[0] if wanted else None, [stage], place, network=network_of(args, LOOPBACK, AGENT))
     if args.json:
@@ -48,6 +53,7 @@ COMMAND = Command(
 
 The worker that it leaves, the one that takes it, and others whose edges to it change their kind begin anew,
 with the state of their stages. Joins go on without them for a moment; what was under way is counted as lost.
+Where the stage cannot begin at its new place, all go back to their old ones, and the command says why.
 """,
     _configure,
     _run,

@@ -212,12 +212,13 @@ class Agent:
         """One step of a move of stages to or from here. Raises FollowspotError, ValueError."""
         part = self._part(run)
         order = move_from_data(move)
-        if strangers := set(order.leaving) - set(part.run.workers):
-            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {run[:8]} is not here")
         if order.plan is not None:
-            part.order = replace(part.order, plan=order.plan)
             name, media = self.options.name, self.options.media
-            order = replace(order, plan=unpacked(order.plan, name, media, self.options.plugin_files))
+            plan = unpacked(order.plan, name, media, self.options.plugin_files)
+            if order.trial:
+                return
+            part.order = replace(part.order, plan=order.plan)
+            order = replace(order, plan=plan)
             self.tell(f"run {run[:8]} of {part.graph}: stages moved")
         part.run.move(order)
 

@@ -101,9 +101,10 @@ class FarHost:
         """One step of a move; an agent that is started anew begins with the stages as they are then."""
         assert self.order is not None
         if order.plan is not None:
-            plan = packed(plan_from_data(order.plan), self.name, self._media)
-            order, self.order = replace(order, plan=plan), replace(self.order, plan=plan)
+            order = replace(order, plan=packed(plan_from_data(order.plan), self.name, self._media))
         self._ask("move", _PREPARING, run=self.run, move=order.to_data())
+        if order.plan is not None and not order.trial:
+            self.order = replace(self.order, plan=order.plan)
 
     def states(self) -> dict[str, Any]:
         """What the stages there last told of their state."""

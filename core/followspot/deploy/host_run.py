@@ -120,7 +120,8 @@ class HostRun:
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move; done when the host is attended next."""
-        self._moves.append(order)
+        if not order.trial:
+            self._moves.append(order)
 
     def states(self) -> dict[str, Any]:
         """What the stages here last told of their state."""

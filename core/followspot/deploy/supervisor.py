@@ -32,6 +32,8 @@ class Supervisor:
         self._running = self._stopping = False
         self._left: set[str] = set()
         """Workers that have left their place, or are about to, until the crew is rearranged."""
+        self._latest = 0
+        """Highest incarnation that a move has given."""
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
@@ -80,14 +82,17 @@ class Supervisor:
 
     def rearrange(self, order: MoveOrder) -> None:
         """Let workers leave, or let all take the places that a plan gives them."""
-        self._left.update(order.leaving)
-        for name in order.leaving:
+        leaving = [name for name in order.leaving if name in self._crew.workers]
+        self._left.update(leaving)
+        for name in leaving:
+            self._restarts.call_off(name)
             self._crew.workers[name].tell("leave")
         if order.plan is None:
             return
-        later = 1 + max((worker.incarnation for worker in self._crew.workers.values()), default=0)
+        present = (worker.incarnation for worker in self._crew.workers.values())
+        self._latest = 1 + max(self._latest, *present, 0)  # above that of workers that are gone, too
         for name in self._crew.rearrange(order.plan, order.states, self._left):
-            self._spawn_again(name, later)
+            self._spawn_again(name, self._latest)
         self._left.clear()
 
     def _at_work(self) -> bool:

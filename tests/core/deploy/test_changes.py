@@ -8,13 +8,17 @@ from pathlib import Path
 
 import pytest
 
+from followspot.deploy.changes.move import move_hosts
+from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.on_host import HostChange
 from followspot.deploy.changes.on_hosts import change_hosts
 from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
-from followspot.deploy.host import HostStatus, WorkerStatus
+from followspot.deploy.host import HostStatus, WorkerPhase, WorkerStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
+from followspot.graph.move import moved
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.ship import plan_from_data
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """
@@ -97,3 +101,59 @@ def test_where_one_host_cannot_the_others_are_as_before(
     else:
         changed(plan, places)
     assert [place.steps for place in places] == [left, right]
+
+
+class Crew:
+    """A host whose workers leave and begin at once, except for one that cannot."""
+
+    def __init__(self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "") -> None:
+        self.name = name
+        self.refuses = refuses
+        self.unable = unable
+        self.began: list[str] = []
+        """Workers that began anew, in order."""
+        self.workers = {w.name: WorkerStatus(w.name, "running") for w in plan.workers if w.host == name}
+
+    def move(self, order: MoveOrder) -> None:
+        if order.trial and self.refuses:
+            raise FollowspotError(f"{self.name} has no such file")
+        if order.trial:
+            return
+        for name in set(order.leaving) & set(self.workers):
+            self.workers[name] = replace(self.workers[name], phase="absent")
+        if order.plan is not None:
+            self._take_places(plan_from_data(order.plan))
+
+    def _take_places(self, plan: Plan) -> None:
+        mine = [worker.name for worker in plan.workers if worker.host == self.name]
+        there = {name: worker for name, worker in self.workers.items() if name in mine}
+        for name in mine:
+            if name not in there or there[name].phase == "absent":
+                self.began.append(name)
+                stages = [stage.name for stage in plan.stages if stage.worker == name]
+                phase: WorkerPhase = "absent" if self.unable in stages else "running"
+                there[name] = WorkerStatus(name, phase, restarts=len(self.began))
+        self.workers = there
+
+    def states(self) -> dict[str, object]:
+        return {}
+
+    def status(self) -> HostStatus:
+        return HostStatus(tuple(self.workers.values()), ())
+
+
+def test_a_host_that_cannot_take_a_stage_says_so_before_anybody_leaves(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    crews = [Crew("", plan), Crew("pc-left", plan), Crew("pc-right", plan, refuses=True)]
+    with pytest.raises(FollowspotError, match="pc-right has no such file"):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
+    assert [crew.began for crew in crews] == [[], [], []]
+
+
+def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    crews = [Crew("", plan), Crew("pc-left", plan), Crew("pc-right", plan, unable="b")]
+    with pytest.raises(FollowspotError, match="worker right cannot begin at its new place"):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
+    assert [crew.began for crew in crews] == [[], ["left"], ["right", "right"]]
+    assert {worker.phase for crew in crews for worker in crew.workers.values()} == {"running"}

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
 
 from followspot.deploy.changes.move_order import MoveOrder
-from followspot.deploy.host import Host
+from followspot.deploy.host import Host, WorkerStatus
 from followspot.errors import FollowspotError
 from followspot.graph.move import anew, host_workers
 from followspot.graph.plan import Plan
@@ -22,37 +21,67 @@ _GLANCE = 0.02
 def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     """Bring a run from one plan to the other. Safe beside the thread that attends the hosts.
 
-    Raises FollowspotError where a host refuses its new part; then all go back to their old places.
+    Raises FollowspotError where a host refuses its new part, before anybody has left; or where a worker
+    cannot begin at its new place: then all go back to their old ones.
     """
+    for host in hosts:
+        host.move(MoveOrder(plan=plan_to_data(new), trial=True))
+    try:
+        _go(old, new, hosts)
+    except FollowspotError:
+        _go(new, old, hosts)
+        raise
+
+
+def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
+    """Leave, and take the new places."""
     leaving = anew(old, new)
     for host in hosts:
-        host.move(MoveOrder(tuple(w.name for w in host_workers(old, host.name) if w.name in leaving)))
-    _wait(hosts, leaving & {worker.name for worker in old.workers}, "absent")
+        host.move(MoveOrder(tuple(sorted(leaving))))
+    _await_absent(leaving, hosts)
     states = {stage: state for host in hosts for stage, state in host.states().items()}
-    try:
-        _settle(new, hosts, states)
-    except FollowspotError:
-        _settle(old, hosts, states)
-        raise
-    _wait(hosts, leaving & {worker.name for worker in new.workers}, "running")
-
-
-def _settle(plan: Plan, hosts: Sequence[Host], states: Mapping[str, Any]) -> None:
-    home = {stage.name: stage.worker for stage in plan.stages}
+    before = {worker.name: worker.restarts for worker in _workers(hosts)}
+    home = {stage.name: stage.worker for stage in new.stages}
     for host in hosts:
-        mine = {worker.name for worker in host_workers(plan, host.name)}
+        mine = {worker.name for worker in host_workers(new, host.name)}
         own = {stage: state for stage, state in states.items() if home[stage] in mine}
-        host.move(MoveOrder((), plan_to_data(plan), own))
+        host.move(MoveOrder((), plan_to_data(new), own))
+    _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
 
 
-def _wait(hosts: Sequence[Host], workers: set[str], phase: str) -> None:
-    """Until these workers are in this phase. Raises FollowspotError."""
-    deadline = time.monotonic() + _PATIENCE
-    while True:
-        found = {w.name: w.phase for host in hosts for w in host.status().workers if w.name in workers}
-        waiting = sorted(name for name in workers if found.get(name) != phase)
-        if not waiting:
+def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
+    """Until none of these workers is there. Raises FollowspotError."""
+    for _ in _glances("workers did not leave"):
+        if all(worker.phase == "absent" for worker in _workers(hosts) if worker.name in workers):
             return
-        if time.monotonic() > deadline or "over" in found.values():
-            raise FollowspotError(f"worker {waiting[0]} is {found.get(waiting[0], 'gone')}, not {phase}")
+
+
+def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int]) -> None:
+    """Until all of these workers are at work again. Raises FollowspotError where one dies at its beginning.
+
+    before: how often each had been started.
+    """
+    begun: dict[str, int] = {}
+    for _ in _glances("workers did not begin at their new places"):
+        there = {worker.name: worker for worker in _workers(hosts) if worker.name in workers}
+        fresh = [w for w in there.values() if w.restarts > before.get(w.name, -1)]
+        for worker in fresh:
+            again = worker.restarts > begun.setdefault(worker.name, worker.restarts)
+            if again or worker.phase in ("absent", "over"):
+                why = worker.report.error if worker.report is not None else "it dies"
+                raise FollowspotError(f"worker {worker.name} cannot begin at its new place: {why}")
+        if len(fresh) == len(workers) and all(worker.phase == "running" for worker in fresh):
+            return
+
+
+def _workers(hosts: Sequence[Host]) -> Iterator[WorkerStatus]:
+    return (worker for host in hosts for worker in host.status().workers)
+
+
+def _glances(problem: str) -> Iterator[None]:
+    """Look again and again. Raises FollowspotError when that has taken too long."""
+    deadline = time.monotonic() + _PATIENCE
+    while time.monotonic() < deadline:
+        yield
         time.sleep(_GLANCE)
+    raise FollowspotError(f"{problem} within {_PATIENCE:.0f} s")

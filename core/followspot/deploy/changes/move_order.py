@@ -12,17 +12,24 @@ import pydantic
 class MoveOrder:
     """One step on a host.
 
-    leaving: workers that tell the state of their stages and go; plan: what all are to be afterwards, in JSON
-    types, None while they only leave; states: what moved stages told, by stage.
+    leaving: workers, here or elsewhere, that tell the state of their stages and go; plan: what all are to be
+    afterwards, in JSON types, None while they only leave; states: what moved stages told, by stage;
+    trial: only say whether the plan could be taken.
     """
 
     leaving: tuple[str, ...] = ()
     plan: dict[str, Any] | None = None
     states: dict[str, Any] = field(default_factory=dict)
+    trial: bool = False
 
     def to_data(self) -> dict[str, Any]:
         """JSON types."""
-        return {"leaving": list(self.leaving), "plan": self.plan, "states": self.states}
+        return {
+            "leaving": list(self.leaving),
+            "plan": self.plan,
+            "states": self.states,
+            "trial": self.trial,
+        }
 
 
 _ORDER: pydantic.TypeAdapter[MoveOrder] = pydantic.TypeAdapter(MoveOrder)
