@@ -160,7 +160,7 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
     names = ["desk", *SIDES, "middle"]
     before = unused_memory()
     with tempfile.TemporaryDirectory() as folder, Hosts(Path(folder), names) as hosts:
-        show = Show(hosts, random.Random(args.seed))
+        show = Show(hosts, random.Random(args.seed), args.projections)
         try:
             if recovered(show, time.monotonic(), 0.0) is None:
                 raise SystemExit("the run did not begin")
@@ -192,6 +192,12 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--within", type=float, default=5.0, help="seconds that a recovery may take")
     parser.add_argument("--notice", type=float, default=2.0, help="seconds until a fault must be noticed")
+    parser.add_argument(
+        "--projections",
+        type=int,
+        default=0,
+        help="projected spots for each ball: a ball that was missed for a while may be sought in one of them",
+    )
     parser.add_argument("--only", nargs="+", choices=list(FAULTS), default=list(FAULTS), metavar="FAULT")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     args = parser.parse_args()

@@ -29,8 +29,11 @@ workers:
 """
 
 
-def write_files(folder: Path, opened: float) -> None:
-    """Graph, room and placement; opened: since when time goes on in the room, s of the monotonic clock."""
+def write_files(folder: Path, opened: float, projections: int) -> None:
+    """Graph, room and placement.
+
+    opened: since when time goes on in the room, s of the monotonic clock; projections: spots for each ball.
+    """
     graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
     graph["room"] = "room.yaml"
     graph["stages"]["save"]["on_error"] = "skip"
@@ -38,11 +41,11 @@ def write_files(folder: Path, opened: float) -> None:
     judge = {"uses": "soak_stages.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
     graph["stages"]["judge"] = judge
     (folder / "soak.yaml").write_text(yaml.safe_dump(graph))
-    (folder / "room.yaml").write_text(yaml.safe_dump(_room(opened)))
+    (folder / "room.yaml").write_text(yaml.safe_dump(_room(opened, projections)))
     (folder / "placement.yaml").write_text(PLACEMENT)
 
 
-def _room(opened: float) -> dict[str, Any]:
+def _room(opened: float, projections: int) -> dict[str, Any]:
     """The simulated room with live cameras, and one more that looks where another one does."""
     room: dict[str, Any] = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
     del room["truth"]
@@ -51,6 +54,7 @@ def _room(opened: float) -> dict[str, Any]:
         for learnt in (target["area"], target["gray"]):
             learnt[SHORT] = learnt["cam1"]
     for name, camera in room["cameras"].items():
-        performance = {**PERFORMANCE, "frames": SHORT_S * FPS if name == SHORT else 0, "opened": opened}
-        camera["source"] = {"uses": "soak_stages.live_camera", "with": performance}
+        frames = SHORT_S * FPS if name == SHORT else 0
+        shown = {**PERFORMANCE, "projections": projections, "frames": frames, "opened": opened}
+        camera["source"] = {"uses": "soak_stages.live_camera", "with": shown}
     return room

@@ -39,7 +39,7 @@ _LAST = 10_000
 class Show:
     """Everything that runs: a router, two agents, a run; what can be seen of it, and what can befall it."""
 
-    def __init__(self, hosts: Hosts, chance: random.Random) -> None:
+    def __init__(self, hosts: Hosts, chance: random.Random, projections: int) -> None:
         self.hosts = hosts
         self.folder = hosts.folder
         self.chance = chance
@@ -52,7 +52,7 @@ class Show:
         for name in SIDES:
             self._set_clock(name, 0)
         self.agents = {name: self._agent(name) for name in SIDES}
-        write_files(self.folder, opened=time.monotonic())
+        write_files(self.folder, opened=time.monotonic(), projections=projections)
         words = ["run", "soak.yaml", "--placement", "placement.yaml", "--plugin", STAGES, "--out", self.out]
         self.run = hosts.start("desk", *words, "--json", "--quiet", "--insecure", "--router", self.endpoint)
         self.watch = Watch(self.run.pid, hosts.space("desk"))
