@@ -15,6 +15,7 @@ from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.on_host import HostChange
 from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.deploy.clocks.host import HostClock, reference
+from followspot.deploy.clocks.status import ClockWarnings
 from followspot.deploy.crew import Crew
 from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.log.record import Level
@@ -61,7 +62,7 @@ class HostRun:
         self.news: list[str] = []
         self._moves: deque[MoveOrder] = deque()
         self._change = HostChange()
-        self._clock_warned = False
+        self._clock_warnings = ClockWarnings()
 
     @property
     def workers(self) -> dict[str, WorkerProcess]:
@@ -172,12 +173,10 @@ class HostRun:
             self.clock.follow(host)
 
     def _attend_clock(self) -> None:
-        """Tell the workers what to add to their clocks, and the user, once, where that is much."""
+        """Tell the workers what to add to their clocks, and the user where that is much."""
         if (correction := self.clock.news()) is not None:
             self.crew.tell("clock", correction=correction)
-        warning = self.clock.status().warning
-        if warning and not self._clock_warned:
-            self._clock_warned = True
+        if warning := self._clock_warnings.news(self.clock.status()):
             self._tell("warning", warning)
 
     def _changed(self, worker: str, answer: ChangeStatus) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from followspot.deploy.clocks.filter import ClockFilter, Exchange
 from followspot.deploy.clocks.host import HostClock
-from followspot.deploy.clocks.status import LIMIT_MS, ClockStatus
+from followspot.deploy.clocks.status import LIMIT_MS, ClockStatus, ClockWarnings
 from followspot.deploy.security.admission import Admission, Asked, Refused, seal
 from followspot.runtime.clock import Clock
 
@@ -85,6 +85,22 @@ def test_a_clock_far_off_is_warned_about_and_a_good_one_is_not() -> None:
     assert "ahead of that of pc-left" in ClockStatus("pc-left", -LIMIT_MS, 0.5, 16).warning
     assert "could not be compared" in ClockStatus("pc-left", 0.0, 0.0, 0).warning
     assert not ClockStatus().warning
+
+
+def test_a_clock_is_warned_about_each_time_that_it_is_set_wrongly_and_not_more_often() -> None:
+    warnings = ClockWarnings()
+
+    def said(offset_ms: float, exchanges: int = 16) -> str:
+        return warnings.news(ClockStatus("pc-left", offset_ms, 0.4, exchanges))
+
+    assert "could not be compared" in said(0.0, exchanges=0)
+    assert said(0.0, exchanges=0) == said(1.0) == ""
+    assert "50.0 ms behind" in said(50.0)
+    assert said(50.3) == said(48.0) == ""
+    assert "50.0 ms ahead of" in said(-50.0), "it was set again"
+    assert said(0.0) == ""
+    assert "6.0 ms behind" in said(6.0)
+    assert said(4.9) == said(5.1) == "", "it hovers"
 
 
 def test_a_host_alone_adds_what_its_owner_knows() -> None:

@@ -33,3 +33,27 @@ class ClockStatus:
             f"its clock is {abs(self.offset_ms):.1f} ms {way} that of {self.reference}; capture times are "
             "corrected, but set the clocks of all hosts by NTP or PTP"
         )
+
+
+class ClockWarnings:
+    """Says each time that a clock is found to be off what it has not said before."""
+
+    def __init__(self) -> None:
+        self._told: ClockStatus | None = None
+
+    def news(self, status: ClockStatus) -> str:
+        """What to tell the user now; empty where there is nothing new."""
+        if not status.warning:
+            if abs(status.offset_ms) < LIMIT_MS / 2:  # one that is nearly off is not off again and again
+                self._told = None
+            return ""
+        if self._told is not None and _alike(self._told, status):
+            return ""
+        self._told = status
+        return status.warning
+
+
+def _alike(told: ClockStatus, status: ClockStatus) -> bool:
+    """Whether a warning says again what one has said."""
+    compared = bool(told.exchanges) == bool(status.exchanges)
+    return compared and abs(status.offset_ms - told.offset_ms) < LIMIT_MS
