@@ -109,13 +109,12 @@ class RecordButton:
     async def _keep_telling(self, process: asyncio.subprocess.Process) -> None:
         """What the recorder says, until it has ended."""
         last: dict[str, Any] = {}
-        while said := await self._said(process):
+        while (said := await self._said(process)) and said["state"] == "on":
             last = said
             self._tell(said)
-        if last.get("state") == "on":
-            self._tell({**last, "state": "failed", "error": "the recorder has died"})
         await process.wait()
-        self._process = None
+        self._process = None  # before browsers know, for they may begin another
+        self._tell(said or {**last, "state": "failed", "error": "the recorder has died"})
 
     async def _said(self, process: asyncio.subprocess.Process) -> dict[str, Any] | None:
         """The next line of a recorder; None at its end."""
