@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Annotated, Any, Literal
 
 import pydantic
@@ -49,13 +50,20 @@ class LogPage:
 
 def records_from_data(data: Any) -> Sequence[LogRecord]:
     """Records that came from elsewhere. Raises ValueError."""
-    return _RECORDS.validate_python(data)
+    return _records().validate_python(data)
 
 
 def page_from_data(data: Any) -> LogPage:
     """A page that came from elsewhere. Raises ValueError."""
-    return _PAGE.validate_python(data)
+    return _page().validate_python(data)
 
 
-_RECORDS: pydantic.TypeAdapter[list[LogRecord]] = pydantic.TypeAdapter(list[LogRecord])
-_PAGE: pydantic.TypeAdapter[LogPage] = pydantic.TypeAdapter(LogPage)
+@cache
+def _records() -> pydantic.TypeAdapter[list[LogRecord]]:
+    """Made when it is needed: workers only send."""
+    return pydantic.TypeAdapter(list[LogRecord])
+
+
+@cache
+def _page() -> pydantic.TypeAdapter[LogPage]:
+    return pydantic.TypeAdapter(LogPage)
