@@ -31,11 +31,12 @@ from followspot.deploy.taps import WorkerTaps
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.plugins.registry import use_plugin_files
+from followspot.runtime.building import build_worker
 from followspot.runtime.clock import Clock
 from followspot.runtime.ledger import COLUMNS, Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.tapping import Tapping
-from followspot.runtime.wiring import RunOptions, Wiring, build_worker
+from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.runtime.worker import Worker
 from followspot.transport.zenoh_network import network_from_data
 

@@ -21,11 +21,12 @@ from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
 from followspot.graph.move import moved
 from followspot.graph.plan import Plan
+from followspot.runtime.building import build_worker
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.stage_status import paths_now, stages_now
 from followspot.runtime.succession import Successor, given_up, prepared, take_over
 from followspot.runtime.tapping import Tapping, close_taps, tap
-from followspot.runtime.wiring import RunOptions, Wiring, build_worker
+from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.runtime.worker import Progress
 
 OnProgress = Callable[[Progress, int | None], None]
