@@ -44,7 +44,8 @@ class Room:
     def agent(self, name: str) -> Agent:
         home = self.folder / name
         home.mkdir(exist_ok=True)
-        self.agents[name] = near_agent(name, home, at=self.endpoints[name])
+        others = [word for other in HOSTS if other != name for word in ("--connect", self.endpoints[other])]
+        self.agents[name] = near_agent(name, home, *others, at=self.endpoints[name])
         return self.agents[name]
 
     def begin(self, *options: str) -> subprocess.Popen[str]:
@@ -128,6 +129,11 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     (worker,) = children(room.agents["pc-left"].process.pid)
     subprocess.run(["kill", "-9", str(worker)], check=True)
     grows(written, lambda value: not of_left(value))
+    grows(written, of_left, 5)
+    room.agents["pc-left"].process.kill()
+    room.agents["pc-left"].process.communicate()
+    grows(written, lambda value: not of_left(value), 50)
+    room.agent("pc-left")  # it takes up by itself what it was at
     grows(written, of_left, 5)
     done = command("attach", "graph", "--stop", "--json", *room.connect)
     assert done.returncode == 0, done.stderr + done.stdout

@@ -13,10 +13,11 @@ from typing import Any
 from followspot.deploy.changes.move_order import move_from_data
 from followspot.deploy.changes.order import change_from_data
 from followspot.deploy.clocks.host import HostClock, read_clock
-from followspot.deploy.host import RunOrder, order_from_data
+from followspot.deploy.host import order_from_data
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.log.file import LogFile
 from followspot.deploy.parcel import tappings_from_data, unpacked, unpacked_stages
+from followspot.deploy.part import KeptParts, Part
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -56,22 +57,6 @@ class AgentOptions:
     clock_offset: int = 0
 
 
-class Part:
-    """A run as the agent keeps it, and when an operator last asked for it."""
-
-    def __init__(self, graph: str, order: RunOrder, run: HostRun) -> None:
-        self.graph = graph
-        self.order = order
-        self.run = run
-        self.asked = time.monotonic()
-        self.started = False
-
-    @property
-    def over(self) -> bool:
-        """Whether all its workers have ended."""
-        return self.run.status().all("over")
-
-
 class Agent:
     """Serves until it is stopped. One thread does everything; Zenoh's only ring a bell."""
 
@@ -90,6 +75,7 @@ class Agent:
         self.options = options
         self.tell = tell
         self.parts: dict[str, Part] = {}
+        self._kept = KeptParts(options.runs, options.name)
         self._bell = Bell()
         self._stopping = False
         self.session = connected(options.network)
@@ -105,16 +91,29 @@ class Agent:
         try:
             if self.options.name in agents(self.session, timeout=0.5):
                 raise FollowspotError(f"there is an agent {self.options.name} already")
+            self._take_up()
             answers = Answers(self.session, self.options.name, self._verbs(), self._bell.ring, self.tell)
             try:
                 self._loop(answers)
             finally:
                 answers.close()
+            for part in self.parts.values():
+                self._kept.forget(part)
         finally:
             for part in self.parts.values():
                 part.run.close()
             self._bell.close()
             self.session.close()  # type: ignore[no-untyped-call]
+
+    def _take_up(self) -> None:
+        """Go on where an agent of this name died that had runs without an operator."""
+        for order in self._kept.left():
+            self.tell(f"run {order.run[:8]}: taken up again")
+            try:
+                self.prepare(order.to_data())
+                self.start(order.run)
+            except (FollowspotError, ValueError, OSError) as error:
+                self.tell(f"run {order.run[:8]}: cannot be taken up again: {error}")
 
     def _loop(self, answers: Answers) -> None:
         while not (self._stopping and all(part.over for part in self.parts.values())):
@@ -127,6 +126,7 @@ class Agent:
             for part in self.parts.values():
                 part.run.attend(0)
             self._tidy(time.monotonic())
+            self._kept.keep(self.parts.values(), time.monotonic())
 
     def _tidy(self, now: float) -> None:
         """End what nobody wants any more, forget what nobody fetched."""
@@ -232,6 +232,7 @@ class Agent:
         part = self.parts.pop(run, None)
         if part is not None:
             part.run.close()
+            self._kept.forget(part)
             self.tell(f"run {run[:8]} of {part.graph}: over")
 
     def runs(self) -> Sequence[dict[str, Any]]:

@@ -1,0 +1,90 @@
+"""A host's part of a run as its agent keeps it, also on disk where it goes on without an operator.
+
+An agent that is started anew takes such parts up again: workers begin with higher numbers than those that
+ended with the agent before, and with no state but what others send them.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from followspot.deploy.host import RunOrder, order_from_data
+from followspot.deploy.host_run import HostRun
+
+_FILE = ".order"
+_FRESH = 600.0
+"""Seconds since an agent last kept a part after which it is not taken up again."""
+_PERIOD = 2.0
+"""Seconds between two times that it keeps them."""
+_MARGIN = 4
+"""Starts of a worker that may have been missed."""
+_MAX_BYTES = 16 << 20
+
+
+class Part:
+    """A run, and when an operator last asked for it."""
+
+    def __init__(self, graph: str, order: RunOrder, run: HostRun) -> None:
+        self.graph = graph
+        self.order = order
+        self.run = run
+        self.asked = time.monotonic()
+        self.started = False
+
+    @property
+    def over(self) -> bool:
+        """Whether all its workers have ended."""
+        return self.run.status().all("over")
+
+    def again(self) -> RunOrder:
+        """The order for whoever takes it up where it is now."""
+        workers = self.run.status().workers
+        over = {*self.order.over, *(worker.name for worker in workers if worker.phase == "over")}
+        incarnations = {worker.name: worker.restarts + _MARGIN for worker in workers}
+        return replace(self.order, incarnations=incarnations, over=tuple(sorted(over)))
+
+
+class KeptParts:
+    """Parts that go on alone, in the folders of their outputs."""
+
+    def __init__(self, runs: Path, host: str) -> None:
+        """runs: folder below which each run has one; host: whose parts."""
+        self._runs = runs
+        self._host = host
+        self._next = 0.0
+
+    def left(self) -> Iterator[RunOrder]:
+        """What an agent of this host was at when it died, not long ago."""
+        for path in sorted(self._runs.glob(f"*-{self._host}/{_FILE}")):
+            with suppress(OSError, ValueError):  # it was just being written, or is of another version
+                stat = path.stat()
+                if time.time() - stat.st_mtime > _FRESH or stat.st_size > _MAX_BYTES:
+                    continue
+                order = order_from_data(json.loads(path.read_bytes()))
+                if path.parent.name.endswith(f"-{order.run}-{self._host}"):
+                    yield order
+
+    def keep(self, parts: Iterable[Part], now: float) -> None:
+        """Write down where parts are that go on alone, now and then; now: monotonic time, s."""
+        if now < self._next:
+            return
+        self._next = now + _PERIOD
+        for part in parts:
+            if part.over:
+                self.forget(part)
+            elif part.order.detached and part.started:
+                path = Path(part.run.out, _FILE)
+                with suppress(OSError):  # a full disk must not end the run
+                    new = path.with_suffix(".new")
+                    new.write_text(json.dumps(part.again().to_data()))
+                    new.replace(path)
+
+    def forget(self, part: Part) -> None:
+        """It is over."""
+        with suppress(OSError):
+            Path(part.run.out, _FILE).unlink(missing_ok=True)

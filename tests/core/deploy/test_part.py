@@ -1,0 +1,29 @@
+"""Parts of runs that an agent left behind when it died: which of them are taken up again."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+
+from followspot.deploy.host import RunOrder
+from followspot.deploy.part import KeptParts
+
+
+def leave(runs: Path, run: str, host: str, *, text: str = "", age: float = 0.0) -> None:
+    folder = runs / f"20261121-190000-{run}-{host}"
+    folder.mkdir(parents=True)
+    path = folder / ".order"
+    path.write_text(text or json.dumps(RunOrder(run, {}, detached=True).to_data()))
+    os.utime(path, (time.time() - age,) * 2)
+
+
+def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> None:
+    leave(tmp_path, "aaaaaaaa", "left")
+    leave(tmp_path, "bbbbbbbb", "pc-left")
+    leave(tmp_path, "cccccccc", "left", age=3600.0)
+    leave(tmp_path, "dddddddd", "left", text='{"run": "dddd')
+    leave(tmp_path, "eeeeeeee", "left", text='{"run": "eeeeeeee"}')
+    assert [order.run for order in KeptParts(tmp_path, "left").left()] == ["aaaaaaaa"]
+    assert list(KeptParts(tmp_path / "none", "left").left()) == []
