@@ -74,6 +74,11 @@ class Outlet:
             for writer, rows in zip(self.writers, self.rows, strict=True)
         ]
 
+    def returned(self, writer: PortWriter) -> None:
+        """A reader is there again: tell it how far the stream is; nothing earlier comes to it."""
+        if writer in self.writers and -END < self.bound < END:
+            writer.send(Settled(self.bound))
+
     def has_room(self) -> bool:
         """Whether every edge takes another message."""
         for inlet in self.inlets:

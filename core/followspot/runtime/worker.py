@@ -132,6 +132,7 @@ class Worker:
         self.watch(fd, partial(self._credited, fd, writer, rank))
         for _, outlet in self.cells[rank].outlets:
             outlet.forget_lost()
+            outlet.returned(writer)
         self.mark(rank)
 
     def give_up(self, rows: Container[int]) -> None:
@@ -308,6 +309,8 @@ class Worker:
         if writer.lost or before:
             for _, outlet in self.cells[rank].outlets:
                 outlet.forget_lost()
+                if before - writer.lost:
+                    outlet.returned(writer)
         self.mark(rank)
         return fd not in writer.filenos()
 
