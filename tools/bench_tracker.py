@@ -101,7 +101,9 @@ def _measured(args: argparse.Namespace, out: Path) -> dict[str, Any]:
     several: list[float] = []
     for number in range(args.rounds):
         for side in SIDES:
-            costs[side].append(measure(plan, played, out, searching=side == "searching"))
+            whole = measure(plan, played, out, searching=side == "searching", by_stage=False)
+            parts = measure(plan, played, out, searching=side == "searching")
+            costs[side].append(replace(parts, total=whole.total))
             plain[side].append(_plain(plan, played, searching=side == "searching"))
             rates = (
                 f"graph {1e3 / costs[side][-1].total:.0f}, plain script {1e3 / plain[side][-1]:.0f} sets/s"

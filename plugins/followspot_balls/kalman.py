@@ -140,8 +140,10 @@ class Kalman(Stage):
         self.last[target] = self.motion.xyz.take(target, axis=0)
         self.before[new] = self.last[new]
         missing = self.life.status == MISSING
+        unmeasured = missing | (self.life.status == PREDICTED)
+        if not unmeasured.any():
+            return
         if self.params.fade > 0:
-            unmeasured = missing | (self.life.status == PREDICTED)
             self.motion.state[unmeasured, 3:] *= np.exp(-self.period / self.params.fade)
         else:
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0

@@ -90,6 +90,9 @@ def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> Lif
     measured, bridged: (T,) bool; a bridged target is predicted instead of missing.
     """
     seen = life.seen + measured
+    if measured.all():
+        status = np.full(len(seen), TRACKED, np.uint8)
+        return LifeCycle(status, np.zeros_like(life.unseen), seen, life.streak, life.place)
     unseen = np.where(measured, 0, life.unseen + 1)
     waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
     absent = np.where(waiting, np.where(bridged, PREDICTED, MISSING), LOST)

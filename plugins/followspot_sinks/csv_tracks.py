@@ -8,6 +8,8 @@ from followspot import Field, OutputPath, StageParams
 from followspot.tracking import STATES, Tracks
 from followspot_sinks.line_sink import LineSink, seconds
 
+ROW = "%s,%s,%s" + ",%.6f" * 9 + "\n"
+
 
 class CsvTracks(LineSink):
     """Write one row per target and frame while its position is known: s, m, m/s and one sigma in m.
@@ -32,7 +34,7 @@ class CsvTracks(LineSink):
         values = np.hstack([tracks.xyz, tracks.velocity, tracks.sigma])
         start = f"{tracks.header.seq},{seconds(tracks.header.time)}"
         self.write(
-            f"{start},{self.names[target]},{STATES[state]}," + ",".join(f"{v:.6f}" for v in row) + "\n"
+            ROW % (start, self.names[target], STATES[state], *row)
             for target, state, row in zip(
                 tracks.target.tolist(), tracks.state.tolist(), values.tolist(), strict=True
             )
