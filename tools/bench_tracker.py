@@ -5,6 +5,7 @@
 The room's cameras play videos, decoded into memory before the clock starts. Both sides run tracked, and
 searching: then no target is ever believed, so that all are sought in whole images. Rounds are interleaved,
 time is CPU time of one process, and the ratio of each pair of one round is what counts on a noisy machine.
+What shares the caches of a core makes rounds slower, never faster: the fastest is that of a quiet machine.
 With --placement the graph also runs in several processes, by the clock of the wall, for they work at once.
 """
 
@@ -150,11 +151,12 @@ def _several(plan: Plan, frames: int, out: Path) -> float:
 
 
 def _summary(costs: Sequence[Cost], plain: Sequence[float]) -> dict[str, Any]:
-    """Medians over the rounds: sets/s, ratio to the plain script, and ms of each stage."""
+    """Sets/s of the median and the fastest round, ratio to the plain script, and ms of each stage."""
     stages = {name: statistics.median(c.stages[name] for c in costs) for name in costs[0].stages}
     total = statistics.median(c.total for c in costs)
     return {
         "sets_per_second": 1e3 / total,
+        "fastest_sets_per_second": 1e3 / min(c.total for c in costs),
         "plain_sets_per_second": 1e3 / statistics.median(plain),
         "ratio": statistics.median(p / c.total for p, c in zip(plain, costs, strict=True)),
         "targets_tracked": costs[0].tracked,
@@ -164,14 +166,15 @@ def _summary(costs: Sequence[Cost], plain: Sequence[float]) -> dict[str, Any]:
 
 def _text(result: Mapping[str, Any]) -> str:
     """The tables as text."""
-    lines = [f"{'':<12}{'graph':>10}{'plain script':>14}{'ratio':>8}   targets tracked"]
+    lines = [f"{'':<12}{'graph':>10}{'fastest':>10}{'plain script':>14}{'ratio':>8}   targets tracked"]
     for side in SIDES:
         r = result[side]
-        rates = f"{r['sets_per_second']:>10.0f}{r['plain_sets_per_second']:>14.0f}{r['ratio']:>8.2f}"
+        rates = f"{r['sets_per_second']:>10.0f}{r['fastest_sets_per_second']:>10.0f}"
+        rates += f"{r['plain_sets_per_second']:>14.0f}{r['ratio']:>8.2f}"
         lines.append(f"{side:<12}{rates}   {r['targets_tracked']:.1f}")
     if "processes" in result:
         r = result["processes"]
-        rates = f"{r['sets_per_second']:>10.0f}{'':>14}{r['ratio']:>8.2f}"
+        rates = f"{r['sets_per_second']:>10.0f}{'':>24}{r['ratio']:>8.2f}"
         lines.append(f"{'processes':<12}{rates}   tracked, by the clock of the wall")
     lines += ["", f"{'stage':<14}" + "".join(f"{side + ', ms':>16}{'share':>8}" for side in SIDES)]
     for name in result[SIDES[0]]["ms"]:
