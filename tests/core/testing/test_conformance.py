@@ -37,6 +37,14 @@ def test_built_in_stage_keeps_every_promise(name: str) -> None:
     check_stage(load_stage(name), messages=MESSAGES.get(name, 600), **SLOW.get(name, {}))
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", sorted(name for name in catalogue() if MESSAGES.get(name, 600) < 2000))
+def test_built_in_stage_keeps_every_promise_over_two_thousand_messages(name: str) -> None:
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
+    check_stage(load_stage(name), **SLOW.get(name, {}))
+
+
 class Careless(Stage):
     class Params(StageParams):
         size: float = Field(-1.0, gt=0, description="")
