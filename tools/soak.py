@@ -38,6 +38,8 @@ _FRAMES = 3
 """Frames in a row that must be right."""
 _FOREVER = 60.0
 """Seconds after which nothing is expected to come back any more."""
+_UNNOTICED = 10.0
+"""Seconds after which nobody is expected to notice a fault any more."""
 _GROWTH = 0.05
 """Share by which memory may have grown after many faults."""
 _MANY = 50
@@ -54,6 +56,13 @@ def recovered(show: Show, over: float, since: float) -> float | None:
             return time.monotonic() - over
         time.sleep(0.05)
     return None
+
+
+def noticed(show: Show, begun: float) -> float | None:
+    """Seconds until the run said that something was wrong, which tracking may not need; None where never."""
+    while (seconds := show.watch.noticed(begun)) is None and time.monotonic() - begun < _UNNOTICED:
+        time.sleep(0.05)
+    return seconds
 
 
 def tracked(judged: list[tuple[float, int, float]], since: float) -> bool:
@@ -90,10 +99,12 @@ def soak(show: Show, faults: int, kinds: list[str], tell: Callable[[str], None])
         begun = time.monotonic()
         FAULTS[kind](show)
         over = time.monotonic()
+        told = None if kind in UNSEEN else noticed(show, begun)
         back = recovered(show, over, over + _DRAIN)
-        noticed, paused = show.watch.noticed(begun), pause(show, begun, time.monotonic())
-        seen.append({"fault": kind, "back_s": back, "pause_s": paused, "noticed_s": noticed})
-        tell(f"{number + 1}/{faults} {kind}: noticed {_after(noticed)}, back {_after(back)}")
+        paused = pause(show, begun, time.monotonic())
+        seen.append({"fault": kind, "back_s": back, "pause_s": paused, "noticed_s": told})
+        heard = "" if kind in UNSEEN else f"noticed {_after(told)}, "
+        tell(f"{number + 1}/{faults} {kind}: {heard}back {_after(back)}")
         if back is None:
             break
         time.sleep(_CALM)
@@ -132,7 +143,7 @@ def report(seen: list[dict[str, Any]], within: float, notice: float) -> dict[str
         of_kind = [entry for entry in seen if entry["fault"] == kind]
         backs = [_FOREVER if entry["back_s"] is None else entry["back_s"] for entry in of_kind]
         pauses = [entry["pause_s"] for entry in of_kind]
-        noticed = [_FOREVER if entry["noticed_s"] is None else entry["noticed_s"] for entry in of_kind]
+        told = [_FOREVER if entry["noticed_s"] is None else entry["noticed_s"] for entry in of_kind]
         table[kind] = {
             "count": len(backs),
             "pause_s": round(statistics.median(pauses), 2),
@@ -141,9 +152,9 @@ def report(seen: list[dict[str, Any]], within: float, notice: float) -> dict[str
             "late": sum(back > within for back in backs),
         }
         if kind not in UNSEEN:
-            table[kind]["noticed_s"] = round(statistics.median(noticed), 2)
-            table[kind]["noticed_worst_s"] = round(max(noticed), 2)
-            table[kind]["noticed_late"] = sum(seconds > notice for seconds in noticed)
+            table[kind]["noticed_s"] = round(statistics.median(told), 2)
+            table[kind]["noticed_worst_s"] = round(max(told), 2)
+            table[kind]["noticed_late"] = sum(seconds > notice for seconds in told)
     return table
 
 
