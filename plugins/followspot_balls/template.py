@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.glow import glowing
+from followspot_balls.glow import brightness, glowing
 from followspot_balls.hue import BINS, bhattacharyya, hue_bin, normalised
 
 COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
@@ -47,7 +47,7 @@ def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
 
 def color_spots(frames: Sequence[Array]) -> ColorSpots:
     """The target in each frame that shows it: spots of one colour. Raises ValueError where there are none."""
-    spots = glowing([frame.max(axis=2) for frame in frames], COLOR_EDGE)
+    spots = glowing([brightness(frame) for frame in frames], COLOR_EDGE)
     counts = np.zeros((len(spots), BINS))
     for number, spot in enumerate(spots):
         hsv = cv2.cvtColor(frames[spot.frame], cv2.COLOR_BGR2HSV_FULL)[spot.inside]

@@ -11,6 +11,9 @@ from followspot.messages import Array
 from followspot_cameras.images import Images
 from followspot_cameras.video import Video
 
+MOST_FRAMES = 300
+"""Of a target's clip; more teach nothing new and fill the memory."""
+
 
 def folders_of(folder: Path, noun: str) -> list[Path]:
     """The folders of the things shown, in the order of their names. Raises InputError where there is none."""

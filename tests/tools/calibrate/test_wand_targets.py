@@ -17,8 +17,8 @@ from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room_file import load, save
+from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.similarity import similarity
-from followspot_calibrate.targets.places import Places, find_places
 from followspot_calibrate.wand.alignment import onto_centers
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import noise, with_targets

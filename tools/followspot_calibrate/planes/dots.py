@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import InputError, Mistake
 from followspot.messages import Array
+from followspot_balls.glow import brightness
 from followspot_calibrate.clips import folders_of, read_frames
 from followspot_calibrate.planes.marks import Marks, sightings
 from followspot_cameras.recordings import find_recordings
@@ -44,7 +45,7 @@ def find_marks(clips: Path, cameras: Sequence[Camera]) -> Marks:
         for number, camera in enumerate(cameras):
             if camera.name in recordings:
                 frames = read_frames(recordings[camera.name], camera, MOST_FRAMES)
-                for frame, place in enumerate(dots([picture.max(axis=2) for picture in frames])):
+                for frame, place in enumerate(dots([brightness(picture) for picture in frames])):
                     if place is not None:
                         points.setdefault(frame, {})[number] = place.tolist()
         marks[folder.name] = sightings(cameras, [points[frame] for frame in sorted(points)])

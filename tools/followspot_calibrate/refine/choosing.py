@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.messages import Array
-from followspot_calibrate.targets.places import Places
+from followspot_calibrate.places import Places
 from followspot_calibrate.triangulation import triangulate
 
 LIT = 2.0

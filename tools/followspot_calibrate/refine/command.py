@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 
 import numpy as np
 
@@ -10,12 +11,12 @@ from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.check.tracks import read_run, target_sightings
+from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.refine.choosing import telling, together
 from followspot_calibrate.refine.page import page_of
 from followspot_calibrate.refine.solving import Refinement, refine
 from followspot_calibrate.refine.text import as_json, as_text
 from followspot_calibrate.report import write_report
-from followspot_calibrate.targets.places import Places, find_places
 from followspot_calibrate.tracked import Tracked, track_recording
 
 
@@ -34,7 +35,7 @@ def refine_room(args: argparse.Namespace) -> int:
     except OSError as error:
         raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
     if args.json:
-        print(as_json(found))
+        print(json.dumps(as_json(found)))
     else:
         print(f"{as_text(found)}\nthe page to look at: {report}")
     return 0

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -49,9 +49,9 @@ def as_text(found: Refinement) -> str:
     return f"{table(HEAD, cells(found))}\n{verdict(found)}"
 
 
-def as_json(found: Refinement) -> str:
+def as_json(found: Refinement) -> dict[str, Any]:
     """The same for scripts."""
     keys = ("moved_mm", "turned_degrees", "focal_percent", "sightings", "before_px", "after_px")
     cameras = {name: dict(zip(keys, values, strict=True)) for name, *values in rows(found)}
     planes = {name: plane.tolist() for name, plane in found.planes.items()}
-    return json.dumps({"cameras": cameras, "planes": planes, "places": len(found.pixel)})
+    return {"cameras": cameras, "planes": planes, "places": len(found.pixel)}

@@ -17,6 +17,9 @@ Each target moves through the dark room in a clip of its own, and people may car
 spot that is alike in all frames. Colour cameras learn hue and size, infrared cameras grey level and size.
 Targets that the room has already and that have no clips stay as they are.
 
+All cameras see a target at once: where they contradict each other about it, for they are slightly off,
+cameras and planes are corrected as `calibrate refine` does, in the frame of reference of the given ones.
+
 The table at the end says how well the colours are told apart; two targets that look alike are warned about.
 
   followspot calibrate targets --room room.yaml --clips templates
@@ -34,6 +37,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"radius of the targets, m; else as in the room file, else {RADIUS} (a 6-inch ball)",
     )
     parser.add_argument(
+        "--keep-cameras",
+        action="store_true",
+        help="cameras and planes stay, also where they are slightly off",
+    )
+    parser.add_argument(
         "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.targets.html)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object with the templates")
@@ -43,7 +51,7 @@ def run(args: argparse.Namespace) -> int:
     """Learn, write, report."""
     from followspot_calibrate.targets.command import calibrate_targets
 
-    return calibrate_targets(args.room, args.clips, args.radius, RADIUS, args.report, in_json=args.json)
+    return calibrate_targets(args, RADIUS)
 
 
 COMMAND = Command("targets", HELP, configure, run, parent="calibrate")

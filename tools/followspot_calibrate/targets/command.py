@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,27 +11,29 @@ from followspot import Room, Target
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
+from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
+from followspot_calibrate.targets.cameras import Agreement, agreement
 from followspot_calibrate.targets.learning import Lesson, learn, taught
+from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.page import page_of
 from followspot_calibrate.targets.separability import Separability, separability
 from followspot_calibrate.targets.text import as_json, summary
 
 
-def calibrate_targets(
-    room_file: Path, clips: Path, radius: float | None, usual: float, page: Path | None, *, in_json: bool
-) -> int:
+def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     """Learn all targets, update the room file, write the page, report; returns the exit code.
 
-    radius, usual: m, as given, and where neither the user nor the room file knows it; page: to look at,
-    by default beside the room file. A clip that teaches nothing is a warning, and so are two targets that
-    look alike. Raises FollowspotError for targets that no camera saw; the others are written.
+    usual: radius where neither the user nor the room file knows it, m. A clip that teaches nothing is a
+    warning, and so are two targets that look alike. Raises FollowspotError for targets that no camera saw;
+    the others are written.
     """
-    if radius is not None and not radius > 0:
-        text = f"--radius {radius:g} is not positive"
+    if args.radius is not None and not args.radius > 0:
+        text = f"--radius {args.radius:g} is not positive"
         raise InputError([Mistake(None, text, "give metres, for example 0.05")])
+    room_file, radius = args.room, args.radius
     room = load(room_file)
-    report = {folder.name: learn_aloud(folder, room) for folder in folders_of(clips, "target")}
+    report = {folder.name: learn_aloud(folder, room) for folder in folders_of(args.clips, "target")}
     failed = [name for name, lessons in report.items() if all(lesson.problem for lesson in lessons)]
     learnt = {
         name: taught(room.targets.get(name, Target(name, usual)), radius, lessons)
@@ -38,19 +41,29 @@ def calibrate_targets(
         if name not in failed
     }
     targets = {**room.targets, **learnt}
-    apart = told_apart(room, targets, report)
-    page = page or room_file.with_suffix(".targets.html")
+    held = Agreement() if args.keep_cameras else agreement(room, args.clips)
+    outcome = Outcome(report, told_apart(room, targets, report), held)
+    page = args.report or room_file.with_suffix(".targets.html")
     try:
-        update(room_file, targets=targets)
-        write_report(page, page_of(room.name, report, apart))
+        write_room(room_file, targets, held.correction)
+        write_report(page, page_of(room.name, outcome))
     except OSError as error:
         raise FollowspotError(f"{error.filename or room_file} cannot be written: {error.strerror}") from None
-    for text in (warning for one in apart for warning in one.warnings):
+    for text in outcome.warnings:
         print(f"warning: {text}", file=sys.stderr)
-    print(as_json(report, apart) if in_json else f"{summary(report, apart)}\nthe page to look at: {page}")
+    print(as_json(outcome) if args.json else f"{summary(outcome)}\nthe page to look at: {page}")
     if failed:
         raise FollowspotError(f"no camera saw {', '.join(failed)}; {room_file} has the other targets")
     return 0
+
+
+def write_room(file: Path, targets: Mapping[str, Target], correction: Refinement | None) -> None:
+    """The targets, and cameras and planes where they were corrected."""
+    if correction is None:
+        update(file, targets=targets)
+    else:
+        cameras = {camera.name: camera for camera in correction.after.cameras}
+        update(file, targets=targets, cameras=cameras, planes=correction.planes)
 
 
 def learn_aloud(folder: Path, room: Room) -> list[Lesson]:

@@ -12,11 +12,8 @@ from followspot import Camera, Room, Target
 from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_balls.template import ColorSpots, color_spots, color_template, learn_infrared
-from followspot_calibrate.clips import read_frames
+from followspot_calibrate.clips import MOST_FRAMES, read_frames
 from followspot_cameras.recordings import find_recordings
-
-MOST_FRAMES = 300
-"""Of one clip; more teach nothing new and fill the memory."""
 
 
 @dataclass(frozen=True)

@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 
+from followspot_calibrate.refine.text import HEAD as CHANGES
+from followspot_calibrate.refine.text import cells, verdict
 from followspot_calibrate.report import Page, Section, hue_bars, plain_table
-from followspot_calibrate.targets.learning import Lesson
-from followspot_calibrate.targets.separability import CONFUSED, Separability, worst
+from followspot_calibrate.targets.outcome import Outcome
+from followspot_calibrate.targets.separability import CONFUSED, worst
 from followspot_calibrate.targets.text import APART, HEAD, accepted_rows, template_row
 
 HUES = "Share of the hues of what glows, red at the left; each camera has its own white balance."
 
 
-def page_of(room: str, report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> Page:
-    """What each camera learnt of each target, and whether the targets can be told apart."""
+def page_of(room: str, outcome: Outcome) -> Page:
+    """What each camera learnt of each target, whether these can be told apart, and how cameras changed."""
+    report = outcome.lessons
     problems = [f"{t}, {o.camera.name}: {o.problem}" for t, some in report.items() for o in some if o.problem]
-    warnings = [text for one in apart for text in one.warnings] + problems
+    warnings = outcome.warnings + problems
     targets = "1 target" if len(report) == 1 else f"{len(report)} targets"
-    summary = f"{targets} learnt" + (", told apart by colour" if apart and not warnings else "")
-    sections = list(_sections(report, apart))
+    summary = f"{targets} learnt" + (", told apart by colour" if outcome.apart and not warnings else "")
+    sections = list(_sections(outcome))
     return Page(f"Targets of {room}", "look" if warnings else "good", summary, warnings, sections)
 
 
-def _sections(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> Iterator[Section]:
-    if apart:
-        one = worst(apart)
+def _sections(outcome: Outcome) -> Iterator[Section]:
+    report = outcome.lessons
+    if (correction := outcome.agreement.correction) is not None:
+        yield plain_table("Cameras corrected", CHANGES, cells(correction), note=verdict(correction))
+    if outcome.apart:
+        one = worst(outcome.apart)
         others = np.where(np.eye(len(one.targets), dtype=bool), 0.0, one.accepted).max(axis=1)
         confused = [
             name for name, share in zip(one.targets, others.tolist(), strict=True) if share >= CONFUSED

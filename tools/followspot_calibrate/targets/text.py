@@ -3,37 +3,45 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from followspot.cli.summary import table
+from followspot_calibrate.refine.text import as_json as correction_as_json
+from followspot_calibrate.refine.text import as_text
 from followspot_calibrate.targets.learning import Lesson
+from followspot_calibrate.targets.outcome import Outcome
 from followspot_calibrate.targets.separability import Separability, worst
 
 HEAD = ("target", "camera", "frames", "area", "template")
+CORRECTED = "the cameras contradicted each other about the targets, and were corrected (--keep-cameras: not)"
 APART = "blobs of the target on the left that the template above accepts, in the worst camera"
 
 
-def summary(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
-    """A line per target and camera, then how well the targets are told apart."""
-    lines = [HEAD, *(template_row(name, one) for name, lessons in report.items() for one in lessons)]
+def summary(outcome: Outcome) -> str:
+    """A line per target and camera, then how well the targets are told apart, and what became of cameras."""
+    lines = [HEAD, *(template_row(name, one) for name, all_ in outcome.lessons.items() for one in all_)]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     rows = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
-    learnt = "\n".join("  ".join(row).rstrip() for row in rows)
-    if not apart:
-        return learnt
-    one = worst(apart)
-    return f"{learnt}\n\n{APART}\n{table(('', *one.targets), accepted_rows(one))}"
+    parts = ["\n".join("  ".join(row).rstrip() for row in rows)]
+    if outcome.apart:
+        one = worst(outcome.apart)
+        parts.append(f"{APART}\n{table(('', *one.targets), accepted_rows(one))}")
+    if (correction := outcome.agreement.correction) is not None:
+        parts.append(f"{CORRECTED}\n{as_text(correction)}")
+    return "\n\n".join(parts)
 
 
-def as_json(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability]) -> str:
+def as_json(outcome: Outcome) -> str:
     """The same for scripts."""
+    correction = outcome.agreement.correction
     return json.dumps(
         {
             "targets": {
-                name: {one.camera.name: _fields(one) for one in all_} for name, all_ in report.items()
+                name: {one.camera.name: _fields(one) for one in all_}
+                for name, all_ in outcome.lessons.items()
             },
             "separability": {
                 one.camera: {
@@ -41,9 +49,10 @@ def as_json(report: Mapping[str, Sequence[Lesson]], apart: Sequence[Separability
                     "similarity": np.round(one.similarity, 4).tolist(),
                     "accepted": np.round(one.accepted, 4).tolist(),
                 }
-                for one in apart
+                for one in outcome.apart
             },
-            "warnings": [text for one in apart for text in one.warnings],
+            "correction": None if correction is None else correction_as_json(correction),
+            "warnings": outcome.warnings,
         }
     )
 

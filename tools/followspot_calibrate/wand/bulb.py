@@ -11,6 +11,7 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import InputError, Mistake
 from followspot.messages import Array
+from followspot_balls.glow import brightness
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.clips import frames_of
 from followspot_calibrate.planes.dots import dots
@@ -50,6 +51,6 @@ def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None 
 def _track(frames: Iterator[Array]) -> Array:
     """Where the bulb is in each picture, (F, 2) px, NaN where it is not seen."""
     places: list[Iterable[float]] = []
-    while some := [pixels.max(axis=2) for pixels in islice(frames, TOGETHER)]:
+    while some := [brightness(pixels) for pixels in islice(frames, TOGETHER)]:
         places += [(np.nan, np.nan) if place is None else place for place in dots(some)]
     return np.array(places).reshape(-1, 2)

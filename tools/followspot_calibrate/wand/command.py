@@ -16,11 +16,11 @@ from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room import StageUse
 from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
+from followspot_calibrate.places import find_places
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.report import write_report
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import on_a_line
-from followspot_calibrate.targets.places import find_places
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
 from followspot_calibrate.wand.bulb import find_bulb
 from followspot_calibrate.wand.page import page_of

@@ -12,8 +12,8 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Free, Middle, Progress, adjust
+from followspot_calibrate.places import Places
 from followspot_calibrate.similarity import Similarity
-from followspot_calibrate.targets.places import Places
 from followspot_calibrate.triangulation import error, triangulate
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen

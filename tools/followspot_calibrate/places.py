@@ -11,11 +11,10 @@ import numpy as np
 from followspot import Camera
 from followspot.errors import FollowspotError
 from followspot.messages import Array
-from followspot_balls.glow import Spot, glowing
+from followspot_balls.glow import Spot, brightness, glowing
 from followspot_balls.template import COLOR_EDGE, INFRARED_EDGE
 from followspot_calibrate.adjust import Progress
-from followspot_calibrate.clips import folders_of, read_frames
-from followspot_calibrate.targets.learning import MOST_FRAMES
+from followspot_calibrate.clips import MOST_FRAMES, folders_of, read_frames
 from followspot_cameras.recordings import find_recordings
 
 OFF_MIDDLE = 0.03
@@ -74,6 +73,6 @@ def _spots(recording: Path, camera: Camera) -> list[Spot]:
     frames = read_frames(recording, camera, MOST_FRAMES)
     edge = COLOR_EDGE if camera.kind == "color" else INFRARED_EDGE
     try:
-        return glowing([frame.max(axis=2) for frame in frames], edge)
+        return glowing([brightness(frame) for frame in frames], edge)
     except ValueError:
         return []

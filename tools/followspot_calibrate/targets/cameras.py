@@ -1,0 +1,78 @@
+"""Whether the cameras agree about the targets in their clips, and what corrects them where they do not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from followspot import Room
+from followspot.errors import FollowspotError
+from followspot_calibrate.places import Places, find_places
+from followspot_calibrate.refine.solving import Refinement, refine
+from followspot_calibrate.wand.rounds import RAYLEIGH, Settled, chosen
+
+FEWEST = 3
+"""Cameras that can be held against each other."""
+FITTING = 0.5
+"""Share of a camera's sightings that must fit the others'; else it is not just slightly off."""
+AGREEING = 1.0
+"""Errors, over those that lamps and patches off the middle of a target explain, up to which cameras agree."""
+
+
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """What the clips tell about the cameras: a correction, or why there is none. Neither where they agree."""
+
+    correction: Refinement | None = None
+    problem: str = ""
+
+
+def agreement(room: Room, clips: Path) -> Agreement:
+    """Holds the cameras against each other by where they see each target at the same frame of its clip."""
+    cameras = list(room.cameras.values())
+    if len(cameras) < FEWEST:
+        return Agreement()
+    try:
+        places = find_places(clips, cameras)
+    except FollowspotError:  # clips of single cameras: there is nothing to hold against each other
+        return Agreement()
+    given = chosen(cameras, places.pixel)
+    if apart := elsewhere(given, places):
+        cause = "the clips of a target do not begin at the same moment, or a camera has moved"
+        return Agreement(
+            problem=f"{apart} and the other cameras see the targets at different places: {cause}"
+        )
+    if excess(given, places) <= AGREEING:
+        return Agreement()
+    try:
+        found = refine(cameras, places, room.planes)
+    except FollowspotError as reason:
+        return Agreement(problem=f"{contradiction(given)}, and clips cannot correct them: {reason}")
+    if excess(found.after, places) > AGREEING:
+        left = f"{median_px(found.after):.2f} px are left when they are corrected by the clips"
+        return Agreement(problem=f"{contradiction(given)}, and {left}: calibrate them again")
+    return Agreement(found)
+
+
+def elsewhere(settled: Settled, places: Places) -> str:
+    """Names of the cameras that see most targets where the others do not, with commas."""
+    seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
+    fitting = settled.used.sum(axis=0) >= FITTING * seen
+    return ", ".join(c.name for c, fits in zip(settled.cameras, fitting, strict=True) if not fits)
+
+
+def excess(settled: Settled, places: Places) -> float:
+    """Median reprojection error over that of sightings that are as good as they can be."""
+    return float(np.nanmedian(settled.distance / places.sigma[:, None])) / RAYLEIGH
+
+
+def contradiction(given: Settled) -> str:
+    """By how much the cameras of the room file are off."""
+    return f"cameras contradict each other about the targets by {median_px(given):.2f} px"
+
+
+def median_px(settled: Settled) -> float:
+    """Median reprojection error, px."""
+    return float(np.nanmedian(settled.distance))
