@@ -12,8 +12,6 @@ from followspot.messages import Array
 from followspot_balls.hue import BINS, BIT, hue_bin
 from followspot_balls.strip import Strip, Windows, clusters, cut, row_and_column, scattered, window_strip
 
-BLACK = (0, 0, 0)
-
 
 class Limits(NamedTuple):
     """When a pixel shows a hue: saturation and value at least that; white: value of an overexposed core."""
@@ -87,7 +85,8 @@ def lit(pixels: Array, limits: Limits) -> Lit:
     A core is bright and pale: the sensor saturates where the ball glows most, and its hue is lost.
     """
     brightest_dark = min(limits.value, limits.white) - 1
-    place = np.flatnonzero(np.asarray(cv2.inRange(pixels, BLACK, (brightest_dark,) * 3)) == 0)
+    _, bright = cv2.threshold(pixels, brightest_dark, 255, cv2.THRESH_BINARY)  # of each colour by itself
+    place = (np.asarray(cv2.cvtColor(bright, cv2.COLOR_BGR2GRAY)) > 0).reshape(-1).nonzero()[0]
     if not len(place):
         return Lit(place, *np.empty((2, 0), np.uint8))
     colors = cv2.cvtColor(pixels.reshape(1, -1, 3).take(place, axis=1), cv2.COLOR_BGR2HSV_FULL)

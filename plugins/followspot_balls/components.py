@@ -53,13 +53,14 @@ def above_local_peak(level: Array, fraction: float) -> Array:
 def components(mask: Array, level: Array, strip: Strip) -> Components:
     """Connected components (8 neighbours), with centroids weighted by `level`.
 
-    They are in the order of their first pixels, row by row: that of a part does not depend on the others.
+    They are in the order in which pairs of rows first show them, from the left: that of a part does not
+    depend on the others.
     mask: (H, W) bool, empty between the parts; level: (H, W), positive inside the mask.
     """
     pixels = mask.reshape(-1).nonzero()[0]
     if not len(pixels):
         return NOTHING
-    count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_SAUF)
+    count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_BBDT)
     count -= 1  # the background
     label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
     y, x = row_and_column(pixels, mask.shape[1])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -105,10 +105,10 @@ class Kalman(Stage):
         p = self.params
         self.advance(positions.header.time)
         life, counted = believed(self.life, positions, self.evidence)
-        rows = counted.nonzero()[0]
-        target, xyz = positions.target.take(rows), positions.xyz.take(rows, axis=0)
-        noise = self.noise(positions.covariance.take(rows, axis=0))
-        sure = (positions.support >= p.support).take(rows)
+        if not counted.all():
+            positions = positions.where(counted)
+        target, xyz = positions.target.astype(np.intp), positions.xyz
+        noise, sure = self.noise(positions.covariance), positions.support >= p.support
         motion = predict(self.motion, self.period, p.acceleration)
         new = life.status.take(target) == LOST
         old = slice(None)
@@ -116,10 +116,11 @@ class Kalman(Stage):
             motion = started(motion, target[new], xyz[new], noise[new], p.speed)
             old = ~new
         self.motion = followed(motion, target[old], xyz[old], noise[old], sure[old], self.period, p.gate)
-        predicted = positions.predicted.take(rows)
         measured, bridged = np.zeros((2, len(life.status)), bool)
-        measured[target] = ~predicted
-        bridged[target] = predicted & (self.motion.sigma.take(target, axis=0).max(axis=1) <= p.vague)
+        measured[target] = ~positions.predicted
+        if positions.predicted.any():
+            vague = self.motion.sigma.take(target, axis=0).max(axis=1) > p.vague
+            bridged[target] = positions.predicted & ~vague
         self.life = aged(life, measured, bridged, p.missing)
         self.remember(target, target[new])
         return Outputs(self.tracks(), self.forecast())
@@ -139,13 +140,12 @@ class Kalman(Stage):
         self.before[target] = self.last.take(target, axis=0)
         self.last[target] = self.motion.xyz.take(target, axis=0)
         self.before[new] = self.last[new]
-        missing = self.life.status == MISSING
-        unmeasured = missing | (self.life.status == PREDICTED)
-        if not unmeasured.any():
-            return
+        status = self.life.status
         if self.params.fade > 0:
+            unmeasured = ((status == MISSING) | (status == PREDICTED)).nonzero()[0]
             self.motion.state[unmeasured, 3:] *= np.exp(-self.period / self.params.fade)
         else:
+            missing = (status == MISSING).nonzero()[0]
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
 
     def tracks(self) -> Tracks:
@@ -176,8 +176,8 @@ class Kalman(Stage):
 
     def state(self) -> Any:
         return {
-            **vars(self.motion),
-            **vars(self.life),
+            **self.motion._asdict(),
+            **self.life._asdict(),
             "last": self.last,
             "before": self.before,
             "time": self.time,
@@ -185,7 +185,7 @@ class Kalman(Stage):
         }
 
     def restore(self, state: Any) -> None:
-        self.motion = Motion(*(np.array(state[f.name]) for f in fields(Motion)))
-        self.life = LifeCycle(*(np.array(state[f.name]) for f in fields(LifeCycle)))
+        self.motion = Motion(*(np.array(state[name]) for name in Motion._fields))
+        self.life = LifeCycle(*(np.array(state[name]) for name in LifeCycle._fields))
         self.last, self.before = np.array(state["last"]), np.array(state["before"])
         self.time, self.period = int(state["time"]), float(state["period"])

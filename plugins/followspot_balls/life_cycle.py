@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -27,8 +27,7 @@ class Evidence:
     """m, less than any two targets can be: what is nearer to another one is that one."""
 
 
-@dataclass(frozen=True, eq=False)
-class LifeCycle:
+class LifeCycle(NamedTuple):
     """Of T targets."""
 
     status: Array
@@ -56,10 +55,10 @@ def believed(life: LifeCycle, positions: Positions, evidence: Evidence) -> tuple
     moved on, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
-    status = life.status[target]
+    status = life.status.take(target)
     known = (status == TRACKED) | (status == PREDICTED)
     if known.all():
-        return LifeCycle(life.status, life.unseen, life.seen, np.zeros_like(life.streak), life.place), known
+        return life._replace(streak=np.zeros(len(life.streak), int)), known
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
     near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
@@ -92,7 +91,7 @@ def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> Lif
     seen = life.seen + measured
     if measured.all():
         status = np.full(len(seen), TRACKED, np.uint8)
-        return LifeCycle(status, np.zeros_like(life.unseen), seen, life.streak, life.place)
+        return LifeCycle(status, np.zeros(len(seen), int), seen, life.streak, life.place)
     unseen = np.where(measured, 0, life.unseen + 1)
     waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
     absent = np.where(waiting, np.where(bridged, PREDICTED, MISSING), LOST)

@@ -124,7 +124,7 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
     """Where targets are looked for in all views at once, for whichever stage of a worker asks first."""
     views, count = len(room.cameras), len(room.targets)
     lost = lost_targets(forecast, count)
-    rows_lost = (lost | np.zeros((views, 1), bool)).reshape(-1)
+    rows_lost = lost[None].repeat(views, axis=0).reshape(-1)
     if forecast is None or lost.all():
         nowhere, nothing = np.full((views * count, 2), np.nan), np.zeros((views * count, 2), int)
         circles = Circles(nowhere, np.full(views * count, minimum), nowhere[:, 0], rows_lost)
@@ -160,16 +160,14 @@ def side_by_side(views: Sequence[Regions]) -> Regions:
 def forecast_images(room: Room, forecast: Forecast) -> Images:
     """Forecasts reprojected into all views at once, for whichever stage of a worker asks first."""
     views, count, sizes = room_views(room), len(room.targets), target_radii(room)
-    base = views.local(np.concatenate([forecast.xyz, forecast.last, forecast.before]))
-    local = np.concatenate([base, base[:, :count], base[:, :count]], axis=1)
-    local[:, 3 * count : 4 * count, 0] += sizes
-    local[:, 4 * count :, 1] += sizes
-    center, last, before, right, down = (
-        views.project_local(local).reshape(len(base), 5, count, 2).swapaxes(0, 1)
-    )
-    offset = np.array([before - last, right - center, down - center])
-    travel, right, down = np.hypot(offset[..., 0], offset[..., 1])
-    ball = (right + down) / 2 * elongation(base[:, :count])
+    here = forecast.xyz
+    local = views.local(np.concatenate([forecast.last, here, here, forecast.before, here, here]))
+    local[:, 4 * count : 5 * count, 0] += sizes
+    local[:, 5 * count :, 1] += sizes
+    start, end = views.project_local(local).reshape(len(local), 2, 3, count, 2).swapaxes(0, 1)
+    offset = end - start
+    travel, right, down = np.hypot(offset[..., 0], offset[..., 1]).swapaxes(0, 1)
+    center, ball = start[:, 1], (right + down) / 2 * elongation(local[:, count : 2 * count])
     lost = forecast.state == LOST
     if lost.any():
         center[:, lost], ball[:, lost] = np.nan, np.nan

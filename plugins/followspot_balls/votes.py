@@ -16,13 +16,10 @@ from followspot_balls.strip import Strip, row_and_column
 
 SMOOTH = np.array([6.0, 13.0, 6.0], np.float32)
 """Filter along rows and columns before the slopes are taken."""
-MEAN, SLOPE = np.array([3.0, 10.0, 3.0]), np.array([-1.0, 0.0, 1.0])
-"""Scharr's filters, across and along a slope."""
-GAIN = SMOOTH.sum() ** 2 * MEAN.sum() * np.abs(SLOPE).sum()
-"""Of all together. They are whole numbers, so that sums are exact, in whichever order they are taken."""
-STENCIL = np.array([np.outer(MEAN, SLOPE), np.outer(SLOPE, MEAN), np.diag([0, 32, 0])])
-STENCIL = STENCIL.reshape(3, 9).astype(np.float32)
-"""Slopes to the right and down, and the pixel itself, in a square of 3 x 3."""
+SCHARR = 32.0
+"""Gain of Scharr's filters, which take the slopes."""
+GAIN = SMOOTH.sum() ** 2 * SCHARR
+"""Of both together. They are whole numbers, so that sums are exact, in whichever order they are taken."""
 NEAR = 1.2
 """Largest distance of a voting pixel from the edge, px: the width of the blurred step."""
 FAINTEST = 0.08
@@ -32,8 +29,6 @@ UNHEARD = 1e-9
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
 TOUCHING = np.ones((3, 3), np.uint8)
-DOWN, RIGHT = np.indices((3, 3)).reshape(2, 9, 1) - 1
-"""Places in that square."""
 
 
 def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, edge: float) -> Array:
@@ -75,9 +70,9 @@ def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[A
     code = np.zeros(len(blobs.area), np.uint16)
     code[known] = np.arange(1, len(known) + 1)
     labels = np.zeros(shape, np.uint16)
-    labels.put(blobs.pixels, code.take(blobs.label))
-    grown = np.asarray(cv2.dilate(labels, TOUCHING))
-    index = (grown > 0).reshape(-1).nonzero()[0]
+    labels.reshape(-1)[blobs.pixels] = code.take(blobs.label)
+    grown = np.asarray(cv2.dilate(labels, TOUCHING)).reshape(-1)
+    index = (grown > 0).nonzero()[0]
     return index, grown.take(index).astype(np.intp) - 1
 
 
@@ -87,8 +82,9 @@ def derivatives(level: Array, index: Array) -> Array:
     level: (H, W) u8; index: (P,) flat.
     """
     smooth = cv2.sepFilter2D(level, cv2.CV_32F, SMOOTH, SMOOTH, borderType=cv2.BORDER_CONSTANT)
-    width = level.shape[1]
-    return np.asarray(STENCIL @ smooth.take(index + (DOWN * width + RIGHT), mode="clip"))
+    right = cv2.Scharr(smooth, cv2.CV_32F, 1, 0, borderType=cv2.BORDER_CONSTANT)
+    down = cv2.Scharr(smooth, cv2.CV_32F, 0, 1, borderType=cv2.BORDER_CONSTANT)
+    return np.array([right.take(index), down.take(index), SCHARR * smooth.take(index)])
 
 
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:

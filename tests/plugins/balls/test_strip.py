@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from followspot.messages import Array
 from followspot_balls.components import above_local_peak, components, of_size
 from followspot_balls.strip import Strip, abreast, clusters, cut, scattered, whole_strip, window_strip
+from followspot_balls.votes import disc_centers
 
 SMALLEST, LARGEST = 3, 60
 EDGE = 0.6
@@ -42,6 +43,30 @@ def test_clusters_hold_the_components_of_the_whole_picture(seed: int) -> None:
     parts = clusters(np.zeros(len(y), int), y, x, (1, *level.shape), np.array([SMALLEST]))
     strip = scattered(parts.shape, parts.place, level[y, x].take(parts.entry))
     assert found(strip, parts.strip) == pytest.approx(found(level, whole_strip(70)))
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 10_000), st.integers(1, 6))
+def test_the_order_of_components_does_not_depend_on_the_column_at_which_their_part_stands(
+    seed: int, left: int
+) -> None:
+    alone = speckled(seed)
+    shifted = np.pad(alone, ((0, 0), (left, 0)))
+    centers = [components(level > 0, level, whole_strip(level.shape[1])).center for level in (alone, shifted)]
+    assert centers[1] - centers[0] == pytest.approx(np.full(centers[0].shape, [left, 0]))
+
+
+def test_a_blob_at_the_edge_of_its_strip_has_the_center_that_it_has_elsewhere() -> None:
+    wide = np.zeros((30, 30), np.uint8)
+    wide[11:19, 11:19] = 200
+    wide[15, 18] = 0
+    tight = wide[10:20, 10:20]  # one dark pixel around it
+    offset = []
+    for level in (wide, tight):
+        strip = whole_strip(level.shape[1])
+        blobs = components(above_local_peak(level, EDGE), level, strip)
+        offset.append(disc_centers(level, strip, blobs, np.array([4.0]), EDGE) - blobs.center)
+    assert offset[1] == pytest.approx(offset[0], abs=1e-9)
 
 
 def test_clusters_of_different_layers_are_apart() -> None:
