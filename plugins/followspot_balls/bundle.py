@@ -26,7 +26,7 @@ from followspot_balls.bundle_points import (
 )
 from followspot_balls.bundle_sightings import sightings
 from followspot_balls.bundle_trust import Outlines, variance
-from followspot_balls.evidence import recovery_credit
+from followspot_balls.evidence import appearing, recovery_credit
 from followspot_balls.search import lost_targets
 
 USED = 0.4
@@ -86,6 +86,13 @@ class Bundle(Stage):
             gt=0,
             unit="1",
             description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
+        )
+        appearing: float = Field(
+            3.0,
+            gt=0,
+            unit="1",
+            description="cutoff of a target without forecast where three views confirm each other, over that "
+            "of others, for it often shows only parts of itself; raising it finds more, also false ones",
         )
         labelled: float = Field(
             0.5,
@@ -160,7 +167,8 @@ class Bundle(Stage):
         claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
         credit = seeds[target] * self.credit(candidates, target, claims.lost, forecast)
         start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
-        fit = self.refined(start, claims, self.expectation(target, claims.lost, forecast))
+        expected = self.expectation(target, claims.lost, forecast)
+        fit = self.refined(start, claims, expected, self.cutoff(candidates, target, lost))
         agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
         used = agreeing.all(axis=2) & candidates.targets.T[target]
         positions = Positions(
@@ -203,6 +211,14 @@ class Bundle(Stage):
         p = self.params
         return variance(share, p.sigma, p.hidden, p.merged)
 
+    def cutoff(self, candidates: Candidates, target: Array, lost: Array) -> Array | float:
+        """Sigmas, of all targets' views, or (M, 1) where one has no forecast. lost: (T,) bool."""
+        p = self.params
+        if not lost.any():
+            return p.cutoff
+        wide = np.asarray(appearing(candidates, lost).any(axis=0))[target]
+        return np.where(wide, p.appearing * p.cutoff, p.cutoff)[:, None]
+
     def expectation(self, target: Array, lost: Array, forecast: Forecast | None) -> Belief:
         """The forecast of each target's place, with part of its information; none of lost targets."""
         vector, information = empty_belief(len(target))
@@ -225,11 +241,12 @@ class Bundle(Stage):
         vector[:, 3] = -self.params.lean * sigma * information[:, 3, 3]
         return glowing_model(self.P, normal, self.color), Belief(vector, information)
 
-    def refined(self, start: Array, claims: Claims, expected: Belief) -> Fit:
+    def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
         """The most likely places, from nearby ones: (M, 3) m.
 
         The forecast helps to judge the views, for two that disagree cannot judge each other; the place
         comes from the views alone, because the filter adds the forecast itself.
+        cutoff: sigmas at which a view keeps a quarter of its weight.
         """
         p = self.params
         model, glow = self.glow(start, claims.radius)
@@ -239,7 +256,7 @@ class Bundle(Stage):
         seen = images(model, origin)
         slot, found = assigned(claims, seen)
         spread = self.variance(shares(claims, seen.depth, row, slot))
-        views = Views(claims.xy[camera, slot], found / spread, p.cutoff**2 * p.sigma * np.sqrt(spread))
+        views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.sigma * np.sqrt(spread))
         design = linearised(model, seen, views)
         glow = glow.relative(origin)
         belief = glow.and_also(expected.relative(origin))

@@ -7,7 +7,7 @@ import numpy as np
 from followspot.messages import Array
 
 
-def epipolar_weight(distance: Array, threshold: float) -> Array:
+def epipolar_weight(distance: Array, threshold: Array | float) -> Array:
     """Weight exp(-d^2 / (2 T_ED^2)) of the epipolar distance (eq. 8); px."""
     return np.asarray(np.exp(-np.square(distance) / (2 * threshold * threshold)))
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Stage, StageParams
 from followspot.tracking import Candidates, Forecast, Positions
-from followspot_balls.evidence import recovery_credit
+from followspot_balls.evidence import appearing, recovery_credit
 from followspot_balls.kernels import epipolar_weight
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.search import lost_targets
@@ -45,6 +45,13 @@ class MeanShift(Stage):
             description="T_ED of the weights; lowering it trusts exact pairs more (the paper's 3 px suit "
             "centroids of whole pixels)",
         )
+        appearing: float = Field(
+            3.0,
+            gt=0,
+            unit="px",
+            description="T_ED of a target without forecast where three views confirm each other, for it "
+            "often shows only parts of itself; raising it finds more, also false ones",
+        )
         held: float = Field(
             0.5,
             ge=0,
@@ -76,8 +83,9 @@ class MeanShift(Stage):
     params: Params
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
-        weights = epipolar_weight(candidates.epipolar, self.params.epipolar) * candidates.targets.T
-        lost = lost_targets(forecast, len(weights))
+        lost = lost_targets(forecast, candidates.targets.shape[1])
+        threshold = self.threshold(candidates, lost)
+        weights = epipolar_weight(candidates.epipolar, threshold) * candidates.targets.T
         confirmed = (candidates.targets.T & candidates.confirmed).any(axis=1)
         target = (weights.any(axis=1) & (confirmed | ~lost)).nonzero()[0]
         weights, lost = weights[target], lost[target]
@@ -97,6 +105,11 @@ class MeanShift(Stage):
             iterations=modes.steps.astype(np.int32),
             predicted=np.zeros(len(target), bool),
         )
+
+    def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
+        """T_ED, px: of all candidates, or (T, N) where a target has no forecast."""
+        p = self.params
+        return np.where(appearing(candidates, lost).T, p.appearing, p.epipolar) if lost.any() else p.epipolar
 
     def credit(self, xyz: Array, center: Array, recovery: Array, lost: Array) -> Array:
         """Of candidates as the densest: by their distance from the forecast; for lost targets as evidence.

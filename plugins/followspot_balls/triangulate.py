@@ -13,6 +13,7 @@ from followspot_balls.disagreement import Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
 from followspot_balls.search import lost_targets, search_spheres, tracked_targets
+from followspot_balls.three_views import threefold
 
 SAME_COLOR = 0.8
 """Bhattacharyya coefficient of two templates from which colour does not tell the targets apart (eq. 2)."""
@@ -39,7 +40,8 @@ class Triangulate(Stage):
             ge=0,
             unit="1",
             description="smallest blob over the target's outline at that distance, while the target is not "
-            "tracked; raising it avoids false recoveries and delays those of balls hidden in part",
+            "tracked, unless it makes pairs with both blobs of an evident pair; raising it avoids false "
+            "recoveries and delays those of balls hidden in part",
         )
         largest: float = Field(
             2.0,
@@ -91,9 +93,10 @@ class Triangulate(Stage):
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         tracked = tracked_targets(forecast, len(self.sizes))
-        if not tracked.all():
-            targets &= self.plausible(sizes, forecast) & self.unclaimed(pairs, forecast)
         whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.whole * self.outlines
+        if not tracked.all():
+            targets &= self.unclaimed(pairs, forecast)
+            targets &= tracked | self.plausible(sizes, pairs, targets & ~tracked, whole)
         evident = pairs.evident & (targets & whole).any(axis=1)
         rows = np.flatnonzero(targets.any(axis=1))
         candidates = Candidates(
@@ -169,15 +172,18 @@ class Triangulate(Stage):
         distance2 = np.einsum("nvi,nvi->nv", offset, offset)
         return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
 
-    def plausible(self, sizes: Array, forecast: Forecast | None) -> Array:
-        """Which pairs are as large as the target would be there: (N, 2) unit shares -> (N, T) bool.
+    def plausible(self, sizes: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
+        """Which pairs are as large as a target that is sought would be there: (N, T) bool.
 
-        All, for tracked targets: a tracked ball may be hidden in part; one that is still sought must
-        show itself.
+        A tracked ball may be hidden in part; one that is still sought must show itself, but to two
+        cameras only: what makes pairs with both blobs of an evident pair may be small.
+        sizes: (N, 2) unit shares; sought: (N, T) bool, which else may be such a target's; whole: (N, T)
+        bool, of which both blobs are large enough for an evident pair.
         """
-        fits = sizes.min(axis=1)[:, None] >= self.params.smallest * self.outlines
-        fits &= sizes.max(axis=1)[:, None] <= self.params.largest * self.outlines
-        return np.asarray(fits | tracked_targets(forecast, len(self.sizes)))
+        sought = sought & (sizes.max(axis=1)[:, None] <= self.params.largest * self.outlines)
+        large = sizes.min(axis=1)[:, None] >= self.params.smallest * self.outlines
+        evident = sought & whole & pairs.evident[:, None]
+        return np.asarray(sought & (large | threefold(pairs, sought, evident)))
 
 
 def alike(room: Room) -> Array:

@@ -21,9 +21,6 @@ GRAPH = ROOT / "graphs" / "glowballs.yaml"
 SEQUENCES = ("dev1", "dev2", "dev3", "dev4")
 BARS = {"balls.mean_shift": (12.0, 22.0), "balls.bundle": (7.0, 15.0)}
 """Largest RMSE and p95 of a target, mm."""
-FOUND_A_FRAME_LATE = ("dev4 yellow",)
-"""Where 0.5 % is less than one frame: in the first in which it counts as trackable after it was hidden, three
-parts of it show, up to 2.7 px off each other's epipolar lines (docs/experiments.md, section 5)."""
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
 
@@ -80,7 +77,7 @@ def test_every_target_is_tracked_as_accurately_as_promised(
     for name, target in scores[fusion].items():
         rmse, p95 = BARS[fusion]
         covered = round(target["coverage"] * target["frames"])
-        assert covered >= 0.995 * target["frames"] - (name in FOUND_A_FRAME_LATE), name
+        assert covered >= 0.995 * target["frames"], name
         assert target["rmse_mm"] <= rmse, name
         assert target["p95_mm"] <= p95, name
         assert target["identity_switches"] == 0, name

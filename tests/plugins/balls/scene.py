@@ -109,13 +109,15 @@ def candidates_at(
     confirmed: list[bool] | None = None,
     epipolar: list[float] | None = None,
     targets: list[list[bool]] | None = None,
+    view: list[tuple[int, int]] | None = None,
 ) -> Candidates:
+    """Candidates there, of the first blobs of two cameras: everywhere the same ones unless told."""
     count = len(places)
     return seal(
         Candidates(
             cameras=("cam0", "cam1", "cam2", "cam3"),
             xyz=np.array(places, float).reshape(-1, 3),
-            view=np.tile(np.array([[0, 1]], np.int32), (count, 1)),
+            view=np.array(view or [(0, 1)] * count, np.int32).reshape(-1, 2),
             blob=np.zeros((count, 2), np.int32),
             xy=np.zeros((count, 2, 2)),
             area=np.full((count, 2), 28.0),

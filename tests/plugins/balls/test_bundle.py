@@ -185,6 +185,15 @@ def test_a_lost_target_gets_no_position_without_a_color_infrared_pair() -> None:
     assert found.xyz[0] == pytest.approx(HIGH, abs=1e-6)
 
 
+def test_three_views_may_agree_less_well_about_a_target_that_appears() -> None:
+    xy = undistorted(np.array(HIGH))
+    xy[1] += (1.6, 0.0)
+    three = one_ball(xy, np.array(HIGH), (0, 1, 3))
+    assert bundle().process(three, None).support.tolist() == [3]
+    assert bundle().process(three, near()).support.tolist() == [1]
+    assert bundle(appearing=1.0).process(three, None).support.tolist() == [1]
+
+
 def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> None:
     ball = np.array([0.2, 0.1, RADIUS])
     xy = undistorted(ball)

@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from tests.plugins.balls.scene import candidates_at, forecast_at
 
+from followspot.messages import seal
+from followspot.tracking import Candidates
 from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances, weight_at
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
@@ -121,6 +123,26 @@ def test_a_lost_target_gets_no_position_without_a_color_infrared_pair(fusion: ty
     places = [(0.0, 0.0, 1.0), (0.001, 0.0, 1.0)]
     assert len(fusion().process(candidates_at(places, confirmed=[False, False]), None).target) == 0
     assert len(fusion().process(candidates_at(places, confirmed=[True, False]), None).target) == 1
+
+
+@pytest.mark.parametrize(
+    ("view", "evident", "support"),
+    [
+        ([(0, 1), (1, 2), (0, 2)], True, 3),  # each of three views with both others
+        ([(0, 1), (1, 2), (0, 2)], False, 1),
+        ([(0, 1), (1, 2), (2, 3)], True, 1),  # a chain of four
+        ([(0, 1), (0, 1), (0, 1)], True, 1),  # two views
+    ],
+)
+def test_pairs_of_three_views_may_agree_less_well_for_a_target_that_appears(
+    view: list[tuple[int, int]], evident: bool, support: int
+) -> None:
+    places = [(0.0, 0.0, 1.0), (0.01, 0.0, 1.0), (0.0, 0.01, 1.0)]
+    exact = candidates_at(places, epipolar=[0.1, 2.5, 2.9], view=view)
+    found = seal(Candidates(**{**vars(exact), "evident": np.array([evident, False, False])}))
+    assert MeanShift().process(found, None).support.tolist() == [support]
+    assert MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
+    assert MeanShift(appearing=1.0).process(found, None).support.tolist() == [1]
 
 
 @pytest.mark.parametrize("start", ["forecast", "densest", "mean"])

@@ -13,6 +13,7 @@ from followspot.stage import Context
 from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Pairs
 from followspot_balls.search import search_circles, search_radius, search_spheres
 from followspot_balls.search_gate import SearchGate
+from followspot_balls.three_views import threefold
 from followspot_balls.triangulate import Triangulate, facing_planes
 from followspot_balls.verify_pairs import VerifyPairs, fundamental_stack, homography_test
 
@@ -205,6 +206,40 @@ def test_a_lost_target_is_not_seen_in_blobs_of_the_wrong_size(area: float, kept:
     pairs = verify({"cam0": [BALL], "cam1": [BALL]})
     resized = seal(Pairs(**{**vars(pairs), "area": np.full((1, 2), area)}))
     assert len(candidates_for(resized, None).xyz) == kept
+
+
+@pytest.mark.parametrize(
+    ("shares", "kept"),
+    [
+        ((1.0, 0.45, 0.2), [[0, 1], [0, 2], [1, 2]]),
+        ((1.0, 0.45, 0.05), [[0, 1], [0, 2], [1, 2]]),
+        ((1.0, 0.35, 0.2), [[0, 1]]),
+        ((1.0, 0.2, 0.2), []),
+    ],
+)
+def test_a_third_view_may_show_little_of_a_lost_target_beside_an_evident_pair(
+    shares: tuple[float, ...], kept: list[list[int]]
+) -> None:
+    # else a quarter of the outline; an evident pair shows two fifths to a colour and an infrared camera
+    pairs = verify({name: [BALL] for name in ("cam0", "cam1", "cam2")})
+    distance = np.array([np.linalg.norm(camera.center - BALL) for camera in ROOM.cameras.values()])
+    area = np.pi * (150 * RADIUS / distance[:3]) ** 2 * shares
+    resized = seal(Pairs(**{**vars(pairs), "area": area[pairs.view]}))
+    assert candidates_for(resized, None).view.tolist() == kept
+
+
+def test_three_blobs_confirm_each_other_only_if_each_makes_a_pair_with_both_others() -> None:
+    pairs = verify({name: [BALL] for name in ("cam0", "cam1", "cam2")})
+    first = (pairs.view == [0, 1]).all(axis=1)[:, None] & np.ones((1, 2), bool)
+    all_three, two = np.ones_like(first), pairs.view[:, :1] == 0
+    assert threefold(pairs, all_three, first).all()
+    assert not threefold(pairs, two & all_three, first).any()
+    assert not threefold(pairs, all_three, np.zeros_like(first)).any()
+    other = first & [True, False]
+    assert threefold(pairs, all_three, other).all(axis=0).tolist() == [True, False]
+    blob = pairs.blob + (pairs.view == [1, 2]) * np.array([1, 0], np.int32)
+    second = seal(Pairs(**{**vars(pairs), "blob": blob}))
+    assert not threefold(second, all_three, first).any()  # another blob of the second camera
 
 
 @pytest.mark.parametrize(("distance", "kept"), [(0.0, 0), (0.08, 0), (0.4, 1)])
