@@ -32,14 +32,43 @@ TRACKER = "track"
 """Stage whose forecast says where targets are."""
 
 
+class Stopwatch:
+    """What the process spends from frame set `lead` on: before it, targets are still being found."""
+
+    def __init__(self, lead: int) -> None:
+        self.lead = lead
+        self.busy: dict[str, int] = defaultdict(int)
+        """CPU time of each stage, ns."""
+        self.tracked = 0
+        """Targets tracked, over all frame sets."""
+        self.started: float | None = None
+        """CPU time of the process when that frame set began, s."""
+
+    def played(self, number: int) -> None:
+        """A source plays this frame; the work on all before it is done."""
+        if number == self.lead and self.started is None:
+            self.busy.clear()
+            self.tracked = 0
+            self.started = time.process_time()
+
+    def seconds(self) -> float:
+        """CPU time of the process so far. Raises ValueError where the frames ended first."""
+        if self.started is None:
+            raise ValueError(f"there are no frames after the first {self.lead}, which are not measured")
+        return time.process_time() - self.started
+
+
 class FromMemory(Stage):
     """Plays frames that are there already."""
 
     frames: Sequence[Frame] = ()
+    watch: Stopwatch
 
     def process(self) -> Source[Frame]:
         """One after the other, each with its time."""
-        yield from self.frames
+        for number, frame in enumerate(self.frames):
+            self.watch.played(number)
+            yield frame
 
 
 @dataclass(frozen=True)
@@ -109,36 +138,36 @@ def measure(
     out: Path,
     *,
     frames: int | None = None,
+    lead: int = 0,
     searching: bool = False,
     by_stage: bool = True,
 ) -> Cost:
-    """Run a plan of one worker over frames in memory. Raises StageError.
+    """Run a plan of one worker over frames in memory. Raises StageError, and ValueError for too few frames.
 
-    frames: at most; searching: no target is ever found; by_stage: whether each stage is clocked, which costs
-    a microsecond or two a call.
+    frames: at most; lead: frame sets before the clock starts; searching: no target is ever found; by_stage:
+    whether each stage is clocked, which costs a microsecond or two a call.
     """
     run = LocalRun(plan, RunOptions(out, frames))
-    busy: dict[str, int] = defaultdict(int)
-    tracked = [0]
+    watch = Stopwatch(lead)
     for stage, cell in zip(plan.stages, run.worker.cells, strict=True):
         if isinstance(cell, SourceCell) and stage.camera is not None:
             source = FromMemory(cell.stage.context)
             source.frames = [unsent(frame) for frame in played[stage.camera]]
+            source.watch = watch
             cell.stage = source
             continue
         if stage.name == TRACKER and searching:
             cell.stage = NeverFound(cell.stage.context)
         if by_stage:
-            _clocked(cell, stage.group, busy)
+            _clocked(cell, stage.group, watch.busy)
         if stage.name == TRACKER:
-            _counted(cell, tracked)
+            _counted(cell, watch)
     run.worker.setup()
-    started = time.process_time()
     run.worker.run()
-    seconds = time.process_time() - started
-    sets = max(source.yielded for source in run.worker.sources)
-    stages = {name: ns / 1e6 / sets for name, ns in busy.items()}
-    return Cost(seconds * 1e3 / sets, stages, tracked[0] / sets)
+    seconds = watch.seconds()
+    sets = max(source.yielded for source in run.worker.sources) - lead
+    stages = {name: ns / 1e6 / sets for name, ns in watch.busy.items()}
+    return Cost(seconds * 1e3 / sets, stages, watch.tracked / sets)
 
 
 def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
@@ -155,13 +184,13 @@ def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
     setattr(cell.stage, work, clocked)
 
 
-def _counted(cell: Cell, tracked: list[int]) -> None:
+def _counted(cell: Cell, watch: Stopwatch) -> None:
     """Count the targets that a tracker says it tracks."""
     process: Callable[..., Any] = cell.stage.process
 
     def counted(*arguments: Any) -> Any:
         result = process(*arguments)
-        tracked[0] += len(result.tracks.target)
+        watch.tracked += len(result.tracks.target)
         return result
 
     cell.stage.process = counted

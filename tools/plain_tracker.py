@@ -4,12 +4,12 @@ It does the work of the stages in `followspot_balls` the straightforward way: lo
 and pairs around cv2 and numpy calls, undistorted centroids, epipolar and homography tests, one
 triangulation per pair, mean shift, constant-velocity prediction. No graph, no messages, no plugins.
 
-    tracks = run(room, frames)   # frames: {camera: [picture, ...]}
+    for positions in run(room, frames): ...   # frames: {camera: [picture, ...]}
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 
@@ -46,8 +46,8 @@ class Spot:
 
 def run(
     room: Room, frames: Mapping[str, Sequence[Array]], *, searching: bool = False
-) -> list[dict[str, Array]]:
-    """Track all targets of the room: for each frame the positions, m, of those that were measured.
+) -> Iterator[dict[str, Array]]:
+    """Track all targets of the room: frame by frame the positions, m, of those that were measured.
 
     searching: no position is believed, so that all targets are sought in whole images for ever.
     """
@@ -55,7 +55,6 @@ def run(
     F = {(a.name, b.name): fundamental_matrix(a.projection, b.projection) for a, b in pairs}
     H = {(a.name, b.name): [plane_homography(a, b, p) for p in room.planes.values()] for a, b in pairs}
     balls = {name: Ball() for name in room.targets}
-    tracks = []
     for number in range(min(map(len, frames.values()))):
         pictures = {name: prepare(camera, frames[name][number]) for name, camera in room.cameras.items()}
         spots = {
@@ -71,8 +70,7 @@ def run(
                 follow(ball, position)
             if position is not None and ball.place is not None:
                 seen[target] = ball.place
-        tracks.append(seen)
-    return tracks
+        yield seen
 
 
 def prepare(camera: Camera, picture: Array) -> Array:

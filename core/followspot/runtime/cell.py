@@ -6,6 +6,7 @@ import time
 import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 from followspot.errors import FollowspotError
@@ -19,6 +20,7 @@ from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
 from followspot.transport.token import ABSENT, END
 
+_time = attrgetter("time")
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1
@@ -293,8 +295,9 @@ def _header(fired: Sequence[Message], time: int) -> Header:
     """Header of an output: of the input that fired; for a join, of its first member at the join's time."""
     if len(fired) == 1:
         return fired[0].header
-    first = min(fired, key=lambda message: message.header.time).header
-    return first._replace(time=time, entered=min(message.header.entered for message in fired))
+    headers = [message.header for message in fired]
+    first = min(headers, key=_time)
+    return Header(first.source, first.seq, time, min([header.entered for header in headers]))
 
 
 def _traceback(error: BaseException) -> str:
