@@ -187,7 +187,7 @@ def _plain(name: str, value: Any, kind: Any) -> Any:
     if kind is float and type(value) is int:
         value = float(value)
     if kind == tuple[str, ...]:
-        matches = type(value) is tuple and all(type(word) is str for word in value)
+        matches = type(value) is tuple and set(map(type, value)) <= {str}
     else:
         matches = type(value) is kind
     if not matches:

@@ -140,7 +140,8 @@ class ColorBlobs(Stage):
         count = len(room.targets)
         view, target = row_and_column(found.owner, max(count, 1))
         targets = target[:, None] == np.arange(count)
-        return blobs_by_view(cameras, view, Detections(found.pixel, found.area, found.similarity, targets))
+        detections = Detections(found.pixel, found.area, found.similarity, targets)
+        return blobs_by_view(cameras, view, detections, np.arange(len(view)))
 
 
 def blobs_of(

@@ -45,11 +45,14 @@ class Detections(NamedTuple):
     targets: Array
 
 
-def blobs_by_view(cameras: Sequence[Camera], view: Array, found: Detections) -> list[Blobs]:
-    """One message for each camera. view: (N,) number of the camera that shows each blob."""
-    order = view.argsort(kind="stable")
-    pixel, area, similarity, targets = (column.take(order, axis=0) for column in found)
-    ends = view.take(order).searchsorted(np.arange(len(cameras) + 1)).tolist()
+def blobs_by_view(cameras: Sequence[Camera], view: Array, found: Detections, rows: Array) -> list[Blobs]:
+    """One message for each camera.
+
+    view: (N,) number of the camera that shows each blob; rows: (M,) ascending, those that are sent.
+    """
+    rows = rows.take(view.take(rows).argsort(kind="stable"))
+    pixel, area, similarity, targets = (column.take(rows, axis=0) for column in found)
+    ends = view.take(rows).searchsorted(np.arange(len(cameras) + 1)).tolist()
     return [
         Blobs(
             camera=camera.name,

@@ -114,9 +114,9 @@ class IrBlobs(Stage):
         targets = within(circles_of(regions.circles, view, len(cameras)), pixel)
         allowed = limits.areas.take(view, axis=0)
         targets &= (area[:, None] >= allowed[..., 0]) & (area[:, None] <= allowed[..., 1])
-        rows = (targets.any(axis=1) & distinct(pixel, view)).nonzero()[0]
         labelled = Detections(pixel, area, np.ones(len(area)), targets)
-        return blobs_by_view(cameras, view.take(rows), Detections(*(c.take(rows, axis=0) for c in labelled)))
+        rows = (targets.any(axis=1) & distinct(pixel, view)).nonzero()[0]
+        return blobs_by_view(cameras, view, labelled, rows)
 
 
 @lru_cache(maxsize=8)

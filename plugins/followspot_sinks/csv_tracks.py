@@ -31,7 +31,7 @@ class CsvTracks(LineSink):
 
     def process(self, tracks: Tracks) -> None:
         """Add the rows of one frame."""
-        values = np.hstack([tracks.xyz, tracks.velocity, tracks.sigma])
+        values = np.concatenate([tracks.xyz, tracks.velocity, tracks.sigma], axis=1)
         start = f"{tracks.header.seq},{seconds(tracks.header.time)}"
         self.write(
             ROW % (start, self.names[target], STATES[state], *row)
