@@ -168,9 +168,9 @@ def triangulate_pairs(centers: Array, rays: Array) -> Array:
     """
     baseline = centers[:, 1] - centers[:, 0]
     d1, d2 = rays[:, 0], rays[:, 1]
-    cosine = np.einsum("ij,ij->i", d1, d2)
-    along1 = np.einsum("ij,ij->i", baseline, d1)
-    along2 = np.einsum("ij,ij->i", baseline, d2)
+    cosine = np.vecdot(d1, d2)
+    along1 = np.vecdot(baseline, d1)
+    along2 = np.vecdot(baseline, d2)
     with np.errstate(divide="ignore", invalid="ignore"):
         sine2 = 1.0 - cosine * cosine
         depth1 = (along1 - cosine * along2) / sine2

@@ -90,7 +90,7 @@ class Bridge(Stage):
         )
         spread = forecast.covariance[positions.target] + known
         offset = positions.xyz - forecast.xyz[positions.target]
-        error = np.einsum("mi,mi->m", offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+        error = np.vecdot(offset, np.linalg.solve(spread, offset[..., None])[..., 0])
         far = error > self.params.jump**2
         return np.asarray((positions.support == 0) | (poor & far))
 
@@ -117,7 +117,7 @@ class Bridge(Stage):
         offset: (N, T, 2) px from the targets' images; view: (N,).
         """
         away = forecast.xyz - self.centers
-        outline = self.outline[:, None] * self.radius**2 / np.einsum("cti,cti->ct", away, away)
+        outline = self.outline[:, None] * self.radius**2 / np.vecdot(away, away)
         share = np.concatenate([b.area for b in blobs])[:, None] / outline[view]
         allowed = np.concatenate([b.targets for b in blobs]) & ~lost_targets(forecast, len(self.radius))
         distance = np.where(allowed, np.hypot(offset[..., 0], offset[..., 1]), np.inf)

@@ -76,7 +76,7 @@ def occupied(xyz: Array, known: Array, apart: float) -> Array:
     xyz: (M, 3) m; known: (M,) bool; apart: m. Returns (M,) bool.
     """
     offset = xyz[:, None] - xyz
-    beside = np.einsum("mni,mni->mn", offset, offset) < apart * apart
+    beside = np.vecdot(offset, offset) < apart * apart
     first = known | np.tri(len(xyz), k=-1, dtype=bool)
     np.fill_diagonal(first, False)
     return np.asarray((beside & first).any(axis=1) & ~known)

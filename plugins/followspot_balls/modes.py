@@ -58,7 +58,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
         mean = np.where(free[:, None], mean, center)
         taken[moving] = step
         travel = mean - center
-        moving = np.einsum("ij,ij->i", travel, travel) >= tolerance * tolerance
+        moving = np.vecdot(travel, travel) >= tolerance * tolerance
         center = mean
         if not moving.any():
             break

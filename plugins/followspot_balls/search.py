@@ -198,7 +198,7 @@ def elongation(local: Array) -> Array:
     A sphere seen at an angle a from the optical axis looks 1 / cos a longer towards it than across.
     local: (..., 3) m, in camera coordinates.
     """
-    distance = np.sqrt(np.einsum("...i,...i->...", local, local))
+    distance = np.sqrt(np.vecdot(local, local))
     return np.asarray(0.5 + 0.5 * distance / np.maximum(local[..., 2], FARTHEST_OFF * distance + TINY))
 
 

@@ -88,7 +88,7 @@ class Triangulate(Stage):
     def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
         back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
         rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
-        rays /= np.sqrt(np.einsum("nvi,nvi->nv", rays, rays))[..., None]
+        rays /= np.sqrt(np.vecdot(rays, rays))[..., None]
         xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
@@ -133,7 +133,7 @@ class Triangulate(Stage):
             return np.asarray(real & lost)
         offset = xyz[:, None] - forecast.xyz
         spheres = search_spheres(forecast, self.params.radius, self.params.scale)
-        distance2 = np.einsum("nti,nti->nt", offset, offset)
+        distance2 = np.vecdot(offset, offset)
         ball = (distance2 <= self.outlines) & ~lost
         tracked = ball & (forecast.state == TRACKED)
         taken = (~pairs.labelled & tracked.any(axis=1))[:, None]
@@ -169,7 +169,7 @@ class Triangulate(Stage):
         Over the squared radius of a target it is the share of the target's outline.
         """
         offset = xyz[:, None] - self.centers.take(pairs.view, axis=0)
-        distance2 = np.einsum("nvi,nvi->nv", offset, offset)
+        distance2 = np.vecdot(offset, offset)
         return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
 
     def plausible(self, sizes: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
