@@ -71,6 +71,15 @@ class Images(NamedTuple):
     """(C, T) px, radius of the outline."""
 
 
+class Pictures(NamedTuple):
+    """Those of the C views of a room."""
+
+    half: Array
+    """(C, 1, 2) px, half of their width and height."""
+    side: Array
+    """(C, 1) px, the longer of these."""
+
+
 def lost_targets(forecast: Forecast | None, count: int) -> Array:
     """Which of `count` targets have no forecast: all, before the first one. Returns (T,) bool."""
     if forecast is None or len(forecast.state) != count:
@@ -131,9 +140,9 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
         return RoomRegions(circles, np.zeros(views * count, bool), nothing, nothing[:, 0])
     images = forecast_images(room, forecast)
     radius = search_radius(images.travel, minimum, scale)
-    size = picture_sizes(room)
-    inside = reaching(images.center, radius, size)
-    corners, sides = windows(images.center, radius + images.ball, inside, size)
+    pictures = room_pictures(room)
+    inside = reaching(images.center, radius, pictures)
+    corners, sides = windows(images.center, radius + images.ball, inside, pictures)
     center, ball = images.center.reshape(-1, 2), images.ball.reshape(-1)
     circles = Circles(center, radius.reshape(-1), ball, rows_lost)
     return RoomRegions(circles, inside.reshape(-1), corners.reshape(-1, 2), sides.reshape(-1))
@@ -181,9 +190,10 @@ def room_views(room: Room) -> Views:
 
 
 @lru_cache(maxsize=8)
-def picture_sizes(room: Room) -> Array:
-    """Width and height of each camera's pictures, (C, 2) px."""
-    return np.array([camera.size for camera in room.cameras.values()]).reshape(-1, 2)
+def room_pictures(room: Room) -> Pictures:
+    """How large the pictures of its cameras are."""
+    size = np.array([camera.size for camera in room.cameras.values()]).reshape(-1, 1, 2)
+    return Pictures(size / 2, size.max(axis=2, initial=0))
 
 
 @lru_cache(maxsize=8)
@@ -215,25 +225,19 @@ def within(circles: Circles, pixel: Array) -> Array:
     return inside
 
 
-def reaching(center: Array, radius: Array, size: Array) -> Array:
-    """Which search regions reach into the picture.
-
-    center: (C, T, 2) px; radius: (C, T) px; size: (C, 2) width and height, px. Returns (C, T) bool.
-    """
-    half = size[:, None] / 2
-    inside = np.abs(center - half) <= half + radius[..., None]
+def reaching(center: Array, radius: Array, pictures: Pictures) -> Array:
+    """Which search regions reach into the picture: (C, T, 2) px and (C, T) px -> (C, T) bool."""
+    inside = np.abs(center - pictures.half) <= pictures.half + radius[..., None]
     return np.asarray(inside[..., 0] & inside[..., 1])
 
 
-def windows(center: Array, reach: Array, inside: Array, size: Array) -> tuple[Array, Array]:
+def windows(center: Array, reach: Array, inside: Array, pictures: Pictures) -> tuple[Array, Array]:
     """Squares around search regions, so large that a ball on the circle is whole in them.
 
-    center: (C, T, 2) px; reach: (C, T) px; inside: (C, T) bool, which have a window; size: (C, 2) px.
-    Returns the upper left corners, (C, T, 2) int px, and the sides, (C, T) int px; none exceeds twice the
-    picture.
+    center: (C, T, 2) px; reach: (C, T) px; inside: (C, T) bool, which have a window. Returns the upper left
+    corners, (C, T, 2) int px, and the sides, (C, T) int px; none exceeds twice the picture.
     """
-    largest = size.max(axis=1, keepdims=True)
-    half = np.minimum(np.where(inside, reach, 0), largest).astype(int) + MARGIN
+    half = np.minimum(np.where(inside, reach, 0), pictures.side).astype(int) + MARGIN
     nearest = np.rint(np.where(inside[..., None], center, 0)).astype(int)
     return nearest - half[..., None], 2 * half + 1
 
