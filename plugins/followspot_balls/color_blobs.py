@@ -15,7 +15,7 @@ from followspot_balls.components import Components, above_local_peak, clipped, c
 from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
 from followspot_balls.search import Circles, Regions, search_regions
-from followspot_balls.strip import Windows, abreast, at_border, row_and_column
+from followspot_balls.strip import Windows, abreast, row_and_column
 from followspot_balls.votes import disc_centers
 
 SMALL = 12.0
@@ -195,7 +195,7 @@ def measured(
         circles, windows = near
         ball = circles.ball.take(owner)
         keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
-        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, windows))
+        keep &= ~clipped(blobs, strip, windows)
         pixel = disc_centers(level, strip, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
         right, down = (pixel - circles.center.take(owner, axis=0)).T
         keep &= np.hypot(right, down) <= circles.radius.take(owner)

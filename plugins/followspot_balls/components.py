@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from followspot.messages import Array
-from followspot_balls.strip import REACH, Strip, row_and_column
+from followspot_balls.strip import REACH, Strip, Windows, at_border, row_and_column
 
 MOST = 256
 """Components kept, the largest first: more of them are noise, and pairs grow with the square."""
@@ -29,11 +29,15 @@ class Components:
     """(N,) largest weight in it."""
     pixels: Array
     """(P,) flat index of the pixels in the strip."""
+    row: Array
+    """(P,) of the strip, in which each lies."""
+    column: Array
+    """(P,) likewise."""
     label: Array
     """(P,) number of the component of each."""
 
 
-NOTHING = Components(*np.empty((6, 0), int))
+NOTHING = Components(*np.empty((8, 0), int))
 NOTHING = replace(NOTHING, center=np.empty((0, 2)), area=np.empty(0), peak=np.empty(0))
 
 
@@ -63,19 +67,19 @@ def components(mask: Array, level: Array, strip: Strip) -> Components:
     count, labels = cv2.connectedComponentsWithAlgorithm(mask.view(np.uint8), 8, cv2.CV_32S, cv2.CCL_BBDT)
     count -= 1  # the background
     label = np.subtract(np.asarray(labels).take(pixels), 1, dtype=np.intp)
-    y, x = row_and_column(pixels, mask.shape[1])
+    row, column = row_and_column(pixels, mask.shape[1])
     weight = level.take(pixels).astype(float)
     total = np.bincount(label, weight, count)
     center = np.empty((count, 2))
-    center[:, 0] = np.bincount(label, weight * x, count)
-    center[:, 1] = np.bincount(label, weight * y, count)
+    center[:, 0] = np.bincount(label, weight * column, count)
+    center[:, 1] = np.bincount(label, weight * row, count)
     part = strip.part.take((center[:, 0] / total).astype(np.intp))
     center += total[:, None] * strip.shift.take(part, axis=0)  # sums of whole numbers: exact
     center /= total[:, None]
     peak = np.zeros(count)
     np.maximum.at(peak, label, weight)
     area = np.bincount(label, minlength=count).astype(float)
-    return Components(part, center, area, peak, pixels, label)
+    return Components(part, center, area, peak, pixels, row, column, label)
 
 
 def of_size(area: Array, smallest: Array, largest: Array, view: Array) -> Array:
@@ -92,6 +96,7 @@ def of_size(area: Array, smallest: Array, largest: Array, view: Array) -> Array:
     return np.asarray(fits)
 
 
-def clipped(blobs: Components, border: Array) -> Array:
-    """Which components touch the border of their window, (N,) bool; border: (P,) bool, of their pixels."""
+def clipped(blobs: Components, strip: Strip, windows: Windows) -> Array:
+    """Which components of a strip of windows touch the border of theirs, (N,) bool."""
+    border = at_border(blobs.row, blobs.column, strip.part, windows)
     return np.asarray(np.bincount(blobs.label, border, len(blobs.area)) > 0)

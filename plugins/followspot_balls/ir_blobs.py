@@ -17,7 +17,6 @@ from followspot_balls.strip import (
     Strip,
     Windows,
     abreast,
-    at_border,
     clusters,
     cut,
     row_and_column,
@@ -180,7 +179,7 @@ def measured(
     seen = view.take(blobs.part)
     keep = of_size(blobs.area, limits.smallest.take(seen), limits.largest.take(seen), seen)
     if windows is not None:
-        keep &= ~clipped(blobs, at_border(blobs.pixels, strip.part, windows))
+        keep &= ~clipped(blobs, strip, windows)
     rows = keep.nonzero()[0]
     near = circles_of(circles, seen.take(rows), len(limits.darkest))
     radius = np.full(len(keep), np.nan)

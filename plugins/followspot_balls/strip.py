@@ -111,18 +111,17 @@ def cut(pictures: Sequence[Array], windows: Windows) -> Array:
     return strip
 
 
-def at_border(pixels: Array, part: Array, windows: Windows) -> Array:
+def at_border(row: Array, column: Array, part: Array, windows: Windows) -> Array:
     """Which pixels of a strip of windows are the outermost of their window.
 
-    pixels: (P,) flat index; part: (W,) of each column. Returns (P,) bool.
+    row, column: (P,) of each; part: (W,) of each column of the strip. Returns (P,) bool.
     """
     _, sides, start = windows
     outermost = np.zeros(len(part), bool)
     outermost[start] = outermost[start + sides - 1] = True
-    y, x = row_and_column(pixels, len(part))
-    outside = outermost.take(x)
-    outside |= y == RIM
-    outside |= y == (sides + (RIM - 1)).take(part).take(x)
+    outside = outermost.take(column)
+    outside |= row == RIM
+    outside |= row == (sides + (RIM - 1)).take(part).take(column)
     return outside
 
 
