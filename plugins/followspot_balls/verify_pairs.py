@@ -92,7 +92,7 @@ class VerifyPairs(Stage):
             epipolar=distance.take(near).take(rows),
             labelled=color[:, 0] | color[:, 1],
             confirmed=confirmed,
-            evident=confirmed & ~light.take(pair).any(axis=1),
+            evident=confirmed & ~(light.take(pair[:, 0]) | light.take(pair[:, 1])),
             targets=targets.take(pair[:, 0], axis=0) & targets.take(pair[:, 1], axis=0),
         )
 
@@ -137,12 +137,12 @@ def homography_test(pair: Array, color: Array, on_plane: Array, blobs: int) -> A
     there the ball itself lies on the plane.
     pair: (M, 2) numbers of blobs, of `blobs`; color: (M, 2) bool; on_plane: (planes, M) bool. Returns (M,).
     """
-    color_infrared = color[:, 0] != color[:, 1]
+    both = color[:, 0] & color[:, 1]
     listed = np.zeros((len(on_plane), blobs), bool)
-    plane, row = (on_plane & color_infrared).nonzero()
-    listed[plane, np.where(color[row, 0], pair[row, 0], pair[row, 1])] = True
-    excused = (listed.take(pair, axis=1) & color).any(axis=2)
-    return np.asarray(~(on_plane & ~excused).any(axis=0) | ~(color[:, 0] & color[:, 1]))
+    plane, row = (on_plane & (color[:, 0] != color[:, 1])).nonzero()
+    listed[plane, pair.take(row, axis=0)[color.take(row, axis=0)]] = True
+    excused = listed.take(pair[:, 0], axis=1) | listed.take(pair[:, 1], axis=1)
+    return np.asarray(~((on_plane & ~excused).any(axis=0) & both))
 
 
 def fundamental_stack(room: Room) -> Array:
