@@ -14,23 +14,21 @@ def threefold(pairs: Pairs | Candidates, possible: Array, sure: Array) -> Array:
     possible: (N, T) bool, for each target; sure: (N, T) bool, some of them. Returns (N, T) bool.
     """
     found = np.zeros(possible.shape, bool)
-    for target in np.flatnonzero(sure.any(axis=0)):
-        mine = possible[:, target].nonzero()[0]
-        if len(mine) >= 3:
-            blob = pairs.view[mine].astype(np.int64) << 32 | pairs.blob[mine]
-            found[mine, target] = _sides(blob, sure[mine, target])
+    sought = np.flatnonzero(sure.any(axis=0))
+    if not len(sought):
+        return found
+    row, target = possible[:, sought].nonzero()
+    blob = (target[:, None] << 48) + (pairs.view[row].astype(np.int64) << 32) + pairs.blob[row]
+    blobs, number = np.unique(blob, return_inverse=True)
+    before = np.searchsorted(blobs, np.arange(len(sought) + 1) << 48)
+    first, second = number.reshape(blob.shape).T - before[target]
+    most = np.diff(before).max()
+    paired, side = np.zeros((2, len(sought), most, most), bool)
+    paired[target, first, second] = paired[target, second, first] = True
+    base = sure[row, sought[target]].nonzero()[0]
+    of, one, other = target[base], first[base], second[base]
+    base, third = (paired[of, one] & paired[of, other]).nonzero()
+    of, one, other = of[base], one[base], other[base]
+    side[of, one, other] = side[of, one, third] = side[of, other, third] = True
+    found[row, sought[target]] = side[target, first, second] | side[target, second, first]
     return found
-
-
-def _sides(blob: Array, sure: Array) -> Array:
-    """As :func:`threefold`, for one target. blob: (N, 2) any numbers of the blobs; sure: (N,) bool."""
-    blobs, end = np.unique(blob, return_inverse=True)
-    end = end.reshape(blob.shape)
-    first, second = end.T
-    paired, side = np.zeros((2, len(blobs), len(blobs)), bool)
-    paired[first, second] = paired[second, first] = True
-    one, other = end[sure].T
-    base, third = (paired[one] & paired[other]).nonzero()
-    one, other = one[base], other[base]
-    side[one, other] = side[one, third] = side[other, third] = True
-    return np.asarray(side[first, second] | side[second, first])
