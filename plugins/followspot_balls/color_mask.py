@@ -56,7 +56,7 @@ def in_windows(
     tiles = cut(pictures, windows)
     found = lit(tiles, limits)
     _, x = row_and_column(found.place, tiles.shape[1])
-    wanted = hues.take(owner).take(strip.part.take(x))
+    wanted = hues.take(owner).take(strip.part).take(x)
     entry = (BIT.take(found.hue) & wanted).nonzero()[0]
     place = found.place.take(entry)
     planes = (scattered(tiles.shape[:2], place, plane.take(entry)) for plane in (found.value, found.hue))
