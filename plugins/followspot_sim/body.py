@@ -102,7 +102,7 @@ def limbs(p: Pose) -> Array:
     hip[:, 0], hip[:, 2] = -0.1 * p.bow, 0.92 - 0.3 * p.bow
     up[:, 0], up[:, 2] = np.sin(lean), np.cos(lean)
     neck = hip + 0.5 * up
-    ends = np.empty((len(p.base), len(PARTS), 2, 3))
+    ends = np.zeros((len(p.base), len(PARTS), 2, 3))
     ends[:, LEGS, 0] = hip[:, None] + 0.09 * ASIDE
     ends[:, LEGS, 1, 0] = SIDES * p.stride[:, None]
     ends[:, LEGS, 1, 1:] = FEET
