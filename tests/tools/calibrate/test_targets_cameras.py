@@ -96,11 +96,14 @@ def test_cameras_that_are_slightly_off_are_corrected_once(
     assert path.read_text() == text
 
 
-@pytest.mark.parametrize(("pixels", "words"), [(0.0, []), (0.7, ["--keep-cameras"])])
-def test_cameras_that_agree_and_those_that_are_to_stay_are_left_alone(
-    clips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], pixels: float, words: list[str]
+LATE = [*off(0.7)[:4], replace(TRUE[4], clock_offset=0.01)]
+
+
+@pytest.mark.parametrize(("cameras", "words"), [(TRUE, []), (off(0.7), ["--keep-cameras"]), (LATE, [])])
+def test_cameras_that_agree_are_to_stay_or_are_not_synchronised_are_left_alone(
+    clips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], cameras: list[Camera], words: list[str]
 ) -> None:
-    path = room_of(off(pixels) if pixels else TRUE, tmp_path)
+    path = room_of(cameras, tmp_path)
     given = without_targets(path)
     assert main(["calibrate", "targets", "--room", str(path), "--clips", str(clips), *words, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["correction"] is None

@@ -30,9 +30,12 @@ class Agreement:
 
 
 def agreement(room: Room, clips: Path) -> Agreement:
-    """Holds the cameras against each other by where they see each target at the same frame of its clip."""
+    """Holds the cameras against each other by where they see each target at the same frame of its clip.
+
+    Cameras with clock offsets take their frames at different moments, which is no contradiction.
+    """
     cameras = list(room.cameras.values())
-    if len(cameras) < FEWEST:
+    if len(cameras) < FEWEST or any(camera.clock_offset for camera in cameras):
         return Agreement()
     try:
         places = find_places(clips, cameras)
@@ -52,7 +55,8 @@ def agreement(room: Room, clips: Path) -> Agreement:
         return Agreement(problem=f"{contradiction(given)}, and clips cannot correct them: {reason}")
     if excess(found.after, places) > AGREEING:
         left = f"{median_px(found.after):.2f} px are left when they are corrected by the clips"
-        return Agreement(problem=f"{contradiction(given)}, and {left}: calibrate them again")
+        cause = "they are not synchronised (`followspot calibrate clocks`), or must be calibrated again"
+        return Agreement(problem=f"{contradiction(given)}, and {left}: {cause}")
     return Agreement(found)
 
 
