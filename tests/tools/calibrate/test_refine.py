@@ -87,6 +87,22 @@ def test_clips_of_targets_tell_what_a_recording_leaves_open():
     assert bent[1] < 0.8 * bent[0]
 
 
+def test_fisheye_cameras_are_corrected_as_well_as_their_lenses_allow():
+    """Their lenses stay as they are, places and directions do not."""
+    lens = {"model": "fisheye", "distortion": np.array([0.02, -0.01, 0.0, 0.0])}
+    true = [replace(camera, **lens) if i in (2, 4) else camera for i, camera in enumerate(TRUE)]
+    points, _ = carried(150)
+    exact = np.stack([project(camera, points) for camera in true], axis=1)
+    places = Places(exact + 0.2 * np.random.default_rng(1).normal(size=exact.shape), np.full(150, 0.2))
+    given = [replace(camera, **lens) if i in (2, 4) else camera for i, camera in enumerate(off(TRUE))]
+    found = refine(given, places, FLOOR)
+    assert found.after.sigma < 0.6 * found.before.sigma
+    for old, new in zip(given, found.after.cameras, strict=True):
+        assert new.model == old.model
+        assert np.array_equal(new.distortion, old.distortion) == (old.model == "fisheye")
+        assert not np.array_equal(new.rotation, old.rotation)
+
+
 def test_true_cameras_stay_where_they_are():
     points, pixel = carried()
     found = refine(TRUE, telling(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)

@@ -34,7 +34,8 @@ class Prior:
             parts.append(np.log(aspect(camera) / aspect(given)))
         if free.center:
             parts.append(camera.matrix[:2, 2] - given.matrix[:2, 2])
-        parts.append((camera.distortion - given.distortion)[: free.distortion])
+        lens = slice(free.distortion)
+        parts.append(camera.distortion[lens] - given.distortion[lens])
         return np.asarray(np.concatenate(parts) / self.sigma[number, : free.parameters])
 
     def by_parameters(self, number: int, camera: Camera, free: Free) -> Array:
