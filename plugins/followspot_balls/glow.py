@@ -60,7 +60,7 @@ def glowing(levels: Sequence[Array], edge: float) -> list[Spot]:
 
 
 def brightness(picture: Array) -> Array:
-    """The largest channel of each pixel, (H, W, C) -> (H, W), in a thirtieth of the time of `max(axis=2)`."""
+    """The largest channel of each pixel, (H, W, C) -> (H, W); `max(axis=2)` would go pixel by pixel."""
     return np.asarray(reduce(np.maximum, np.moveaxis(picture, 2, 0)))
 
 

@@ -20,7 +20,7 @@ from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
 from followspot.transport.token import ABSENT, END
 
-_time = attrgetter("time")
+_capture_time = attrgetter("time")
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 FIRST_BACK_OFF = 0.1
@@ -296,7 +296,7 @@ def _header(fired: Sequence[Message], time: int) -> Header:
     if len(fired) == 1:
         return fired[0].header
     headers = [message.header for message in fired]
-    first = min(headers, key=_time)
+    first = min(headers, key=_capture_time)
     return Header(first.source, first.seq, time, min([header.entered for header in headers]))
 
 

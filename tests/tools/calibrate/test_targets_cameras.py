@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -139,4 +140,18 @@ def test_cameras_whose_clips_cannot_tell_them_right_stay_and_are_warned_about(
     said = capsys.readouterr().err
     assert "cameras contradict each other about the targets by" in said
     assert "15 sightings of targets that fit the other cameras, 20 needed" in said
+    assert without_targets(path) == given
+
+
+def test_a_clip_that_cannot_be_read_is_named_and_cameras_stay(
+    clips: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken = Path(shutil.copytree(clips, tmp_path / "clips"))
+    shutil.rmtree(broken / "green/cam2")
+    (broken / "green/cam2.mkv").write_text("no video")
+    path = room_of(off(0.7), tmp_path)
+    given = without_targets(path)
+    assert main(["calibrate", "targets", "--room", str(path), "--clips", str(broken)]) == 0
+    said = capsys.readouterr().err
+    assert re.search(r"cameras were not held against each other: .*cam2\.mkv cannot be read", said)
     assert without_targets(path) == given

@@ -11,13 +11,14 @@ from pathlib import Path
 from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
-from followspot_calibrate.board.looking import clear_progress, find, show_progress
+from followspot_calibrate.board.looking import find
 from followspot_calibrate.board.page import page_of
 from followspot_calibrate.board.solving import BoardCalibration, solve
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.board.verdict import as_json, summary, warnings_of
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.pictures import recordings
+from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.report import Page, write_report
 
 TIMESTAMPS = "timestamps.csv"
@@ -42,7 +43,7 @@ def calibrate_board(args: argparse.Namespace) -> int:
     cameras = [camera for name, camera in room.cameras.items() if name in paths]
     moments = _moments(args, [camera.name for camera in cameras])
     views = find(cameras, paths, board, moments, args.pictures)
-    found = solve(cameras, views, board, args.floor, show_progress if sys.stderr.isatty() else None)
+    found = solve(cameras, views, board, args.floor, show_progress)
     clear_progress()
     still = [name for name in room.cameras if name not in paths]
     notes = [*warnings_of(found), *(f"{name} has no recording and keeps its pose" for name in still)]

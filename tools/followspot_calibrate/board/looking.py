@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -11,6 +10,7 @@ from followspot.errors import InputError, Mistake
 from followspot_calibrate.boards.board import Board
 from followspot_calibrate.boards.detection import Detector, View
 from followspot_calibrate.boards.pictures import count, pictures
+from followspot_calibrate.progress import show_progress
 
 
 def find(
@@ -35,22 +35,10 @@ def find(
             view = detector.find(gray, wanted[picture])
             if view is not None:
                 views[camera.name].append(view)
-            if sys.stderr.isatty():
-                show_progress(f"{camera.name}: {len(views[camera.name])} views", done / len(wanted))
+            show_progress(f"{camera.name}, {len(views[camera.name])} views", done / len(wanted))
     return views
 
 
 def _other_size(camera: Camera, found: tuple[int, ...]) -> Mistake:
     text = f"camera {camera.name} is calibrated for {camera.size[0]}x{camera.size[1]} px, its recording is "
     return Mistake(None, f"{text}{found[0]}x{found[1]}", "calibrate intrinsics at this size first")
-
-
-def show_progress(what: str, share: float) -> None:
-    """On one line of the terminal."""
-    print(f"\r\x1b[K{what} {share:.0%}", end="", file=sys.stderr, flush=True)
-
-
-def clear_progress() -> None:
-    """Wipe that line."""
-    if sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)

@@ -12,6 +12,7 @@ from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.check.tracks import read_run, target_sightings
 from followspot_calibrate.places import Places, find_places
+from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.choosing import telling, together
 from followspot_calibrate.refine.page import page_of
 from followspot_calibrate.refine.solving import Refinement, refine
@@ -25,8 +26,11 @@ def refine_room(args: argparse.Namespace) -> int:
     room = load(args.room)
     require(room, args)
     tracked = read_run(args.run, room) if args.run else track_recording(args.graph, args.room, args.frames)
-    shown = None if args.clips is None else find_places(args.clips, list(room.cameras.values()))
+    shown = None
+    if args.clips is not None:
+        shown = find_places(args.clips, list(room.cameras.values()), show_progress)
     found = refined(room, tracked, shown)
+    clear_progress()
     report = args.report or args.room.with_suffix(".refine.html")
     try:
         if not args.dry_run:
@@ -59,4 +63,4 @@ def refined(room: Room, tracked: Tracked, shown: Places | None) -> Refinement:
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
     cameras = list(room.cameras.values())
     places = telling(cameras, seen.pixel, radius, room.planes)
-    return refine(cameras, together(places, shown), room.planes)
+    return refine(cameras, together(places, shown), room.planes, show_progress)

@@ -9,6 +9,7 @@ import numpy as np
 
 from followspot import Room
 from followspot.errors import FollowspotError
+from followspot_calibrate.adjust import Progress
 from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.refine.solving import Refinement, refine
 from followspot_calibrate.wand.rounds import RAYLEIGH, Settled, chosen
@@ -29,7 +30,7 @@ class Agreement:
     problem: str = ""
 
 
-def agreement(room: Room, clips: Path) -> Agreement:
+def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agreement:
     """Holds the cameras against each other by where they see each target at the same frame of its clip.
 
     Cameras with clock offsets take their frames at different moments, which is no contradiction.
@@ -38,9 +39,9 @@ def agreement(room: Room, clips: Path) -> Agreement:
     if len(cameras) < FEWEST or any(camera.clock_offset for camera in cameras):
         return Agreement()
     try:
-        places = find_places(clips, cameras)
-    except FollowspotError:  # clips of single cameras: there is nothing to hold against each other
-        return Agreement()
+        places = find_places(clips, cameras, progress)
+    except FollowspotError as reason:
+        return Agreement(problem=f"cameras were not held against each other: {reason}")
     given = chosen(cameras, places.pixel)
     if apart := elsewhere(given, places):
         cause = "the clips of a target do not begin at the same moment, or a camera has moved"
@@ -50,7 +51,7 @@ def agreement(room: Room, clips: Path) -> Agreement:
     if excess(given, places) <= AGREEING:
         return Agreement()
     try:
-        found = refine(cameras, places, room.planes)
+        found = refine(cameras, places, room.planes, progress)
     except FollowspotError as reason:
         return Agreement(problem=f"{contradiction(given)}, and clips cannot correct them: {reason}")
     if excess(found.after, places) > AGREEING:

@@ -11,6 +11,7 @@ from followspot import Room, Target
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
+from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
 from followspot_calibrate.targets.cameras import Agreement, agreement
@@ -41,7 +42,8 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
         if name not in failed
     }
     targets = {**room.targets, **learnt}
-    held = Agreement() if args.keep_cameras else agreement(room, args.clips)
+    held = Agreement() if args.keep_cameras else agreement(room, args.clips, show_progress)
+    clear_progress()
     outcome = Outcome(report, told_apart(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")
     try:
@@ -71,12 +73,11 @@ def learn_aloud(folder: Path, room: Room) -> list[Lesson]:
     lessons = []
     for number, lesson in enumerate(learn(folder, room), 1):
         lessons.append(lesson)
-        if sys.stderr.isatty():
-            print(f"\r{folder.name}: camera {number} of {len(room.cameras)} ", end="", file=sys.stderr)
+        show_progress(folder.name, number / len(room.cameras))
         if lesson.problem:
+            clear_progress()
             print(f"warning: {folder.name}, {lesson.camera.name}: {lesson.problem}", file=sys.stderr)
-    if sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)
+    clear_progress()
     return lessons
 
 

@@ -18,6 +18,7 @@ from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.places import find_places
 from followspot_calibrate.points_file import read_points
+from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.report import write_report
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import on_a_line
@@ -59,16 +60,14 @@ def calibrate_wand(args: argparse.Namespace) -> int:
 def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
     """The calibration from points to the room's frame; nothing is written."""
     known = None if room is None else list(room.cameras.values())
-    progress = _told if sys.stderr.isatty() else None
-    sightings = _sightings(args, known or (), progress)
-    solved, targets = solve(sightings, known, args.intrinsics, args.length, progress), None
+    sightings = _sightings(args, known or (), show_progress)
+    solved, targets = solve(sightings, known, args.intrinsics, args.length, show_progress), None
     if args.targets is not None:
-        places = find_places(args.targets, known or (), progress)
-        targets = with_targets(solved, places, progress=progress)
-        targets = with_targets(targets.solved, places, aligned(args, targets.solved, room), progress)
+        places = find_places(args.targets, known or (), show_progress)
+        targets = with_targets(solved, places, progress=show_progress)
+        targets = with_targets(targets.solved, places, aligned(args, targets.solved, room), show_progress)
         solved = targets.solved
-    if sys.stderr.isatty():
-        print("\r\x1b[K", end="", file=sys.stderr)
+    clear_progress()
     alignment = aligned(args, solved, room)
     own = [in_room(alignment.transform.camera(camera), room) for camera in solved.settled.cameras]
     if args.clock_offsets:
@@ -185,8 +184,3 @@ def _size(text: str | None) -> tuple[int, int] | None:
     if not (0 < int(width) <= LARGEST and 0 < int(height) <= LARGEST):
         raise InputError([Mistake(None, f"--size {text} is no size of a picture", f"from 1 to {LARGEST}")])
     return int(width), int(height)
-
-
-def _told(text: str, share: float) -> None:
-    """Progress on a terminal."""
-    print(f"\r\x1b[K{text}: {100 * share:.0f} %", end="", file=sys.stderr, flush=True)
