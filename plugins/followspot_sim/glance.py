@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache, partial
 
 import numpy as np
 
@@ -37,25 +38,29 @@ class Onlookers:
         self._world = world_of(choice)
         self._radii = np.array(choice.radii)
         self._cameras: list[tuple[Camera, Array]] = []
-        self._eyes: Eyes | None = None
-        self.glance = Recent(self._look)
+        self._lock = threading.Lock()
+        self.glance = self._glances()
 
     def join(self, camera: Camera, rays: Array) -> int:
-        """Take a camera in, with the rays of its pixels (H, W, 3); returns its number in every glance.
+        """Take a camera in, with the rays of its pixels (H, W, 3); returns its number in every later glance.
 
-        Cameras join before the first glance of those that work at the same time.
+        Cameras may join in several threads, also while others look.
         """
-        for number, (known, _) in enumerate(self._cameras):
-            if known is camera:
-                return number
-        self._cameras.append((camera, rays.astype(np.float32)))
-        self._eyes, self.glance = None, Recent(self._look)
-        return len(self._cameras) - 1
+        with self._lock:
+            for number, (known, _) in enumerate(self._cameras):
+                if known is camera:
+                    return number
+            self._cameras.append((camera, rays.astype(np.float32)))
+            self.glance = self._glances()
+            return len(self._cameras) - 1
 
-    def _look(self, frame: int) -> Glance:
-        if self._eyes is None:
-            self._eyes = eyes_of(self._cameras)
-        scene, eyes = self._world.scene(frame), self._eyes
+    def _glances(self) -> Recent[Glance]:
+        """Those of the cameras that have joined by now, whoever joins later."""
+        eyes = cache(partial(eyes_of, tuple(self._cameras)))
+        return Recent(lambda frame: self._look(eyes(), frame))
+
+    def _look(self, eyes: Eyes, frame: int) -> Glance:
+        scene = self._world.scene(frame)
         balls = len(scene.balls)
         points = np.concatenate([scene.balls, scene.limbs.reshape(-1, 3)])
         pixel: Array = np.stack([project(camera, points) for camera in eyes.cameras])
