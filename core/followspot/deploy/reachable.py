@@ -11,6 +11,7 @@ import os
 import socket
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -93,6 +94,7 @@ class _Server:
     def __init__(self, name: str, verbs: Verbs) -> None:
         """Raises OSError."""
         self._verbs = verbs
+        self._asking: dict[threading.Thread, socket.socket] = {}
         self._socket = socket.socket(socket.AF_UNIX)
         try:
             self._socket.bind(f"\0{name}")
@@ -104,11 +106,18 @@ class _Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Answer no more."""
+        """Answer no more, but to the end what has been asked."""
         with suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._thread.join(_PATIENCE)
         self._socket.close()
+        asking = list(self._asking.items())
+        for _, asker in asking:  # whoever has not asked yet comes too late
+            with suppress(OSError):
+                asker.shutdown(socket.SHUT_RD)
+        patient = time.monotonic() + _PATIENCE
+        for thread, _ in asking:
+            thread.join(max(0.0, patient - time.monotonic()))
 
     def _serve(self) -> None:
         while True:
@@ -116,15 +125,20 @@ class _Server:
                 asker, _ = self._socket.accept()
             except OSError:
                 return
-            if _same_user(asker):
-                threading.Thread(target=self._answer, args=(asker,), daemon=True).start()
-            else:
+            if not _same_user(asker):
                 asker.close()
+                continue
+            thread = threading.Thread(target=self._answer, args=(asker,), daemon=True)
+            self._asking[thread] = asker
+            thread.start()
 
     def _answer(self, asker: socket.socket) -> None:
-        with asker, suppress(OSError):
-            asker.settimeout(_PATIENCE)
-            asker.sendall(json.dumps(self._said(_line(asker, MAX_REQUEST))).encode() + b"\n")
+        try:
+            with asker, suppress(OSError):
+                asker.settimeout(_PATIENCE)
+                asker.sendall(json.dumps(self._said(_line(asker, MAX_REQUEST))).encode() + b"\n")
+        finally:
+            del self._asking[threading.current_thread()]
 
     def _said(self, line: bytes) -> dict[str, Any]:
         try:

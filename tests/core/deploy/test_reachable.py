@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import os
 import socket
+import threading
+import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -42,6 +44,28 @@ def test_a_run_is_found_answers_and_is_gone_without_a_trace() -> None:
     assert RUN[:16] not in Path("/proc/net/unix").read_text()
     with pytest.raises(FollowspotError, match="does not answer"):
         run.ask("double", number=1)
+
+
+def test_what_was_asked_is_answered_before_the_end_and_who_has_not_asked_is_refused() -> None:
+    asked, returned, answers = threading.Event(), threading.Event(), []
+
+    def slow() -> str:
+        asked.set()
+        time.sleep(0.2)
+        returned.set()
+        return "done"
+
+    with socket.socket(socket.AF_UNIX) as silent:
+        with reachable(RUN, "graph", {"slow": slow}):
+            (run,) = [run for run in runs_here() if run.run == RUN]
+            silent.connect(f"\0{run.socket}")
+            asking = threading.Thread(target=lambda: answers.append(run.ask("slow")))
+            asking.start()
+            assert asked.wait(10.0)
+        assert returned.is_set()
+        assert "refused" in json.loads(silent.makefile().readline())
+    asking.join()
+    assert answers == ["done"]
 
 
 @pytest.mark.parametrize(
