@@ -69,6 +69,11 @@ class Going:
         wanted = len(self.values()) + more
         assert wait_until(lambda: len(self.values()) >= wanted), "nothing is written any more"
 
+    def step(self) -> int:
+        """What the newest number adds to the one before, both of one look: the file grows meanwhile."""
+        before, newest = self.values()[-2:]
+        return newest - before
+
     def reaches(self, value: int, file: str) -> None:
         assert wait_until(lambda: self.values(file)[-1] > value)
 
@@ -144,9 +149,9 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
         os.kill(worker, signal.SIGKILL)
         assert wait_until(lambda: worker not in run.workers() and len(run.workers()) == 2)
         run.grows()
-        assert run.values()[-1] - run.values()[-2] == 1000, "who comes back is the successor"
+        assert run.step() == 1000, "who comes back is the successor"
         change(run.name, ["b.step=7", "b.forgetful=true"], fresh=True)
-        assert wait_until(lambda: run.values()[-1] - run.values()[-2] == 7)
+        assert wait_until(lambda: run.step() == 7)
         assert run.values().count(7) == 2, "it began without a state"
         finished = run.stopped()
     assert balanced(finished.summary)
