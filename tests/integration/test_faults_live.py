@@ -44,6 +44,16 @@ class Live:
         path = self.out / "ticks.csv"
         return len(path.read_text().splitlines()) if path.exists() else 0
 
+    def first(self) -> str:
+        """The first line: another one once a new writer has begun the file anew."""
+        return (self.out / "ticks.csv").read_text().partition("\n")[0]
+
+    def kill_writer(self, pid: int) -> None:
+        """Kill the worker that writes, and wait for the first line of the one that comes back."""
+        first = self.first()
+        os.kill(pid, signal.SIGKILL)
+        assert wait_until(lambda: self.first() not in ("", first)), "its file was not begun anew"
+
     def last(self) -> int:
         """The newest number that is written whole."""
         return int((self.out / "ticks.csv").read_text().splitlines()[-2].split(",")[2])
@@ -96,8 +106,7 @@ def joined(out: Path, after: int) -> bool:
 @pytest.mark.thorough
 def test_the_worker_that_joins_over_zenoh_is_killed_and_tracks_go_on(tmp_path: Path) -> None:
     run = Live(tmp_path, "--edges", "zenoh")
-    os.kill(run.victim("main"), signal.SIGKILL)
-    assert wait_until(lambda: run.lines() < 3), "its file is begun anew when it comes back"
+    run.kill_writer(run.victim("main"))
     run.go_on()
     finished = run.end()
     assert balanced(finished.summary)
@@ -108,8 +117,7 @@ def test_after_a_camera_file_has_ended_who_dies_or_hangs_is_still_started_again(
     run = Live(tmp_path, stages=SHORT, placement=PLACEMENT + "  short: {stages: [short]}\n")
     assert wait_until(lambda: len(run.workers()) == 3), "the short one has not ended"
     _, right, main = run.workers()
-    os.kill(main, signal.SIGKILL)
-    assert wait_until(lambda: run.lines() < 3), "its file is begun anew when it comes back"
+    run.kill_writer(main)
     run.go_on()
     os.kill(right, signal.SIGSTOP)
     assert wait_until(lambda: not alive(right)), "it was not noticed"
