@@ -22,6 +22,8 @@ STAGES = {
     "csv_blobs": "csv_blobs:CsvBlobs",
     "jsonl": "json_lines:JsonLines",
 }
+COMPILED = shutil.ignore_patterns("__pycache__")
+"""Files come and go there whenever a process imports something for the first time."""
 TESTS = """
 import pytest
 from followspot.plugins.registry import load_stage
@@ -47,8 +49,10 @@ def without_the_plugin(where: Path) -> Path:
     where.mkdir()
     for name in ("README.md", "LICENSE", "core", "plugins", "tools"):
         source = ROOT / name
-        copy = shutil.copytree if source.is_dir() else shutil.copy
-        copy(source, where / name)
+        if source.is_dir():
+            shutil.copytree(source, where / name, ignore=COMPILED)
+        else:
+            shutil.copy(source, where / name)
     shutil.rmtree(where / "plugins" / PLUGIN)
     lines = (ROOT / "pyproject.toml").read_text().splitlines()
     kept = [line for line in lines if not re.match(rf'"[\w.]+" = "{PLUGIN}\.|  "plugins/{PLUGIN}"', line)]
@@ -60,7 +64,7 @@ def without_the_plugin(where: Path) -> Path:
 def ejected(where: Path) -> Path:
     """A new package with the plugin's folder in it, as it is."""
     package = new_plugin("ejected", where)
-    shutil.copytree(ROOT / "plugins" / PLUGIN, package / PLUGIN, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "plugins" / PLUGIN, package / PLUGIN, ignore=COMPILED)
     project = package / "pyproject.toml"
     entries = "".join(f'"ejected.{name}" = "{PLUGIN}.{place}"\n' for name, place in STAGES.items())
     text = project.read_text().replace("[tool.hatch", f"{entries}\n[tool.hatch", 1)
