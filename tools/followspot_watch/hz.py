@@ -26,6 +26,8 @@ SINK = "dashboard.meter"
 _LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 _PERIOD = 0.5
 """Seconds between two tables on a terminal."""
+_BEGINNING = 5.0
+"""Seconds that it may take until a first message is measured: a busy worker begins to do so in its time."""
 
 
 @dataclass(frozen=True)
@@ -76,6 +78,11 @@ class Measured:
         self._told: dict[str, tuple[Rhythm, float]] = {}
         self._since = time.monotonic()
 
+    @property
+    def begun(self) -> bool:
+        """Whether anything was measured."""
+        return bool(self._told)
+
     def take(self, port: str, rhythm: Rhythm) -> None:
         """A newer measurement."""
         self._told[port] = rhythm, time.monotonic()
@@ -124,12 +131,14 @@ def _row(pace: Pace) -> tuple[str, ...]:
 
 
 def _measure(ear: Ear, measured: Measured, seconds: float | None) -> None:
-    """Until the time is over, or the run; where there is no time, with tables meanwhile."""
-    end = None if seconds is None else time.monotonic() + seconds
-    for heard in ear.heard(_PERIOD if end is None else min(_PERIOD, seconds or _PERIOD)):
+    """For the time from the first measurement on, or until the run ends; without a time, with tables."""
+    end = None if seconds is None else time.monotonic() + _BEGINNING + seconds
+    for heard in ear.heard(_PERIOD if seconds is None else min(_PERIOD, seconds)):
         if heard is not None:
             port, message = heard
             assert isinstance(message, Rhythm)
+            if seconds is not None and not measured.begun:
+                end = time.monotonic() + seconds
             measured.take(port, message)
         elif end is None:
             print(screenful(text(measured.paces())), flush=True)

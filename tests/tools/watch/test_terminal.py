@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -74,6 +75,7 @@ def tell(port: str, uses: str, params: dict[str, Any]) -> None:
     """What a tap tells of two messages; of a source, nothing to a meter."""
     if uses == "dashboard.meter" and not port.startswith("camera/"):
         meter = load_stage(uses)(Context(), **params)
+        meter.monotonic_ns = lambda: 1  # all at once
         meter.setup()
         for message in sent(port):
             meter.process(message)
@@ -152,6 +154,26 @@ def test_hz_tells_how_regularly_each_port_sends_and_what_was_lost(
     assert said("hz", "color/cam0", "--run", run) == 0
     (_, row) = capsys.readouterr().out.splitlines()
     assert row.split()[0] == "color/cam0.out"
+
+
+def test_the_time_of_hz_begins_with_the_first_measurement(capsys: pytest.CaptureFixture[str]) -> None:
+    plan, status = compile_graph(GRAPH), RunStatus((WorkerStatus("main", "running"),), (), 0, None)
+    begun: list[threading.Timer] = []
+
+    def tap(taps: list[dict[str, Any]]) -> None:
+        begun.append(threading.Timer(0.5, lambda: [tell(**wanted) for wanted in taps]))
+        begun[0].start()
+
+    verbs: dict[str, Callable[..., Any]] = {
+        "plan": lambda: plan_to_data(plan),
+        "status": status.to_data,
+        "tap": tap,
+    }
+    with reachable(f"late{NAME}", plan.graph, verbs):
+        assert said("hz", "track", "--run", f"late{NAME}", "--seconds", "0.1", "--json") == 0
+    begun[0].join()
+    found = {pace["port"]: pace for pace in json.loads(capsys.readouterr().out)}
+    assert found["track.tracks"]["count"] == 1
 
 
 def test_a_table_is_cut_to_the_terminal() -> None:
