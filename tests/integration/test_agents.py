@@ -7,11 +7,16 @@ import signal
 import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import pytest
 from hosts import Agent, free_port, near_agent
 from running import COMMAND, STAGES, Finished, balanced, children, finish, start, wait_until, write_graph
+
+from followspot.deploy.reach import await_named, operating
+from followspot.deploy.requests import agents
+from followspot.transport.zenoh_network import Network
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
@@ -161,6 +166,21 @@ def looked_at_from_elsewhere(run: str, connect: list[str]) -> None:
     assert pace["count"] > 0
     assert pace["rate"] > 0
     assert not of_left(message["value"])
+
+
+def test_an_agent_that_is_slow_to_answer_a_link_is_waited_for(tmp_path: Path) -> None:
+    agent = near_agent("pc-left", tmp_path)
+    agent.signal(signal.SIGSTOP)
+    busy = Timer(1.0, agent.signal, [signal.SIGCONT])
+    busy.start()
+    network = Network(connect=(agent.endpoint,))
+    try:
+        with operating(network) as session:
+            await_named(session, network)
+            assert agents(session) == {"pc-left"}
+    finally:
+        busy.join()
+        assert agent.end() == 0
 
 
 def test_a_host_without_an_agent_is_named_with_the_command_to_start_it(tmp_path: Path) -> None:

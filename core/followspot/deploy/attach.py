@@ -11,7 +11,7 @@ from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.local import OnProgress
-from followspot.deploy.reach import Agents, operating, reached
+from followspot.deploy.reach import Agents, await_named, operating, reached
 from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
 from followspot.errors import FollowspotError
@@ -102,6 +102,7 @@ class Attachment:
 def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
     """A run that goes on under agents. Raises FollowspotError where there is no such run."""
     with operating(network) as session:
+        await_named(session, network)
         asker = Asker(session, network.own)
         run = chosen(found(asker), wanted)
         orders = {name: _order(asker, name, run.run) for name in run.hosts}

@@ -76,6 +76,13 @@ def _await_anybody(session: zenoh.Session) -> None:
         time.sleep(0.02)
 
 
+def await_named(session: zenoh.Session, network: Network) -> None:
+    """Return when as many agents are there as endpoints were named; some may be off, or not be agents."""
+    deadline = time.monotonic() + _DISCOVERY
+    while len(agents(session)) < len(network.connect) and time.monotonic() < deadline:
+        time.sleep(0.02)
+
+
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:
     """Return when all these agents are there. Raises InputError naming those that are not."""
     deadline = time.monotonic() + _PATIENCE
