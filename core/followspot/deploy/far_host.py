@@ -20,7 +20,7 @@ from followspot.deploy.log.record import page_from_data
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
-from followspot.deploy.supervision import SILENCE
+from followspot.deploy.supervision import SILENCE, Pulse
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
@@ -54,6 +54,7 @@ class FarHost:
         """News from before the agent was started anew."""
         self._status = HostStatus((), ())
         self._heard = time.monotonic()
+        self._pulse = Pulse()
         self._news = threading.Event()
         self._over = threading.Event()
         self._unheard: deque[tuple[str, dict[str, Any]]] = deque()
@@ -124,7 +125,7 @@ class FarHost:
         """Wait for news. Raises HostLost where none came for too long."""
         self._news.wait(timeout)
         self._news.clear()
-        if time.monotonic() - self._heard > SILENCE:
+        if self._pulse.silent({self.name: self._heard}, time.monotonic()):
             raise HostLost(f"host {self.name} does not answer")
 
     def status(self) -> HostStatus:
@@ -157,12 +158,12 @@ class FarHost:
 
     def _refresh(self) -> None:
         status = status_from_data(self._ask("status", SILENCE, run=self.run))
+        self._heard = time.monotonic()
+        self._fetch_log(status.logged)  # first, for nobody asks for it once all is seen to be over
         here = {worker.name for worker in status.workers}
         ended = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
         workers, news = (*status.workers, *ended), (*self._before, *status.news)
         self._status = replace(status, workers=workers, news=news)
-        self._heard = time.monotonic()
-        self._fetch_log(status.logged)
         self._news.set()
 
     def _fetch_log(self, newest: int) -> None:
