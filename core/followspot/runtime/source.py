@@ -151,6 +151,7 @@ class LiveCell(SourceCell):
         with self._lock:
             shed, self._shed = self._shed, 0
             item = self._box.popleft() if self._box else None
+            over, error = self._over, self._error  # now, for what came later would be in the box by then
         if shed:
             self.yielded += shed
             for _, outlet in self.outlets:
@@ -158,11 +159,11 @@ class LiveCell(SourceCell):
         if item is not None and self.yielded != self.limit:
             found, self.entered, self._came = item
             return found
-        if self._error is not None:
-            self._failed(self._error)
+        if error is not None:
+            self._failed(error)
             if not self.done:
                 self.start()
-        elif self._over or self.stopped or self.yielded == self.limit:
+        elif over or self.stopped or self.yielded == self.limit:
             self.finish()
         return None
 
