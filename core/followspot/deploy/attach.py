@@ -107,7 +107,8 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
         run = chosen(found(asker), wanted)
         orders = {name: _order(asker, name, run.run) for name in run.hosts}
         hosts = [FarHost(asker, name, order=order) for name, order in orders.items()]
-        coordinator = Coordinator(_whole(orders), hosts, orders[run.hosts[0]], others=Agents(asker))
+        order = orders[run.hosts[0]]
+        coordinator = Coordinator(_whole(orders), hosts, order, others=Agents(asker), begun=True)
         try:
             for host in hosts:
                 host.watch()

@@ -50,10 +50,13 @@ class Coordinator:
         order: RunOrder,
         on_log: OnLog | None = None,
         others: Others | None = None,
+        *,
+        begun: bool = False,
     ) -> None:
         """hosts: every host that the plan names; order: what they were, or are to be, told.
 
-        others: those that may join while it runs; None for a run without a network.
+        others: those that may join while it runs; None for a run without a network; begun: whether it has,
+        under another operator.
         """
         self.plan = plan
         self.hosts = list(hosts)
@@ -71,7 +74,11 @@ class Coordinator:
         """Hosts that do not answer, and what is known of that."""
         self._news: list[str] = []
         self._one_change = Lock()
-        self._beginning = False
+        self._begun = begun
+        self._prepared = list(hosts) if begun else []
+        self._early: list[Tapping] = []
+        """What those want to look at who came before there was anything to see."""
+        self._one_tap = Lock()
 
     def stop(self) -> None:
         """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
@@ -91,15 +98,15 @@ class Coordinator:
 
     def begin(self) -> bool:
         """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
-        self._beginning = True
         for host in self.hosts:
             host.prepare(self.order)
+            self._look_there(host)
         if not self._all_ready():
             self._end_early()
             return False
         for host in self.hosts:
             host.start()
-        self._beginning = False
+        self._begun = True
         return True
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
@@ -152,18 +159,29 @@ class Coordinator:
             over = tuple(sorted(self._ended))
             host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))
             host.start()
+            self._look_there(host)
             self.order = replace(self.order, reference=self.order.reference or name)
             self.hosts.append(host)
             self.log.join(host)
 
     def _check_begun(self) -> None:
-        if self._beginning:
+        if not self._begun:
             raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports; safe from any thread."""
-        for host in self.hosts:
-            host.tap(tappings)
+        """Look at ports, as soon as they are there; safe from any thread."""
+        with self._one_tap:
+            if not self._begun:
+                self._early += tappings
+            for host in self._prepared:
+                host.tap(tappings)
+
+    def _look_there(self, host: Host) -> None:
+        """The host has taken its part: look at its ports from now on."""
+        with self._one_tap:
+            self._prepared.append(host)
+            if self._early:
+                host.tap(self._early)
 
     def records(self, after: int) -> LogPage:
         """What was logged on all hosts after the record of this number; safe from any thread."""

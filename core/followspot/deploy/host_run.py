@@ -146,9 +146,9 @@ class HostRun:
         self._attend_clock()
 
     def status(self) -> HostStatus:
-        """The newest picture."""
+        """The newest picture; safe from any thread."""
         return HostStatus(
-            tuple(worker.status() for worker in self.workers.values()),
+            tuple(worker.status() for worker in tuple(self.workers.values())),
             tuple(self.ledger.words.tolist()),
             tuple(self.news),
             self.out,
