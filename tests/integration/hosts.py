@@ -34,11 +34,17 @@ def ip(*words: str, inside: str | None = None) -> None:
     subprocess.run([*prefix, *words], check=True, capture_output=True)
 
 
+_HELD: list[socket.socket] = []
+"""They have the ports that tests were given, but do not listen: whoever is told the number may."""
+
+
 def free_port() -> int:
-    """A port of loopback that nobody uses now."""
-    with socket.socket() as sock:
-        sock.bind(("127.0.0.1", 0))
-        return int(sock.getsockname()[1])
+    """A port of loopback that nobody uses, and that nobody else is given as any free one meanwhile."""
+    sock = socket.socket()
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    sock.bind(("127.0.0.1", 0))
+    _HELD.append(sock)
+    return int(sock.getsockname()[1])
 
 
 class Hosts:

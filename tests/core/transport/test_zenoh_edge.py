@@ -12,6 +12,7 @@ from contextlib import ExitStack
 import numpy as np
 import pytest
 import zenoh
+from hosts import free_port
 
 from followspot.errors import FollowspotError
 from followspot.messages import Header, Message, identical, seal, stamped
@@ -204,8 +205,7 @@ def test_by_default_only_this_host_is_reached(pair: Pair) -> None:
 
 
 def test_peers_may_start_in_any_order() -> None:
-    with open_session() as first:
-        (place,) = locators(first)
+    place = f"tcp/127.0.0.1:{free_port()}"
     with open_session(connect=[place]) as early, open_session([place]):
         until(lambda: len(early.info.peers_zid()) == 1)
 
