@@ -75,7 +75,7 @@ def run(graph: Path, *options: str, out: str = "out") -> Finished:
 
 
 def children(pid: int) -> list[int]:
-    """Processes whose parent is `pid`."""
+    """Processes whose parent is `pid`, in the order in which they were started: numbers may begin anew."""
     try:
         text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
     except OSError:

@@ -64,8 +64,8 @@ class Live:
         assert wait_until(lambda: self.lines() >= wanted), "nothing is written any more"
 
     def workers(self) -> list[int]:
-        """Process ids of those that live, in the order of the placement."""
-        return sorted(pid for pid in children(self.process.pid) if alive(pid))
+        """Process ids of those that live, first those that were never started again, as they are placed."""
+        return [pid for pid in children(self.process.pid) if alive(pid)]
 
     def victim(self, name: str) -> int:
         return self.workers()[["left", "right", "main"].index(name)]
@@ -149,7 +149,7 @@ save: {uses: ticks.write, in: {number: c}}
     (tmp_path / "placement.yaml").write_text(placement)
     process = start(graph, out, "--placement", str(tmp_path / "placement.yaml"), "--restart")
     assert wait_until(lambda: (out / "ticks.csv").exists() and (out / "ticks.csv").stat().st_size > 0)
-    os.kill(min(children(process.pid)), signal.SIGKILL)  # its source begins anew, and b waits for feedback
+    os.kill(children(process.pid)[0], signal.SIGKILL)  # its source begins anew, and b waits for feedback
     finished = finish(process, out)
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
     assert balanced(finished.summary)
