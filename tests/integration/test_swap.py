@@ -27,7 +27,7 @@ PATIENCE = 90.0
 """Seconds that bound a failure on a busy machine."""
 REPLAY = """
 a:    {uses: ticks.count, with: {count: 1200}}
-b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.003}}
+b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.02}}  # until another one takes its place
 save: {uses: ticks.write, in: {number: b}}
 """
 LIVE = """
