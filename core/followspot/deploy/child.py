@@ -63,6 +63,7 @@ class Child:
         self.restart = False
         self.over = threading.Event()
         self._orders: list[dict[str, Any]] = []
+        self._telling = threading.Lock()
 
     def live(self) -> None:
         """Build, start, run, report. Raises ChannelClosed when the agent ends before the start."""
@@ -252,8 +253,10 @@ class Child:
             self._tell_log()
 
     def _tell_log(self) -> None:
-        if records := self.log.take():
-            self.channel.send("log", records=[record.to_data() for record in records])
+        """From any thread; on return, what another thread has taken is told, too: "done" comes after all."""
+        with self._telling:
+            if records := self.log.take():
+                self.channel.send("log", records=[record.to_data() for record in records])
 
     def _tell_stages(self, worker: Worker) -> None:
         stages = [asdict(stage) for stage in stages_now(worker, self.warnings.last)]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import logging
+import threading
 from pathlib import Path
 
 import pytest
 
+from followspot.deploy.child import Child
 from followspot.deploy.log.collector import BURST, PER_SECOND, LogCollector, collecting
 from followspot.deploy.log.file import LogFile, read_log
 from followspot.deploy.log.merged import MergedLog
@@ -63,6 +65,28 @@ def test_a_stage_that_never_stops_talking_is_counted_and_not_believed() -> None:
     for _ in range(2 * BURST):
         collector.say("warning", "fuse", "still")
     assert len(collector.take()) == 2 * PER_SECOND + 1
+
+
+def test_what_another_thread_has_taken_is_told_before_the_last_word() -> None:
+    told: list[str] = []
+    taken, ended = threading.Event(), threading.Event()
+
+    class Channel:
+        def send(self, kind: str, **data: object) -> None:
+            taken.set()
+            ended.wait(0.2)  # held up, while the worker comes to its end
+            told.append(kind)
+
+    child = Child(Channel())  # type: ignore[arg-type]
+    child.log.say("error", "fuse", "broken")
+    telling = threading.Thread(target=child._tell_log)
+    telling.start()
+    assert taken.wait(20)
+    child._tell_log()
+    told.append("done")
+    ended.set()
+    telling.join()
+    assert told == ["log", "done"]
 
 
 def test_only_the_newest_records_are_kept_and_each_is_read_once() -> None:
