@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from followspot.transport.zenoh_network import Network
 
 PATIENCE = 3.0
-"""Seconds for agents to be found."""
+"""Seconds for agents to be found, and for each to tell its clock."""
 _REMEDY = "times are corrected while a graph runs; install chrony or ptp4l on both hosts all the same"
 SOON = timedelta(days=30)
 """How long before its end a certificate is worth a warning."""
@@ -69,9 +69,11 @@ def _clock(asker: Asker, host: str) -> Finding:
     from followspot.deploy.clocks.host import HostClock
 
     clock = HostClock(asker)
+    deadline = time.monotonic() + PATIENCE
     try:
         clock.follow(host)
-        found = clock.status()
+        while not (found := clock.status()).exchanges and time.monotonic() < deadline:
+            time.sleep(0.1)  # it goes on asking
     finally:
         clock.close()
     name = f"host {host}"
