@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from threading import Lock
+from threading import RLock
 
 
 class Bell:
@@ -12,7 +12,7 @@ class Bell:
 
     def __init__(self) -> None:
         self._fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._lock = Lock()
+        self._lock = RLock()  # a signal handler may ring while its own thread closes
         self._open = True
 
     def fileno(self) -> int:

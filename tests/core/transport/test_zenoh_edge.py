@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -233,6 +234,20 @@ def test_a_process_that_closes_its_edges_exits() -> None:
         "reader = ZenohReader(session, 'k', 'r', Frame, 4); writer.close(); reader.close(); session.close()"
     )
     subprocess.run([sys.executable, "-c", script], check=True, timeout=30)
+
+
+def test_a_signal_handler_may_ring_a_bell_that_its_thread_is_about_to_close() -> None:
+    bell = Bell()
+
+    def interrupted() -> None:
+        with bell._lock:  # as `close` does
+            bell.ring()
+        bell.close()
+
+    closing = threading.Thread(target=interrupted, daemon=True)
+    closing.start()
+    closing.join(20)
+    assert not closing.is_alive()
 
 
 def test_a_closed_bell_does_not_touch_the_next_owner_of_its_descriptor() -> None:
