@@ -40,8 +40,9 @@ class PublishedPort:
         self._worker.between_firings(self._follow)
 
     def _follow(self) -> None:
-        others = tuple(tap for tap in self._outlet.taps if tap is not self)
-        self._outlet.taps = (*others, self) if reached(self._publisher) else others
+        self._outlet.untap(self)
+        if reached(self._publisher):
+            self._outlet.tap(self)
 
 
 def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:

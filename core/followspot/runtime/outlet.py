@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from threading import Lock
 from typing import Any
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
@@ -14,6 +15,8 @@ from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Settled
 
 _PLENTY = 1 << 30
+_TAPPING = Lock()
+"""Taps come from any thread and go in that of the worker."""
 
 
 class Outlet:
@@ -145,6 +148,16 @@ class Outlet:
         """Count messages that a live source dropped before they left."""
         self._count(self._all_rows(), SENT, count)
         self._count(self._all_rows(), SHED, count)
+
+    def tap(self, by: Callable[[Message], None]) -> None:
+        """Call it with every message from now on. Safe from any thread."""
+        with _TAPPING:
+            self.taps = (*self.taps, by)
+
+    def untap(self, by: Callable[[Message], None]) -> None:
+        """Call it no more. Safe from any thread."""
+        with _TAPPING:
+            self.taps = tuple(tap for tap in self.taps if tap is not by)
 
     def loan(self, shape: tuple[int, ...], dtype: str) -> Array | None:
         """An array in the memory of the first writer that has one to lend."""

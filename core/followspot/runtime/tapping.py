@@ -44,7 +44,7 @@ class Tap:
 
     def close(self) -> None:
         """Look no more."""
-        self._outlet.taps = tuple(tap for tap in self._outlet.taps if tap is not self)
+        self._outlet.untap(self)
         self._stage.close()
 
 
@@ -74,7 +74,7 @@ def tap(
         context = replace(cell.stage.context, post=post(tapping))
         stage = load_stage(tapping.uses)(context, **tapping.params)
         stage.setup()
-        outlet.taps = (*outlet.taps, Tap(tapping, outlet, stage))
+        outlet.tap(Tap(tapping, outlet, stage))
 
 
 def _tappings(outlet: Outlet) -> list[Tapping]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
@@ -11,7 +12,7 @@ from followspot import Message, Stage
 from followspot.deploy.local import LocalRun
 from followspot.graph.compile import compile_graph
 from followspot.runtime import tapping
-from followspot.runtime.tapping import Tapping
+from followspot.runtime.tapping import Tap, Tapping
 from followspot.runtime.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -63,6 +64,25 @@ def test_the_same_tap_is_made_once(run: LocalRun) -> None:
         run.tap([Tapping("count.out", "seen", {})])
     run.execute()
     assert len(Seen.seen) == 30
+
+
+def test_taps_that_come_at_once_are_all_made(run: LocalRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    """While one is made, another thread makes one, too."""
+    both: list[threading.Thread] = []
+
+    class Slow(Tap):
+        def __init__(self, *args: Any) -> None:
+            super().__init__(*args)
+            if not both:
+                both.append(threading.Thread(target=run.tap, args=([Tapping("count.out", "other", {})],)))
+                both[0].start()
+                both[0].join(20)
+
+    monkeypatch.setattr(tapping, "Tap", Slow)
+    run.tap([Tapping("count.out", "seen", {})])
+    run.execute()
+    assert sorted(Seen.seen) == sorted([*range(30), *range(30)])
+    assert Seen.closed == ["count", "count"]
 
 
 @pytest.mark.parametrize(("error", "warnings"), [(ZeroDivisionError, 1), (EOFError, 0)])
