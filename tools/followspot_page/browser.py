@@ -54,12 +54,12 @@ class Browser:
             self._changed.set()
 
     async def _send(self) -> None:
-        """The newest of each thing, as fast as the browser takes it and no faster."""
+        """The newest of each thing, as fast as the browser takes it; answers come after what they tell of."""
         sent = 0
         try:
             while True:
                 number = self._feed.number
-                newer = [*self._answers, *self._feed.since(sent)]
+                newer = [*self._feed.since(sent), *self._answers]
                 self._answers.clear()
                 for payload in newer:
                     async with asyncio.timeout(_PATIENCE):
