@@ -121,6 +121,8 @@ class PoseTracker(Stage):
         if people is None:
             return self.poses(frame.camera)
         self.listen(people, now)
+        if seconds > self.params.gone:
+            self.forget(people, now)
         picture = pictured(self.camera, frame, gradients)
         told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
@@ -141,7 +143,7 @@ class PoseTracker(Stage):
         """Begin to follow whom the slow instance has seen, and let its poses take part."""
         for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
             before = self.heard.get(number)
-            if before is not None and seen <= before.time:
+            if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
                 continue
             self.heard[number] = Hearing(seen, pose)
             known = self.people.get(number)

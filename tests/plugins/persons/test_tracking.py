@@ -205,32 +205,44 @@ def test_a_look_passes_the_picture_on_as_it_is():
     assert ready(Look, perspective()).process(frame) is frame
 
 
+def watched(tracker, number, pose):
+    """Poses in a picture without an edge, every 0.1 s; pose: what the slow instance tells, (6,)."""
+    header = Header("c", number, number * SECOND // 10)
+    plain, none = np.zeros((480, 640), np.uint8), np.zeros((0, 16))
+    told = Appearances(
+        camera="c",
+        person=np.ones(1, np.int32),
+        mean=np.full((1, 45, 3), 0.5),
+        variance=np.full((1, 45, 3), 0.01),
+        evidence=np.ones((1, 45)),
+        pose=pose[None],
+        seen=np.zeros(1, np.int64),
+    )
+    return tracker.process(
+        stamped(Frame(camera="c", pixels=np.zeros((480, 640, 3), np.uint8)), header),
+        stamped(Gradients(camera="c", magnitude=plain, orientation=plain), header),
+        stamped(told, header),
+        stamped(Boxes(camera="c", box=np.zeros((0, 4)), score=np.zeros(0), torso=none, head=none), header),
+    )
+
+
 def test_who_does_not_appear_is_predicted_and_then_gone():
-    """A picture without an edge: the person whom the slow instance told of is followed for `gone` seconds."""
-    camera = perspective()
-    tracker = ready(PoseTracker, camera, particles=40)
-    pixels = np.zeros((480, 640, 3), np.uint8)
-    plain = np.zeros((480, 640), np.uint8)
-    box = np.zeros((0, 4))
-    states = []
-    for number in range(12):
-        header = Header("c", number, number * SECOND // 10)
-        frame = stamped(Frame(camera="c", pixels=pixels), header)
-        gradients = stamped(Gradients(camera="c", magnitude=plain, orientation=plain), header)
-        told = stamped(
-            Appearances(
-                camera="c",
-                person=np.ones(1, np.int32),
-                mean=np.full((1, 45, 3), 0.5),
-                variance=np.full((1, 45, 3), 0.01),
-                evidence=np.ones((1, 45)),
-                pose=standing(2.5)[None],
-                seen=np.zeros(1, np.int64),
-            ),
-            header,
-        )
-        none = np.zeros((0, 16))
-        boxes = stamped(Boxes(camera="c", box=box, score=np.zeros(0), torso=none, head=none), header)
-        states.append(tracker.process(frame, gradients, told, boxes).state.tolist())
+    """The person whom the slow instance told of is followed for `gone` seconds."""
+    tracker = ready(PoseTracker, perspective(), particles=40)
+    states = [watched(tracker, number, standing(2.5)).state.tolist() for number in range(12)]
     assert states[0] == [PREDICTED]
     assert states[-1] == []
+
+
+def test_nobody_is_followed_from_before_a_gap():
+    tracker = ready(PoseTracker, perspective(), particles=40)
+    assert watched(tracker, 0, standing(2.5)).state.tolist() == [PREDICTED]
+    assert watched(tracker, 36_000, standing(2.5)).state.tolist() == []
+
+
+def test_a_person_at_an_unknown_place_is_followed_when_the_place_is_known():
+    tracker = ready(PoseTracker, perspective(), particles=40)
+    assert watched(tracker, 0, standing(np.nan)).state.tolist() == []
+    found = watched(tracker, 1, standing(2.5))
+    assert found.state.tolist() == [PREDICTED]
+    assert np.isfinite(found.xy).all()
