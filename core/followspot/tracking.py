@@ -14,7 +14,7 @@ STATES = ("lost", "tracked", "missing", "predicted")
 """Life cycle of a target (Jin & Qian 2008, section 3.8). Column `state` holds the index.
 
 lost: searched for in whole images. tracked: measured in this frame. missing: not measured, searched
-for near its last place. predicted: no measurement of its own, bridged by the motion model or a
+for near its last place first. predicted: no measurement of its own, bridged by the motion model or a
 plane; its position is an extrapolation.
 """
 
@@ -108,6 +108,7 @@ class Forecast(Message):
     period: float
     """Time from this message to the frame it forecasts, s."""
     state: Array = column("T", dtype="u1")
+    """As what each is to be sought: a missing one is lost in some frames, too."""
     xyz: Array = column("T", 3, unit="m")
     velocity: Array = column("T", 3, unit="m/s")
     covariance: Array = column("T", 3, 3, unit="m^2")

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed
+from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed, sought
 from followspot_balls.motion import Motion, followed, predict, started
 
 NANOSECOND = 1e-9
@@ -54,6 +54,13 @@ class Kalman(Stage):
             unit="frames",
             description="frames for which a target that is not seen, or by one camera only, is sought near "
             "its last place",
+        )
+        near: int = Field(
+            4,
+            ge=0,
+            unit="frames",
+            description="frames of these for which it is sought there only; then, in every second frame, "
+            "everywhere, as if it were lost; raising it finds those later that come back elsewhere",
         )
         vague: float = Field(
             0.1,
@@ -104,13 +111,14 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        life, counted = believed(self.life, positions, self.evidence)
+        status = sought(self.life, p.near)
+        life, counted = believed(self.life, status, positions, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
         noise, sure = self.noise(positions.covariance), positions.support >= p.support
         motion = predict(self.motion, self.period, p.acceleration)
-        new = life.status.take(target) == LOST
+        new = status.take(target) == LOST
         old = slice(None)
         if new.any():
             motion = started(motion, target[new], xyz[new], noise[new], p.speed)
@@ -161,12 +169,13 @@ class Kalman(Stage):
 
     def forecast(self) -> Forecast:
         """Where the targets will be one period from now; the rows of lost ones are zero."""
-        known = self.life.status != LOST
+        status = sought(self.life, self.params.near)
+        known = status != LOST
         ahead = predict(self.motion, self.period, self.params.acceleration)
         keep = known[:, None]
         return Forecast(
             period=self.period,
-            state=self.life.status.copy(),
+            state=status,
             xyz=ahead.xyz * keep,
             velocity=ahead.velocity * keep,
             covariance=ahead.covariance[:, :3, :3] * keep[..., None],

@@ -12,7 +12,7 @@ from followspot_balls.kalman import Kalman, Outputs
 from followspot_balls.motion import Motion, predict, started, update
 
 FPS = 30
-HERE = (0.0, 0.0, 1.0)
+HERE, THERE = (0.0, 0.0, 1.0), (2.0, 0.0, 1.0)
 
 
 def kalman(**params: float) -> Kalman:
@@ -21,9 +21,16 @@ def kalman(**params: float) -> Kalman:
     return stage
 
 
-def watch(stage: Kalman, frames: int, first: int = 0, seen: bool = True, **how: object) -> list[Outputs]:
+def watch(
+    stage: Kalman,
+    frames: int,
+    first: int = 0,
+    seen: bool = True,
+    place: tuple[float, float, float] = HERE,
+    **how: object,
+) -> list[Outputs]:
     """Run frames in which target 0 is measured at rest, or is not."""
-    places = {0: HERE} if seen else {}
+    places = {0: place} if seen else {}
     return [
         stage.process(positions_at(places, (first + i) / FPS, **how))  # type: ignore[arg-type]
         for i in range(frames)
@@ -38,18 +45,50 @@ def test_a_measured_target_is_tracked_and_an_unseen_one_stays_lost() -> None:
 
 
 def test_a_target_is_missing_for_25_frames_then_lost() -> None:
-    stage = kalman()
+    stage = kalman(near=25)
     watch(stage, 40)
     states = [o.forecast.state[0] for o in watch(stage, 26, first=40, seen=False)]
     assert states == [MISSING] * 25 + [LOST]
 
 
 def test_a_missing_target_that_shows_itself_again_starts_its_counter_anew() -> None:
-    stage = kalman()
+    stage = kalman(near=25)
     watch(stage, 40)
     watch(stage, 20, first=40, seen=False)
     watch(stage, 1, first=60)
     assert watch(stage, 25, first=61, seen=False)[-1].forecast.state[0] == MISSING
+
+
+def test_a_missing_target_is_sought_everywhere_in_every_second_frame_after_the_first_four() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    states = [o.forecast.state[0] for o in watch(stage, 26, first=40, seen=False)]
+    assert states == [MISSING] * 4 + [LOST, MISSING] * 10 + [LOST] * 2
+
+
+@pytest.mark.parametrize(("near", "frames"), [(4, 5), (25, 24)])
+def test_one_that_comes_back_elsewhere_is_found_before_it_is_lost(near: int, frames: int) -> None:
+    stage = kalman(near=near)
+    watch(stage, 40)
+    watch(stage, 5, first=40, seen=False)
+    found = np.zeros((0, 3))
+    passed = 0
+    while not len(found):
+        everywhere = stage.forecast().state[0] == LOST
+        found = watch(stage, 1, first=45 + passed, seen=everywhere, place=THERE, support=1)[0].tracks.xyz
+        passed += 1
+    assert passed == frames
+    assert found[0] == pytest.approx(THERE)
+
+
+def test_color_alone_finds_a_missing_target_near_its_last_place_and_nowhere_else() -> None:
+    stage = kalman()
+    watch(stage, 40)
+    watch(stage, 5, first=40, seen=False)
+    assert stage.forecast().state[0] == LOST
+    assert not watch(stage, 1, first=45, confirmed=False)[0].tracks.target.size
+    assert stage.forecast().state[0] == MISSING
+    assert watch(stage, 1, first=46, confirmed=False)[0].tracks.target.size
 
 
 def test_there_is_never_a_position_for_a_missing_or_lost_target() -> None:
