@@ -112,7 +112,7 @@ class Kalman(Stage):
         p = self.params
         self.advance(positions.header.time)
         status = sought(self.life, p.near)
-        life, counted = believed(self.life, status, positions, self.evidence)
+        life, counted = believed(self.life, status, p.near, positions, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz

@@ -37,8 +37,8 @@ class LifeCycle(NamedTuple):
     seen: Array
     """(T,) frames in which it was measured since it was last lost."""
     streak: Array
-    """(T,) frames in a row that showed a target which is not tracked yet; one in which a missing target was
-    sought near its last place does not end the row."""
+    """(T,) frames in a row that showed a target which is not tracked yet; one in which a target that roams
+    was sought near its last place does not end the row."""
     place: Array
     """(T, 3) m, where the last of them showed it."""
 
@@ -49,37 +49,41 @@ class LifeCycle(NamedTuple):
         return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)))
 
 
+def roaming(life: LifeCycle, near: int) -> Array:
+    """Missing targets that have not come back to their last place for `near` frames: they may be anywhere."""
+    return np.asarray((life.status == MISSING) & (life.unseen > near))
+
+
 def sought(life: LifeCycle, near: int) -> Array:
     """As what the targets are sought in the next frame: (T,) u8.
 
-    A missing one that has not come back to its last place for `near` frames may be anywhere: in every second
-    frame it is sought as if it were lost.
+    One that roams is sought as if it were lost in every second frame.
     """
-    missing = life.status == MISSING
-    if not missing.any():
+    everywhere = roaming(life, near)
+    if not everywhere.any():
         return life.status.copy()
-    late = life.unseen - near
-    return np.where(missing & (late > 0) & (late % 2 == 1), np.uint8(LOST), life.status)
+    everywhere &= (life.unseen - near) % 2 == 1
+    return np.where(everywhere, np.uint8(LOST), life.status)
 
 
 def believed(
-    life: LifeCycle, status: Array, positions: Positions, evidence: Evidence
+    life: LifeCycle, status: Array, near: int, positions: Positions, evidence: Evidence
 ) -> tuple[LifeCycle, Array]:
     """Which measurements count: all of tracked targets, of others those with enough evidence.
 
-    What is sought as lost is recovered by colour-infrared pairs only. status: (T,) u8, as what the targets
-    were sought. Returns the life cycle with its streaks moved on, and (M,) bool.
+    What was sought as lost is recovered by colour-infrared pairs only. status: (T,) as what the targets were
+    `sought`; near: likewise. Returns the life cycle with its streaks moved on, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
-    streak = np.where(status == MISSING, life.streak, 0)
+    streak = np.where(roaming(life, near) & (status == MISSING), life.streak, 0)
     status = status.take(target)
     known = (status == TRACKED) | (status == PREDICTED)
     if known.all():
         return life._replace(streak=streak), known
     possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
     possible &= ~occupied(xyz, known, evidence.apart)
-    near = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
-    row = np.where(possible, np.where(near, life.streak[target], 0) + positions.evident, 0)
+    again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
+    row = np.where(possible, np.where(again, life.streak[target], 0) + positions.evident, 0)
     agreeing = positions.support >= np.where(positions.evident, 2, evidence.support)
     strong = possible & (agreeing | (row >= evidence.frames))
     place = life.place.copy()
