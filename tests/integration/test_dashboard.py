@@ -200,7 +200,11 @@ def test_a_run_on_two_hosts_that_is_looked_at_is_the_same_and_the_page_ends_with
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
 def test_a_browser_shows_pictures_room_and_graph(tmp_path: Path) -> None:
-    with watched(tmp_path / "run", "--quiet") as (process, url), browser(tmp_path / "chromium") as chromium:
+    endless = ("--set", "camera.frames=0")  # however long the browser takes to begin
+    with (
+        watched(tmp_path / "run", "--quiet", *endless) as (process, url),
+        browser(tmp_path / "chromium") as chromium,
+    ):
         chromium.open(url, 390, 844)
         chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 6")
         chromium.wait("document.querySelector('#legend li').dataset.state === 'tracked'")
