@@ -50,14 +50,14 @@ class LifeCycle(NamedTuple):
 
 
 def roaming(life: LifeCycle, near: int) -> Array:
-    """Missing targets that have not come back to their last place for `near` frames: they may be anywhere."""
+    """Missing targets that may be anywhere, not back at their last place after `near` frames: (T,) bool."""
     return np.asarray((life.status == MISSING) & (life.unseen > near))
 
 
 def sought(life: LifeCycle, near: int) -> Array:
     """As what the targets are sought in the next frame: (T,) u8.
 
-    One that roams is sought as if it were lost in every second frame.
+    One that roams is sought as if it were lost in every second frame; near: frames before it does.
     """
     everywhere = roaming(life, near)
     if not everywhere.any():

@@ -140,7 +140,7 @@ class PoseTracker(Stage):
         return sorted(away, key=lambda n: away[n])
 
     def listen(self, people: Appearances, now: int) -> None:
-        """Begin to follow whom the slow instance has seen, and let its poses take part."""
+        """Begin to follow whom the slow instance has seen, and let its poses take part, if they are known."""
         for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
             before = self.heard.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
