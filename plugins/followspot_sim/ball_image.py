@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_sim.eyes import Eyes
+from followspot_sim.eye import REACH, Eye
 from followspot_sim.outline import SUBPIXEL, fill
 from followspot_sim.sensor import DISPLAYED
 from followspot_sim.sight import approach, depth_in, dot, unit
@@ -21,15 +22,14 @@ HALO, GLOW = 0.2, 2.0
 
 @dataclass(frozen=True, eq=False)
 class Stamps:
-    """Balls in square windows of the pictures, camera by camera, from far to near.
+    """Balls in square windows of one picture, from far to near.
 
-    camera, ball: (B,) their numbers; corner: (B, 2) column and row where its window begins; cover:
-    (B, S, S) uint8, share of each pixel that the ball fills and nothing hides, in 1/255; square:
-    (B, S, S) squared distance of the line of sight from the centre of the ball, in radii; distance:
-    (B,) m; shown: (B,) share of the ball in the picture that nothing hides.
+    ball: (B,) their numbers; corner: (B, 2) column and row where its window begins; cover: (B, S, S)
+    uint8, share of each pixel that the ball fills and nothing hides, in 1/255; square: (B, S, S)
+    squared distance of the line of sight from the centre of the ball, in radii; distance: (B,) m;
+    shown: (B,) share of the ball in the picture that nothing hides.
     """
 
-    camera: Array
     ball: Array
     corner: Array
     cover: Array
@@ -37,71 +37,56 @@ class Stamps:
     distance: Array
     shown: Array
 
-    def of(self, camera: int) -> Stamps:
-        """Those in the picture of one camera."""
-        rows = slice(*np.searchsorted(self.camera, [camera, camera + 1]).tolist())
-        return Stamps(
-            self.camera[rows],
-            self.ball[rows],
-            self.corner[rows],
-            self.cover[rows],
-            self.square[rows],
-            self.distance[rows],
-            self.shown[rows],
-        )
 
+def stamps(eye: Eye, pixel: Array, balls: Array, radii: Array) -> Stamps:
+    """The balls as the camera would see them alone; those outside the picture or not shown are left out.
 
-def stamps(eyes: Eyes, pixel: Array, balls: Array, radii: Array) -> Stamps:
-    """The balls as the cameras would see them alone; those outside the picture or not shown are left out.
-
-    pixel: (V, T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m. A ray meets a ball where it
+    pixel: (T, 2) px, projected centres; balls: (T, 3) m; radii: (T,) m. A ray meets a ball where it
     passes the centre at less than the radius, so the ellipse of the sphere and the lens come out right.
     """
-    away = balls - eyes.center[:, None]
+    away = balls - eye.camera.center
     distance = np.sqrt(dot(away, away))
-    size = eyes.size[:, None]
+    size = np.array(eye.camera.size)
     with np.errstate(invalid="ignore"):
         nearest = np.minimum(np.maximum(np.rint(pixel).astype(int), 0), size - 1)
-        pitch = eyes.pitch[eyes.first[:, None] + nearest[..., 1] * size[..., 0] + nearest[..., 0]]
-        reach = eyes.reach[:, None] * radii / (distance * pitch) + 2.0
-        seen = np.all((pixel > -reach[..., None]) & (pixel < size + reach[..., None]), axis=2)
-    camera, ball = np.nonzero(seen)
-    order = np.lexsort((-distance[camera, ball], camera))
-    camera, ball = camera[order], ball[order]
-    distance, size = distance[camera, ball], eyes.size[camera]
-    half = int(np.ceil(reach[camera, ball].max(initial=1.0)))
-    side = min(2 * half + 1, int(eyes.size.min()))
-    corner = np.rint(pixel[camera, ball]).astype(int) - side // 2
+        pitch = eye.pitch[nearest[:, 1] * size[0] + nearest[:, 0]]
+        reach = REACH[eye.camera.kind] * radii / (distance * pitch) + 2.0
+        seen = ((pixel > -reach[:, None]) & (pixel < size + reach[:, None])).all(axis=1)
+    ball = np.flatnonzero(seen)
+    ball = ball[np.argsort(-distance[ball], kind="stable")]
+    distance, radius = distance[ball], radii[ball]
+    side = min(2 * math.ceil(reach[ball].max(initial=1.0)) + 1, int(size.min()))
+    corner = np.rint(pixel[ball]).astype(int) - side // 2
     corner = np.minimum(np.maximum(corner, 0), size - side)
-    square = _square(eyes, camera, corner, side, away[camera, ball])
-    square /= np.square(radii[ball]).astype(np.float32)[:, None, None]
-    hard = 255 * radii[ball] / (DEFOCUS * pitch[camera, ball] * distance)
+    square = _square(eye, corner, side, away[ball])
+    square /= np.square(radius).astype(np.float32)[:, None, None]
+    hard = 255 * radius / (DEFOCUS * pitch[ball] * distance)
     soft = (1.0 - np.sqrt(square)) * hard.astype(np.float32)[:, None, None]
     cover = np.minimum(np.maximum(128.0 + soft, 0), 255).astype(np.uint8)
-    return Stamps(camera, ball, corner, cover, square, distance, np.ones(len(ball)))
+    return Stamps(ball, corner, cover, square, distance, np.ones(len(ball)))
 
 
-def _square(eyes: Eyes, camera: Array, corner: Array, side: int, away: Array) -> Array:
+def _square(eye: Eye, corner: Array, side: int, away: Array) -> Array:
     """Squared distance of the pixels' lines of sight from the balls' centres, (B, S, S) float32 m^2.
 
     In float32 it is exact to 3e-6 m^2, which moves the edge of a ball by 0.02 mm.
     """
-    width, span = eyes.size[camera, 0], np.arange(side)
-    first = eyes.first[camera] + corner[:, 1] * width + corner[:, 0]
-    rays = eyes.rays.take(first[:, None, None] + width[:, None, None] * span[:, None] + span, axis=1)
+    width, span = eye.camera.size[0], np.arange(side)
+    window = width * span[:, None] + span
+    rays = eye.rays.take((corner[:, 1] * width + corner[:, 0])[:, None, None] + window, axis=1)
     x, y, z = away.astype(np.float32).T[:, :, None, None]
     along = rays[0] * x + rays[1] * y + rays[2] * z
     return np.asarray(np.maximum(x * x + y * y + z * z - along * along, 0))
 
 
-def in_front(eyes: Array, balls: Array, radii: Array, ends: Array, thick: Array) -> Array:
+def in_front(eye: Array, balls: Array, radii: Array, ends: Array, thick: Array) -> Array:
     """Which limbs hide a part of which balls, (B, K) bool.
 
-    eyes: (B, 3) m; balls: (B, 3) m; radii: (B,) m; ends: (K, 2, 3) m; thick: (K,) m. Both surfaces are
+    eye: (3,) m; balls: (B, 3) m; radii: (B,) m; ends: (K, 2, 3) m; thick: (K,) m. Both surfaces are
     compared on the line of sight through the middle of the overlap.
     """
-    rays, distance = unit(balls - eyes)
-    gap, along = approach(eyes[:, None], rays[:, None], ends)
+    rays, distance = unit(balls - eye)
+    gap, along = approach(eye, rays[:, None], ends)
     radius = radii[:, None]
     middle = (np.maximum(gap - thick, -radius) + np.minimum(gap + thick, radius)) / 2
     entry = along - depth_in(thick, gap - middle)
@@ -109,16 +94,19 @@ def in_front(eyes: Array, balls: Array, radii: Array, ends: Array, thick: Array)
     return np.asarray(overlap & (entry < distance[:, None] - depth_in(radius, middle)))
 
 
-def hide(seen: Stamps, before: Array, polygons: list[Array]) -> None:
+def hide(seen: Stamps, before: Array, polygon: Array) -> None:
     """Take from the cover of the balls what is behind limbs, and note how much is left.
 
-    before: (B, K) bool, limb k is in front of ball b; polygons: for each camera (K, P, 2), the outlines
-    of the limbs as OpenCV draws them.
+    before: (B, K) bool, limb k is in front of ball b; polygon: (K, P, 2), the outlines of the limbs as
+    OpenCV draws them.
     """
+    hidden, limbs = np.nonzero(before)
+    if len(hidden) == 0:
+        return
     whole = seen.cover.sum(axis=(1, 2))
-    corner = (seen.corner << SUBPIXEL).astype(np.int32)
-    for k, limb in np.argwhere(before).tolist():
-        fill(seen.cover[k], polygons[seen.camera[k]][limb] - corner[k], 0)
+    shifted = polygon[limbs] - (seen.corner[hidden, None] << SUBPIXEL).astype(np.int32)
+    for ball, outline in zip(hidden.tolist(), shifted, strict=True):
+        fill(seen.cover[ball], outline, 0)
     np.divide(seen.cover.sum(axis=(1, 2)), np.maximum(whole, 1), out=seen.shown)
 
 

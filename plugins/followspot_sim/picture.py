@@ -11,7 +11,8 @@ from followspot import Array, Camera, Room
 from followspot.geometry import project
 from followspot_sim.ball_image import Stamps, color_light, compose, infrared_light
 from followspot_sim.body import PARTS
-from followspot_sim.glance import onlookers_of
+from followspot_sim.eye import eye_of
+from followspot_sim.glance import glance
 from followspot_sim.light import NO_SPLASHES, Lighting, Splashes, show_of
 from followspot_sim.outline import CORNERS, fill, fixed_point, spot
 from followspot_sim.parameters import SimParams
@@ -68,8 +69,7 @@ class Picture:
             )
         )
         rays = rays_of(camera)
-        self._onlookers = onlookers_of(self.world.setting, room)
-        self._number = self._onlookers.join(camera, rays)
+        self._eye = eye_of(camera, rays)
         self._widest = float((rays @ camera.rotation[2]).min()) - 0.1  # beyond, a lens model means nothing
         place, number = lookup(camera, rays, self._show.screens)
         self._map = remapping(place)
@@ -83,16 +83,15 @@ class Picture:
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, C) uint8: BGR or one grey channel."""
         scene = self.world.scene(frame)
-        glance = self._onlookers.glance(frame)
-        people = glance.people[self._number]
+        seen = glance(self._eye, scene, self._radii)
         splashes = NO_SPLASHES
         if self.shape[2] == 3 and self._show.active:
             light = self._project(frame)
             splashes = self._show.splashes(frame)
         else:
             light = self._dark.copy()
-        self._draw_people(light, scene, people, splashes)
-        self._draw_balls(light, glance.balls[self._number])
+        self._draw_people(light, scene, seen.people, splashes)
+        self._draw_balls(light, seen.balls)
         self._sensor.expose(light, frame, out)
 
     def _look_at_clouds(self, drift: int) -> Array:

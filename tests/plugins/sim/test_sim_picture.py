@@ -5,19 +5,16 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from followspot import Camera, Context, InputError, Room, room_file
+from followspot import Context, InputError, Room, room_file
 from followspot.geometry import project
 from followspot.messages import Header, seal
-from followspot_sim import glance
 from followspot_sim.camera import SimCamera
-from followspot_sim.eyes import Eyes
 from followspot_sim.parameters import SimParams
 from followspot_sim.picture import Picture
 from followspot_sim.truth import SimTruth
@@ -239,26 +236,3 @@ def test_a_camera_whose_clock_is_off_by_a_frame_takes_the_neighbouring_picture()
 def test_no_camera_looks_before_the_performance_begins():
     picture = Picture(SimParams(), ROOM, ROOM.cameras["cam0"], clock_offset=-0.01)
     assert picture.world.scene(0).time == 0.0
-
-
-def test_a_camera_may_join_while_another_one_looks(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As they do when a picture is taken of each camera, all at the same time."""
-    setting = SimParams(seed=12)
-    pictures: dict[str, Picture] = {}
-    prepare = glance.eyes_of
-
-    def prepare_slowly(cameras: Sequence[tuple[Camera, np.ndarray]]) -> Eyes:
-        eyes = prepare(cameras)
-        if "cam2" not in pictures:
-            pictures["cam2"] = Picture(setting, ROOM, ROOM.cameras["cam2"])
-        return eyes
-
-    monkeypatch.setattr(glance, "eyes_of", prepare_slowly)
-    pictures["cam0"] = Picture(setting, ROOM, ROOM.cameras["cam0"])
-    shots = {}
-    for name in ("cam0", "cam2"):  # the second one joins while the first one looks
-        shots[name] = np.empty(pictures[name].shape, np.uint8)
-        pictures[name].render(40, shots[name])
-    monkeypatch.undo()
-    for name, pixels in shots.items():
-        assert np.array_equal(pixels, shot(name, 40, seed=12))

@@ -39,7 +39,7 @@ def test_approach_is_the_smallest_distance_between_ray_and_segment(seed):
 def test_a_limb_hides_what_is_behind_it_and_not_what_is_before_or_beside_it():
     balls = np.array([[3.0, 0.0, 0.0], [1.5, 0.0, 0.0], [3.0, 0.4, 0.0], [3.0, 0.2, 0.0]])
     pole, thick = np.array([[[2.0, 0, -1], [2.0, 0, 1]]]), np.array([0.1])
-    hidden = in_front(np.zeros((4, 3)), balls, np.repeat(RADIUS, 4), pole, thick)
+    hidden = in_front(np.zeros(3), balls, np.repeat(RADIUS, 4), pole, thick)
     assert hidden[:, 0].tolist() == [True, False, False, True]
 
 
@@ -48,7 +48,7 @@ def test_a_bag_is_in_front_of_the_ball_in_it_and_a_ball_in_front_of_the_hand_tha
     bag = np.array([[[3.0, 0, -0.06], [3.0, 0, 0.04]]])
     arm = np.array([[[3.3, 0, 0.1], [3.1, 0, 0.0]]])
     ends, thick = np.concatenate([bag, arm]), np.array([0.13, 0.045])
-    assert in_front(np.zeros((1, 3)), ball, RADIUS, ends, thick).tolist() == [[True, False]]
+    assert in_front(np.zeros(3), ball, RADIUS, ends, thick).tolist() == [[True, False]]
 
 
 @pytest.mark.parametrize("camera", ROOM.cameras.values(), ids=ROOM.cameras)
