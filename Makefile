@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo page test thorough lint docs clean
+.PHONY: demo page test thorough mutants lint docs clean
 .DEFAULT_GOAL := demo
 
 # Each of hundreds of worker processes would compile what it imports, where the environment forbids to keep that.
@@ -39,6 +39,14 @@ test: $(VENV)/dev  ## the tests
 
 thorough: $(VENV)/dev  ## those that say the same of more fusions, placements and edges
 	@$(PYTEST) -m thorough
+
+$(VENV)/mutants: $(VENV)/dev
+	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[mutants]'
+	@touch $@
+
+# SAMPLE=200 SEED=1 MODULES="core/followspot/runtime ..." TESTS=tests: see tools/mutants.py. Ctrl-C, and go on with the same.
+mutants: $(VENV)/mutants  ## change the code at random places: does a test notice?
+	@nice -n 15 $(BIN)/python tools/mutants.py $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) $(if $(MODULES),--modules $(MODULES)) $(if $(TESTS),--tests $(TESTS)) $(if $(AGAIN),--again)
 
 docs: $(VENV)/dev  ## the documents as pages, runs/docs/index.html
 	@$(BIN)/sphinx-build --quiet --fail-on-warning --keep-going docs runs/docs
