@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import operator
 from functools import lru_cache
 from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform, get_type_hints
 
@@ -25,6 +26,11 @@ Array = NDArray[Any]
 
 MAX_BYTES = 1 << 28
 """Largest message that any edge accepts, in bytes."""
+MAX_TIME = 1 << 62
+"""Largest capture time, ns, before and after 1970 (146 years): with every window and slack that a graph can
+add, a bound stays clear of those that mean absence and the end (`followspot.transport.token`)."""
+MAX_SEQ = 1 << 62
+"""Largest number of a frame."""
 
 
 class Header(NamedTuple):
@@ -135,8 +141,20 @@ def at(time: int, message: M, *, seq: int = -1) -> M:
 
     seq: the frame's number where the source knows it (a video with gaps); else the runtime counts. A live
     source that cannot tell the time yields its messages as they are: they get the time at which they came.
+    Raises InvalidMessage where a number is out of range, and TypeError where it is no whole number.
     """
-    return stamped(message, Header("", seq, time))
+    return stamped(message, in_range(Header("", operator.index(seq), operator.index(time))))
+
+
+def in_range(header: Header) -> Header:
+    """The header, whose numbers no arithmetic of the runtime can make overflow. Raises InvalidMessage."""
+    _, seq, time, entered = header
+    if -MAX_TIME <= time <= MAX_TIME and -1 <= seq <= MAX_SEQ and -MAX_TIME <= entered <= MAX_TIME:
+        return header
+    raise InvalidMessage(
+        f"the header {str(tuple(header))[:160]} has a number out of range: times lie within {MAX_TIME} ns "
+        f"before and after 1970, frames are numbered from 0 to {MAX_SEQ}"
+    )
 
 
 def seal(message: M) -> M:

@@ -97,7 +97,7 @@ class Child:
             if self.links is not None:
                 self.links.close()
         for edge, times in self.links.strangers().items() if self.links is not None else ():
-            self.warnings.add(edge, f"refused {times} times what was not from its sender")
+            self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
         self._tell_log()
         if self.worker is not None:
             report = worker_report(name, self.worker, self.warnings, error)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import socket
 import time
+from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -138,8 +139,10 @@ class EdgeLinks:
             end.matched()
 
     def strangers(self) -> dict[str, int]:
-        """How much came to each edge that was not from its writer, where any did."""
-        found = {name: getattr(end, "strangers", 0) for name, end in self._zenoh_ends}
+        """How much came to each edge that was malformed or not from its other end, where any did."""
+        found: Counter[str] = Counter()
+        for name, end in self._zenoh_ends:
+            found[name] += end.strangers
         return {name: count for name, count in found.items() if count}
 
     def close(self) -> None:

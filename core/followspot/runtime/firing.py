@@ -48,8 +48,8 @@ class Join:
         """The single member of the commonest stage, which fires for each message as it is."""
         self.window = window
         self.slack = slack
-        self.closed = -END
-        """Capture time, ns, up to which everything was fired or given up."""
+        self.closed = -END - 1
+        """Capture time, ns, up to which everything was fired or given up; before any at first."""
         self.in_time = UNMATCHED
         """Column for messages that come after their window closed; `LATE` once a deadline closed one."""
 

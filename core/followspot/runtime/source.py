@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from followspot.messages import UNSTAMPED, Header, Message
+from followspot.messages import UNSTAMPED, Header, Message, in_range
 from followspot.runtime.cell import Cell
 from followspot.stage import Stage
 
@@ -36,7 +36,11 @@ class SourceCell(Cell):
         item = self._next()
         if item is None:
             return False
-        header = self._stamp(item)
+        try:
+            header = in_range(self._stamp(item))
+        except Exception as error:
+            self._failed(error)
+            return False
         self.bound = header.time
         self.send(item, header)
         self.yielded += 1

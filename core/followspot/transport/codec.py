@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape
-from followspot.transport.token import END, Settled
+from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape, in_range
+from followspot.transport.token import Settled, is_bound
 from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, pack_head, padded, unpack_head
 
 MAX_NDIM = 8
@@ -169,12 +169,10 @@ def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
     header = Header(source, seq, time, entered)
     if type(source) is not str or not type(seq) is type(time) is type(entered) is int:
         raise InvalidMessage(f"the header {str(header)[:80]} is not a name and three numbers")
-    if not (-END <= seq <= END and -END <= time <= END and -END <= entered <= END):
-        raise InvalidMessage(f"the header {header} has a number of more than 64 bits")
-    return header
+    return in_range(header)
 
 
 def _bound(head: list[Any], surplus: int) -> int:
-    if len(head) != 2 or type(head[1]) is not int or not -END <= head[1] <= END or surplus:
-        raise InvalidMessage(f"the settled time {str(head)[:80]} is not one number")
+    if len(head) != 2 or type(head[1]) is not int or not is_bound(head[1]) or surplus:
+        raise InvalidMessage(f"the settled time {str(head)[:80]} is not one number in its range")
     return head[1]

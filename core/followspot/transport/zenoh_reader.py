@@ -25,11 +25,15 @@ from followspot.transport.zenoh_terms import (
     WINDOW,
     chunks,
     codec_key,
+    numbers,
     presence,
     publisher,
     reached,
     undeclare,
 )
+
+_CUTS = 64
+"""After so many cuts in a row, each with a full edge, what was under way is not believed any more."""
 
 
 class ZenohReader:
@@ -91,7 +95,7 @@ class ZenohReader:
 
     @property
     def strangers(self) -> int:
-        """How much came that was not from the writer; no ledger knows it."""
+        """How much came that was malformed or not from the writer; no ledger knows it."""
         return self._passed_over + self._flooded
 
     @property
@@ -140,21 +144,31 @@ class ZenohReader:
 
     def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
         """A writer tells where its stream begins, or goes on after the link was cut."""
-        data = sample.payload.to_bytes()
-        if len(data) != START.size:
+        start = numbers(START, sample.payload)
+        if start is None or not self._possible(*start):
+            self._passed_over += 1
             return
-        writer, number, messages, given = START.unpack(data)
+        writer, number, messages, given = start
         if writer < self._writer:
             return
         if writer > self._writer:
             self._unread += self._got - self._consumed
             self._writer, self._got, self._consumed = writer, given, given
         else:
-            missing = min(max(0, given - self._got), self._limit)
+            missing = max(0, given - self._got)
             tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
             self._got += missing
         self._tokens, self._messages, self._joined = number, messages, True
         self._send_report()
+
+    def _possible(self, writer: int, number: int, messages: int, given: int) -> bool:
+        """Whether a writer can mean that: its counts agree, and those of one writer never go back."""
+        if not given <= messages <= number:
+            return False
+        if writer != self._writer:
+            return True
+        forward = number >= self._tokens and messages >= self._messages
+        return forward and given - self._got <= _CUTS * self._limit
 
     def _take(self, sample: zenoh.Sample | None, tokens: list[Token]) -> None:
         """Append the sample's token, and before it an `Invalid` for each message that is missing.
@@ -163,15 +177,16 @@ class ZenohReader:
         knows it, so it is passed over.
         """
         if sample is None or str(sample.key_expr) == self._start_key:
-            self._joined = False
-            if sample is not None:
+            if sample is None:
+                self._joined = False
+            else:
                 self._start(sample, tokens)
             return
-        attachment = b"" if sample.attachment is None else sample.attachment.to_bytes()
-        if len(attachment) != NUMBER.size:
+        counted = numbers(NUMBER, sample.attachment)
+        if counted is None:
             self._passed_over += 1
             return
-        writer, number, messages = NUMBER.unpack(attachment)
+        writer, number, messages = counted
         skipped = number - self._tokens
         new = messages - self._messages
         if not self._joined or writer != self._writer:

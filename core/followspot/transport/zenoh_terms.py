@@ -18,8 +18,18 @@ CREDIT = Struct("<QQQ")
 """What a reader reports: incarnation of its writer, messages consumed, tokens taken."""
 START = Struct("<QQQQ")
 """Where a reader joins: incarnation of the writer, tokens and messages before, those given to it."""
+MAX_COUNT = 1 << 62
+"""Largest number in any of them: what is added to it still fits into the next."""
 WINDOW = 256
 """Most tokens under way: as many settled times do not fill any buffer, so that a put does not block."""
+
+
+def numbers(layout: Struct, data: zenoh.ZBytes | None) -> tuple[int, ...] | None:
+    """The numbers of a control token; None where it has another size, or a number out of range."""
+    if data is None or len(data) != layout.size:
+        return None
+    found = layout.unpack(data.to_bytes())
+    return found if max(found) <= MAX_COUNT else None
 
 
 def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:

@@ -29,6 +29,7 @@ from followspot.transport.zenoh_terms import (
     WINDOW,
     chunks,
     codec_key,
+    numbers,
     presence,
     publisher,
     reached,
@@ -91,6 +92,7 @@ class ZenohWriter:
         self._held: Settled | None = None
         self._ending = False
         self._waiting = False
+        self._refused = 0
         self._bell = Bell()
         self._session = session
         self._publisher = publisher(session, key)
@@ -104,6 +106,11 @@ class ZenohWriter:
     def lost(self) -> frozenset[int]:
         """Indices of the readers that `drain` found gone before the end."""
         return frozenset(self._gone)
+
+    @property
+    def strangers(self) -> int:
+        """How many reports came that were malformed or not from a reader."""
+        return self._refused
 
     def matched(self) -> bool:
         """Whether every reader is there, knows where to start, and would get what is sent."""
@@ -240,13 +247,17 @@ class ZenohWriter:
 
     def _on_report(self, sample: zenoh.Sample) -> None:
         index = self._index.get(chunks(sample, 1)[0])
-        report = sample.payload.to_bytes()
-        if index is None or len(report) != CREDIT.size:
+        report = numbers(CREDIT, sample.payload)
+        if index is None or report is None:
+            self._refused += 1
             return
-        incarnation, consumed, taken = CREDIT.unpack(report)
+        incarnation, consumed, taken = report
         if incarnation != self._incarnation:
             return
-        self._reports[index] = min(consumed, self._messages), min(taken, self._tokens)
+        if consumed > min(taken, self._messages) or taken > self._tokens:
+            self._refused += 1
+            return
+        self._reports[index] = consumed, taken
         self._silent.discard(index)
         if self._waiting:
             self._waiting = False

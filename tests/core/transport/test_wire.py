@@ -13,14 +13,27 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 
-from followspot.messages import Array, Header, InvalidMessage, Message, column, identical, seal, stamped
+from followspot.messages import (
+    MAX_SEQ,
+    MAX_TIME,
+    Array,
+    Header,
+    InvalidMessage,
+    Message,
+    column,
+    identical,
+    seal,
+    stamped,
+)
 from followspot.tracking import Blobs, Forecast, Frame, Pairs
 from followspot.transport.codec import Codec, codec_of, pack, unpack
-from followspot.transport.token import END, Settled
+from followspot.transport.token import ABSENT, END, MAX_BOUND, Settled
 from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, unpack_head
 
 INT64 = st.integers(-END, END)
-HEADERS = st.builds(Header, st.text(max_size=20), INT64, INT64, INT64)
+TIMES = st.integers(-MAX_TIME, MAX_TIME)
+HEADERS = st.builds(Header, st.text(max_size=20), st.integers(0, MAX_SEQ), TIMES, TIMES)
+BOUNDS = st.integers(-MAX_BOUND, MAX_BOUND) | st.sampled_from((ABSENT, END))
 
 
 class Sample(Message):
@@ -81,7 +94,7 @@ def test_any_message_arrives_bit_for_bit(message: Sample) -> None:
     assert identical(without_nan(arrived), without_nan(message))
 
 
-@given(INT64)
+@given(BOUNDS)
 def test_any_settled_time_arrives(bound: int) -> None:
     assert unpack(pack(Settled(bound)), Blobs) == Settled(bound)
 
