@@ -62,7 +62,14 @@ class Page:
             "graph": self.plan.graph,
             "room": scene(self.plan.room),
             "stages": [
-                {"name": s.name, "group": s.group, "uses": s.uses, "params": dict(s.params)}
+                {
+                    "name": s.name,
+                    "group": s.group,
+                    "uses": s.uses,
+                    "params": dict(s.params),
+                    "camera": s.camera,
+                    "source": s.name in self.run.sources,
+                }
                 for s in self.plan.stages
             ],
             "forms": forms(self.plan) if self.ask else {},

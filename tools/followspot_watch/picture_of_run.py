@@ -1,19 +1,19 @@
-"""A run's status for the page: stages and edges with rates."""
+"""A run's status as it is shown: stages and edges with rates, and what is absent or old, with its age."""
 
 from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from collections.abc import Callable, Container, Mapping
+from dataclasses import asdict, replace
 from typing import Any
 
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import WorkerStatus
-from followspot.deploy.status import RunStatus
+from followspot.deploy.status import OLD, RunStatus, is_old, is_unheard
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import EdgeCount
-from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
+from followspot.runtime.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 
 _WINDOW = 2.0
 """Seconds over which rates are taken."""
@@ -29,49 +29,82 @@ class RunPicture:
 
     def __init__(self, plan: Plan, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.plan = plan
-        self.status: RunStatus | None = None
+        self._status: RunStatus | None = None
         self._clock = monotonic
+        self._taken = monotonic()
         self._past: deque[tuple[float, dict[str, float]]] = deque()
         targets = {edge.to_stage for edge in plan.edges}
         self.sources = tuple(stage.name for stage in plan.stages if stage.name not in targets)
 
     def take(self, status: RunStatus) -> None:
         """A newer status."""
-        now = self._clock()
-        self.status = status
+        self._status, self._taken = status, self._clock()
+        now = self._taken
         self._past.append((now, self._growing(status)))
         while len(self._past) > 2 and now - self._past[1][0] >= _WINDOW:
             self._past.popleft()
+
+    @property
+    def age_s(self) -> float:
+        """Seconds since the run answered last, by the clock here."""
+        return self._clock() - self._taken
+
+    @property
+    def status(self) -> RunStatus | None:
+        """The newest one, as old as it is now; None before the first."""
+        return None if self._status is None else self._status.later(self.age_s)
+
+    def faults(self) -> tuple[str, ...]:
+        """What is absent or was not heard lately, the run itself first, a line each."""
+        known = () if self._status is None else self._status.faults()
+        return (f"the run has not answered for {self.age_s:.0f} s", *known) if self.age_s > OLD else known
 
     def workers(self) -> tuple[WorkerStatus, ...]:
         """All of them."""
         return self.status.workers if self.status else ()
 
     def stages(self) -> list[tuple[WorkerStatus, StageStatus]]:
-        """All of them with their workers."""
-        return [(w, stage) for w in self.workers() for stage in w.stages]
+        """All of the plan with their workers, in the states that are known of them now."""
+        workers = {worker.name: worker for worker in self.workers()}
+        latest = sorted(workers.values(), key=lambda worker: worker.phase != "over")  # some were moved away
+        told = {stage.stage: (worker, stage) for worker in latest for stage in worker.stages}
+        found = []
+        for planned in self.plan.stages:
+            unknown = workers.get(planned.worker, WorkerStatus(planned.worker, "starting"))
+            found.append(told.pop(planned.name, (unknown, StageStatus(planned.name, "starting"))))
+        found += told.values()  # the plan may be of before a move
+        return [(worker, replace(stage, state=_state(worker, stage))) for worker, stage in found]
 
     def edges(self) -> list[tuple[PlannedEdge, EdgeCount]]:
         """All of them with their counts."""
-        return list(self.status.edges(self.plan)) if self.status else []
+        return list(self._status.edges(self.plan)) if self._status else []
 
     def paths(self) -> list[PathStatus]:
         """Latency from sources to sinks."""
         return [path for worker in self.workers() for path in worker.paths]
 
     def data(self) -> dict[str, Any]:
-        """In JSON types; rates in 1/s, load as a share of one processor."""
-        status = self.status
+        """In JSON types; rates in 1/s, load as a share of one processor; both null where nobody knows them.
+
+        age_s: since the run answered last, s; of workers and stages, since anybody heard them.
+        """
+        status, stages = self.status, self.stages()
         rates = self._rates()
-        ages = {age.name: age for _, stage in self.stages() for age in stage.edges}
+        ages = {age.name: age for _, stage in stages for age in stage.edges}
+        unknown = {stage.stage for worker, stage in stages if is_unheard(worker)}
+        known = [name for name in self.sources if name not in unknown]
         return {
             "type": "run",
+            "age_s": round(self.age_s, 1),
+            "faults": list(self.faults()),
             "fired": status.fired if status else 0,
             "expected": status.expected if status else None,
-            "rate": max((rates.get(f"fired {name}", 0.0) for name in self.sources), default=0.0),
-            "stages": [_stage(worker, stage, rates) for worker, stage in self.stages()],
-            "edges": [_edge(edge, count, rates, ages) for edge, count in self.edges()],
-            "paths": [asdict(path) for path in self.paths()],
+            "rate": max((rates.get(f"fired {name}", 0.0) for name in known), default=None),
+            "hosts": [asdict(host) for host in status.hosts] if status else [],
+            "workers": [_worker(worker) for worker in self.workers()],
+            "stages": [_stage(worker, stage, rates) for worker, stage in stages],
+            "edges": [_edge(edge, count, rates, ages, unknown) for edge, count in self.edges()],
+            "paths": [{**asdict(path), "old": path.sink in unknown} for path in self.paths()],
             "news": list(status.news[-_NEWS:]) if status else [],
             "clocks": [_clock(host, clock) for host, clock in status.clocks.items()] if status else [],
         }
@@ -98,29 +131,61 @@ def _clock(host: str, clock: ClockStatus) -> dict[str, Any]:
     return {"host": host, **asdict(clock), "warning": clock.warning}
 
 
+def _state(worker: WorkerStatus, stage: StageStatus) -> StageState:
+    """What a stage is doing, as far as anybody knows: its own word counts while its worker is heard."""
+    if worker.phase in ("absent", "over"):
+        return worker.phase
+    if is_old(worker):
+        return "old"
+    return stage.state if worker.phase == "running" else "starting"
+
+
+def _worker(worker: WorkerStatus) -> dict[str, Any]:
+    phase = "old" if is_old(worker) else worker.phase
+    return {
+        "worker": worker.name,
+        "host": worker.host,
+        "phase": phase,
+        "age_s": _rounded(worker.age_s),
+        "restarts": worker.restarts,
+    }
+
+
 def _stage(worker: WorkerStatus, stage: StageStatus, rates: Mapping[str, float]) -> dict[str, Any]:
+    known = not is_unheard(worker)
     return {
         **asdict(stage),
         "worker": worker.name,
-        "state": "absent" if worker.phase == "absent" else stage.state,
+        "host": worker.host,
+        "age_s": None if known else _rounded(worker.age_s),
         "error": stage.error[:_ERROR],
         "edges": [age.name for age in stage.edges],
-        "rate": rates.get(f"fired {stage.stage}", 0.0),
-        "load": rates.get(f"busy {stage.stage}", 0.0) / 1000.0,
+        "rate": rates.get(f"fired {stage.stage}", 0.0) if known else None,
+        "load": rates.get(f"busy {stage.stage}", 0.0) / 1000.0 if known else None,
     }
 
 
 def _edge(
-    edge: PlannedEdge, count: EdgeCount, rates: Mapping[str, float], ages: Mapping[str, EdgeAge]
+    edge: PlannedEdge,
+    count: EdgeCount,
+    rates: Mapping[str, float],
+    ages: Mapping[str, EdgeAge],
+    unknown: Container[str],
 ) -> dict[str, Any]:
+    """unknown: stages of which nobody knows what they are doing; the sender counts what is sent."""
     age = ages.get(edge.name, EdgeAge(edge.name, None, None))
     return {
         "from": f"{edge.from_stage}.{edge.from_port}",
         "to": f"{edge.to_stage}.{edge.to_port}",
         "kind": edge.way,
-        "rate": rates.get(edge.name, 0.0),
+        "rate": None if edge.from_stage in unknown else rates.get(edge.name, 0.0),
         "p50_ms": age.p50_ms,
         "p95_ms": age.p95_ms,
         "error": age.error[:_ERROR],
+        "old": edge.from_stage in unknown or edge.to_stage in unknown,
         **asdict(count),
     }
+
+
+def _rounded(age_s: float | None) -> float | None:
+    return None if age_s is None else round(age_s, 1)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import shutil
 
-_HOME_AND_CLEAR = "\x1b[H\x1b[J"
+BAD = "!"
+"""What lines begin with that tell of a fault; on a terminal they are red."""
+_HOME_AND_CLEAR, _RED, _PLAIN = "\x1b[H\x1b[J", "\x1b[1;31m", "\x1b[0m"
 
 
 def screenful(text: str, columns: int | None = None, lines: int | None = None) -> str:
@@ -18,4 +20,8 @@ def screenful(text: str, columns: int | None = None, lines: int | None = None) -
     shown = found[: lines - 1]
     if len(found) > len(shown):
         shown[-1] = f"... {len(found) - len(shown) + 1} more lines: make the window larger, or see --json"
-    return _HOME_AND_CLEAR + "\n".join(line[:columns] for line in shown)
+    return _HOME_AND_CLEAR + "\n".join(_painted(line[:columns]) for line in shown)
+
+
+def _painted(line: str) -> str:
+    return f"{_RED}{line}{_PLAIN}" if line.startswith(BAD) else line

@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Sequence
 from typing import Any
 
 from followspot.cli.agent_options import network_of
@@ -15,13 +16,14 @@ from followspot.errors import FollowspotError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.runs import looking
-from followspot_watch.screen import screenful
+from followspot_watch.screen import BAD, screenful
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
 _LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 _ERROR = 100
 """Characters of an error that are shown."""
+BAD_STATES = ("old", "absent")
 
 
 def top(args: argparse.Namespace) -> int:
@@ -54,8 +56,9 @@ def top(args: argparse.Namespace) -> int:
 def text(data: dict[str, Any]) -> str:
     """The tables of a run's figures, as `RunPicture.data` gives them with its run and graph."""
     expected = f" of {data['expected']}" if data["expected"] else ""
-    head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames"
-    parts = [f"{head}, {data['rate']:.1f} per second", _stages(data), _edges(data), _paths(data)]
+    head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames, {_rate(data)} per second"
+    head = "\n".join([head, *(f"{BAD} {line}" for line in data["faults"])])
+    parts = [head, _stages(data), _edges(data), _paths(data)]
     errors = [f"  {s['stage']}: {s['error'].splitlines()[0][:_ERROR]}" for s in data["stages"] if s["error"]]
     parts += ["clocks, what is added to the times of each host\n" + _clocks(data)] if data["clocks"] else []
     parts += ["last errors\n" + "\n".join(errors)] if errors else []
@@ -67,18 +70,34 @@ def _stages(data: dict[str, Any]) -> str:
     head = ("stage", "worker", "state", "on", "per second", "load", "fired", "skipped", "restarts")
     rows = []
     for s in data["stages"]:
-        pace = (f"{s['rate']:.1f}", f"{100 * s['load']:.0f} %")
+        pace = (_rate(s), "-" if s["load"] is None else f"{100 * s['load']:.0f} %")
         counts = (str(s["fired"]), str(s["skipped"]), str(s["restarts"]))
-        rows.append((s["stage"], s["worker"], s["state"], _waits(s), *pace, *counts))
-    return table(head, rows)
+        rows.append((s["stage"], s["worker"], _state(s), _waits(s), *pace, *counts))
+    return _marked(table(head, rows), [s["state"] in BAD_STATES for s in data["stages"]])
 
 
 def _edges(data: dict[str, Any]) -> str:
     rows = []
     for e in data["edges"]:
         counts = (str(e[name]) for name in ("sent", "in_flight", *_LOSSES))
-        rows.append((f"{e['from']} -> {e['to']}", e["kind"], f"{e['rate']:.1f}", *counts))
-    return table(("edge", "kind", "per second", "sent", "in flight", *_LOSSES), rows)
+        rows.append((f"{e['from']} -> {e['to']}", e["kind"], _rate(e), *counts))
+    text = table(("edge", "kind", "per second", "sent", "in flight", *_LOSSES), rows)
+    return _marked(text, [e["old"] for e in data["edges"]])
+
+
+def _marked(text: str, bad: Sequence[bool]) -> str:
+    """A table whose rows that are bad begin with a mark."""
+    head, *rows = text.splitlines()
+    return "\n".join([head, *(BAD + row[1:] if b else row for row, b in zip(rows, bad, strict=True))])
+
+
+def _state(stage: dict[str, Any]) -> str:
+    """What a stage is doing, and since when nobody has heard of it."""
+    return str(stage["state"]) + ("" if stage["age_s"] is None else f" {stage['age_s']:.0f} s")
+
+
+def _rate(figures: dict[str, Any]) -> str:
+    return "-" if figures["rate"] is None else f"{figures['rate']:.1f}"
 
 
 def _clocks(data: dict[str, Any]) -> str:
@@ -96,7 +115,7 @@ def _paths(data: dict[str, Any]) -> str:
     rows = [
         (f"{p['origin']} -> {p['sink']}", f"{p['p50_ms']:.2f}", f"{p['p95_ms']:.2f}") for p in data["paths"]
     ]
-    return table(("path", "p50 ms", "p95 ms"), rows)
+    return _marked(table(("path", "p50 ms", "p95 ms"), rows), [p["old"] for p in data["paths"]])
 
 
 def _waits(stage: dict[str, Any]) -> str:

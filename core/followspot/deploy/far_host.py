@@ -53,7 +53,8 @@ class FarHost:
         self._before: tuple[str, ...] = ()
         """News from before the agent was started anew."""
         self._status = HostStatus((), ())
-        self._heard = time.monotonic()
+        self._heard = self._taken = time.monotonic()
+        """When the host answered last, and when it did so with the status that is kept, s."""
         self._pulse = Pulse()
         self._news = threading.Event()
         self._over = threading.Event()
@@ -129,8 +130,9 @@ class FarHost:
             raise HostLost(f"host {self.name} does not answer")
 
     def status(self) -> HostStatus:
-        """The newest status."""
-        return self._status
+        """The newest status, with its age."""
+        status, since = self._status, self._taken
+        return status if status.age_s is None else replace(status, age_s=time.monotonic() - since)
 
     def leave(self) -> None:
         """Ask no more; the run goes on."""
@@ -158,12 +160,12 @@ class FarHost:
 
     def _refresh(self) -> None:
         status = status_from_data(self._ask("status", SILENCE, run=self.run))
-        self._heard = time.monotonic()
+        self._heard = taken = time.monotonic()
         self._fetch_log(status.logged)  # first, for nobody asks for it once all is seen to be over
         here = {worker.name for worker in status.workers}
         ended = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
         workers, news = (*status.workers, *ended), (*self._before, *status.news)
-        self._status = replace(status, workers=workers, news=news)
+        self._status, self._taken = replace(status, workers=workers, news=news), taken
         self._news.set()
 
     def _fetch_log(self, newest: int) -> None:

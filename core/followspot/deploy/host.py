@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, Protocol
+from typing import Annotated, Any, Literal, Protocol
 
 import pydantic
 
@@ -22,7 +22,9 @@ from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.runtime.tapping import Tapping
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
-"""absent: it died, and will be started again; over: it has ended, one way or the other."""
+"""absent: it died and will be started again, or its host does not answer; over: it has ended."""
+Age = Annotated[float, pydantic.Field(ge=0.0, allow_inf_nan=False)]
+"""Seconds since somebody was last heard, by the monotonic clock of the process that listened."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,10 @@ class RunOrder:
 
 @dataclass(frozen=True)
 class WorkerStatus:
-    """One worker: how far it is, how often it was started again, and in the end its report."""
+    """One worker: how far it is, how often it was started again, and in the end its report.
+
+    age_s: None where it was never heard; host: name of its host, "" for the operator's own.
+    """
 
     name: str
     phase: WorkerPhase
@@ -70,6 +75,8 @@ class WorkerStatus:
     report: WorkerReport | None = None
     stages: tuple[StageStatus, ...] = ()
     paths: tuple[PathStatus, ...] = ()
+    age_s: Age | None = None
+    host: str = ""
 
 
 @dataclass(frozen=True)
@@ -78,7 +85,8 @@ class HostStatus:
 
     counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
     it, oldest first; out: where its outputs are; change: the newest one to its stages;
-    clock: how it differs from that of the others; logged: number of its newest log record.
+    clock: how it differs from that of the others; logged: number of its newest log record; age_s: None
+    before the host was heard for the first time.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -88,6 +96,7 @@ class HostStatus:
     change: ChangeStatus = ChangeStatus()
     clock: ClockStatus = ClockStatus()
     logged: int = -1
+    age_s: Age | None = None
 
     def all(self, *phases: WorkerPhase) -> bool:
         """Whether every worker is in one of these phases."""

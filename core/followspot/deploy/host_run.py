@@ -155,6 +155,7 @@ class HostRun:
             self._change.status(),
             self.clock.status(),
             self.log.last,
+            age_s=0.0,
         )
 
     def fileno(self) -> int:

@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import pydantic
 
 from followspot.deploy.clocks.status import ClockStatus
-from followspot.deploy.host import WorkerStatus
+from followspot.deploy.host import Age, WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import COLUMNS, EdgeCount, tally
+
+OLD = 1.0
+"""Age, s, from which on a status is shown as old; workers speak and hosts are asked five times a second."""
+
+
+@dataclass(frozen=True)
+class SeenHost:
+    """One of the other hosts. age_s: None where it was never heard; absent: whether it does not answer."""
+
+    name: str
+    age_s: Age | None
+    absent: bool
 
 
 @dataclass(frozen=True)
 class RunStatus:
     """One moment.
 
-    counts: words of the ledger, of all edges of the plan; fired, expected: frames done and to be done;
-    clocks: of the hosts that go by that of another one, "" for the operator's own.
+    workers: all of the plan, with their ages; counts: words of the ledger, of all edges of the plan; fired,
+    expected: frames done and to be done; clocks: of the hosts that go by that of another one, "" for the
+    operator's own.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -28,6 +41,19 @@ class RunStatus:
     expected: int | None
     news: tuple[str, ...] = ()
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
+    hosts: tuple[SeenHost, ...] = ()
+
+    def later(self, seconds: float) -> RunStatus:
+        """The same status when it has become older by so many seconds, s."""
+        workers = (w if w.age_s is None else replace(w, age_s=w.age_s + seconds) for w in self.workers)
+        hosts = (h if h.age_s is None else replace(h, age_s=h.age_s + seconds) for h in self.hosts)
+        return replace(self, workers=tuple(workers), hosts=tuple(hosts))
+
+    def faults(self) -> tuple[str, ...]:
+        """What is absent or was not heard lately, a line each; workers of such a host are not named again."""
+        hosts = {host.name: line for host in self.hosts if (line := _host_fault(host))}
+        workers = (_worker_fault(w) for w in self.workers if w.host not in hosts)
+        return (*hosts.values(), *(line for line in workers if line))
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
@@ -47,3 +73,33 @@ def run_status_from_data(data: Any) -> RunStatus:
 
 
 _STATUS: pydantic.TypeAdapter[RunStatus] = pydantic.TypeAdapter(RunStatus)
+
+
+def is_old(worker: WorkerStatus) -> bool:
+    """Whether a worker that should be heard was not heard lately."""
+    return worker.phase == "running" and worker.age_s is not None and worker.age_s > OLD
+
+
+def is_unheard(worker: WorkerStatus) -> bool:
+    """Whether only what a worker said some time ago is known of it."""
+    return worker.phase == "absent" or is_old(worker)
+
+
+def _host_fault(host: SeenHost) -> str:
+    """What is wrong with a host, "" for nothing."""
+    if host.age_s is None:
+        return f"host {host.name} is not in reach"
+    if host.absent:
+        return f"host {host.name} has not answered for {host.age_s:.0f} s"
+    return f"host {host.name} was last heard {host.age_s:.1f} s ago" if host.age_s > OLD else ""
+
+
+def _worker_fault(worker: WorkerStatus) -> str:
+    """What is wrong with a worker, "" for nothing."""
+    if worker.phase == "absent":
+        return f"worker {worker.name} is absent" + _since(worker.age_s)
+    return f"worker {worker.name} was last heard {worker.age_s:.1f} s ago" if is_old(worker) else ""
+
+
+def _since(age_s: float | None) -> str:
+    return "" if age_s is None else f" since {age_s:.0f} s"

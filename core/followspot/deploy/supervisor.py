@@ -142,11 +142,10 @@ class Supervisor:
         workers = self._crew.workers
         for name in self._pulse.silent({w.name: w.heard for w in workers.values()}, now):
             worker = workers[name]
-            if worker.phase == "running" and worker.busy:
+            if worker.phase == "running" and worker.busy and not worker.killed:
                 line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
                 self._tell("warning", line, name)
-                worker.process.kill()
-                worker.heard = now
+                worker.kill()
 
     def _ask_for_states(self) -> None:
         for worker in self._crew.workers.values():

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import HostStatus, WorkerStatus
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
-from followspot.deploy.status import RunStatus
+from followspot.deploy.status import RunStatus, SeenHost
+from followspot.deploy.supervision import SILENCE
 from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.worker import Progress
@@ -40,13 +41,40 @@ class Whole:
     def status(self) -> RunStatus:
         """For those who look on."""
         return RunStatus(
-            tuple(self.workers()),
+            tuple(self._seen()),
             tuple(self._ledger().words.tolist()),
             self.progress().fired,
             self.expected(),
             self._news(),
             self._clocks(),
+            tuple(self._seen_hosts()),
         )
+
+    def _seen_hosts(self) -> Iterator[SeenHost]:
+        """All other hosts of which something is to be heard, and those of the plan that are not in reach."""
+        for name, status in self.hosts.items():
+            if name and status.age_s is not None and not status.all("over"):
+                yield SeenHost(name, status.age_s, absent=status.age_s > SILENCE)
+        for name in dict.fromkeys(worker.host for worker in self.plan.workers):
+            if name not in self.hosts:
+                yield SeenHost(name, None, absent=True)
+
+    def _seen(self) -> Iterator[WorkerStatus]:
+        """The workers with their hosts and ages; those of a host that does not answer are absent."""
+        known = set()
+        for host, status in self.hosts.items():
+            age = status.age_s or 0.0
+            for worker in status.workers:
+                known.add(worker.name)
+                if worker.phase == "over":
+                    yield replace(worker, host=host)
+                    continue
+                phase = "absent" if age > SILENCE else worker.phase
+                yield replace(worker, host=host, phase=phase, age_s=age + (worker.age_s or 0.0))
+        for missing in self.plan.workers:
+            if missing.name not in known:
+                phase = "starting" if missing.host in self.hosts else "absent"
+                yield WorkerStatus(missing.name, phase, host=missing.host)
 
     def report(self, seconds: float, silent: Mapping[str, str], *, stopped: bool) -> RunReport:
         """At the end, workers in the order of the plan. silent: hosts that do not answer, and why."""

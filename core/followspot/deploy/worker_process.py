@@ -47,6 +47,7 @@ class WorkerProcess:
         self.stages: tuple[StageStatus, ...] = ()
         self.paths: tuple[PathStatus, ...] = ()
         self.heard = time.monotonic()
+        self.killed = False
 
     @property
     def busy(self) -> bool:
@@ -101,6 +102,7 @@ class WorkerProcess:
             self.report,
             self.stages,
             self.paths,
+            time.monotonic() - self.heard,
         )
 
     def obituary(self) -> str:
@@ -108,6 +110,11 @@ class WorkerProcess:
         code = self.process.wait()
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         return f"worker {self.name} (process {self.process.pid}) died: {how}"
+
+    def kill(self) -> None:
+        """End the process at once, whatever it does."""
+        self.killed = True
+        self.process.kill()
 
     def end(self) -> None:
         """Kill the process unless it has reported and exits by itself."""

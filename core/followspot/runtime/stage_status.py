@@ -14,8 +14,11 @@ from followspot.runtime.outlet import Outlet
 from followspot.runtime.worker import Worker
 from followspot.transport.token import END
 
-StageState = Literal["getting", "processing", "sending", "absent", "over"]
-"""getting: an input is empty; sending: an output is full; absent: all it listens to is away."""
+StageState = Literal["starting", "getting", "processing", "sending", "old", "absent", "over"]
+"""getting: an input is empty; sending: an output is full; absent: all it listens to is away, or its worker.
+
+For those who look on: starting: nothing was heard of it yet; old: nothing was heard of it lately.
+"""
 
 
 @dataclass(frozen=True)
@@ -122,7 +125,7 @@ def _state(cell: Cell) -> tuple[StageState, tuple[str, ...]]:
     if cell.done:
         return "over", ()
     if cell.absent:
-        return "absent", ()
+        return "absent", tuple(inlet.name for inlet in cell.join.members)
     if cell.blocked:
         return "sending", tuple(name for _, outlet in cell.outlets for name in _full(outlet))
     if cell.working:

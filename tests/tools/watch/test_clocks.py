@@ -11,7 +11,16 @@ def test_the_clock_of_each_host_is_shown_and_one_that_is_off_is_named() -> None:
         return {"host": host, "reference": "pc-left", **times}
 
     clocks = [clock("", 0.2), clock("pc-right", -30.0), clock("pc-top", 0.0, 0)]
-    empty = {"fired": 0, "expected": None, "rate": 0.0, "stages": [], "edges": [], "paths": [], "news": []}
+    empty = {
+        "fired": 0,
+        "expected": None,
+        "rate": 0.0,
+        "stages": [],
+        "edges": [],
+        "paths": [],
+        "news": [],
+        "faults": [],
+    }
     lines = text({"graph": "g", "run": "0123456789", **empty, "clocks": clocks}).splitlines()
     (desk,) = (line.split() for line in lines if "this host" in line)
     assert desk == ["this", "host", "pc-left", "+0.200", "0.400"]

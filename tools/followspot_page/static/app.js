@@ -1,4 +1,5 @@
 // The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
+import { Faults } from "./faults.js";
 import { Legend } from "./legend.js";
 import { make } from "./make.js";
 import { Pipeline } from "./pipeline.js";
@@ -8,6 +9,7 @@ import { Tiles } from "./tiles.js";
 import { Views } from "./views.js";
 
 const RETRY_MS = 3000;
+const LOOK_MS = 500; // between two looks at how old everything is
 const NEWS = 4; // lines
 const $ = (id) => document.getElementById(id);
 
@@ -18,6 +20,7 @@ const ask = (wish) => socket.send(JSON.stringify(wish));
 const pipeline = new Pipeline($("groups"), $("detail"), ask);
 const recorder = new Recorder($("recorder"), ask);
 const legend = new Legend($("legend"));
+const faults = new Faults($("faults"));
 const room = Room.on($("view"));
 $("flat").hidden = room !== null;
 $("view").hidden = room === null;
@@ -35,6 +38,19 @@ function span(p50, p95) {
 // Hosts whose clocks are so far off that the run warns.
 const clocks = (run) => run.clocks.filter(({ warning }) => warning).map(({ host, warning }) => `${host || "this host"}: ${warning}`);
 
+// How old everything is by the clock of this browser, whether anybody tells it anything or not.
+function look() {
+  const well = faults.show();
+  if (!faults.over) {
+    tiles.look();
+    legend.look();
+  }
+  const life = $("life").dataset.life;
+  if (life === "running" && !well) setLife("fault", "fault");
+  else if (life === "fault" && well) setLife("running", "running");
+  document.title = `${well ? "" : "! "}${$("graph").textContent} · followspot`;
+}
+
 let shown = "";
 let fused = false;
 const takers = {
@@ -42,10 +58,10 @@ const takers = {
     ("on" in JSON.parse(answer.to) ? recorder : pipeline).answer(answer);
   },
   scene(scene) {
-    document.title = `${scene.graph} · followspot`;
     $("graph").textContent = scene.graph;
     $("room").textContent = scene.room.name;
     pipeline.show(scene.stages, scene.forms);
+    tiles.from(scene.stages);
     recorder.show(scene.ports);
     if (JSON.stringify(scene.room) === shown) return; // only stages or parameters are others
     shown = JSON.stringify(scene.room);
@@ -56,15 +72,19 @@ const takers = {
   run(run) {
     const running = run.stages.some((stage) => stage.state !== "over");
     setLife(running ? "running" : "waiting", running ? "running" : "starting");
-    const path = run.paths.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);
+    faults.take(run.faults);
+    const fresh = run.paths.filter(({ old }) => !old);
+    const path = fresh.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);
     const lost = run.edges.reduce((sum, e) => sum + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
-    $("rate").textContent = run.rate.toFixed(run.rate < 10 ? 1 : 0);
+    $("rate").textContent = run.rate === null ? "–" : run.rate.toFixed(run.rate < 10 ? 1 : 0);
     $("fired").textContent = run.expected ? `${run.fired} / ${run.expected}` : run.fired;
     $("latency").textContent = path ? span(path.p50_ms, path.p95_ms) : "–";
     $("lost").textContent = lost;
     $("lost").className = lost ? "lossy" : "";
     $("news").replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
     pipeline.update(run);
+    tiles.update(run.stages);
+    look();
   },
   recording(recording) {
     recorder.update(recording);
@@ -92,9 +112,12 @@ function connect(again) {
     takers[thing.type]?.(thing);
   };
   socket.onclose = () => {
+    faults.end();
+    look();
     setLife("ended", "ended");
     setTimeout(connect, RETRY_MS, true);
   };
 }
 
 connect(false);
+setInterval(look, LOOK_MS);

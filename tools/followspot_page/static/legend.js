@@ -1,3 +1,5 @@
+const SILENT_MS = 2000; // longer without a word, the places that are shown are old
+
 // Each target by name and colour, where it is and how well that is known.
 export class Legend {
   constructor(list) {
@@ -19,7 +21,15 @@ export class Legend {
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
   }
 
+  // How old the places are, where they are.
+  look() {
+    const silent = this.heard === undefined ? 0 : performance.now() - this.heard;
+    if (silent > SILENT_MS) this.list.dataset.old = `these places are ${(silent / 1000).toFixed(0)} s old`;
+    else delete this.list.dataset.old;
+  }
+
   tracks({ target, state, xyz }) {
+    this.heard = performance.now();
     const known = new Map(target.map((t, i) => [t, i]));
     this.rows.forEach(({ row, place }, t) => {
       const i = known.get(t);

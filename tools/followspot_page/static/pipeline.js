@@ -2,12 +2,12 @@
 import { Form } from "./form.js";
 import { make } from "./make.js";
 
-const WORST = ["absent", "sending", "processing", "getting", "over"];
+const WORST = ["absent", "old", "starting", "sending", "processing", "getting", "over"];
+const FAULTS = ["absent", "old"];
 const LOSSES = ["dropped", "late", "unmatched", "invalid", "lost"];
 
 const groupOf = (stage) => stage.split("/")[0];
-const ms = (value) => (value === null ? "–" : number(value));
-const number = (value) => (value >= 100 ? value.toFixed(0) : value.toFixed(1));
+const number = (value) => (value === null ? "–" : value >= 100 ? value.toFixed(0) : value.toFixed(1));
 const lossOf = (edge) => LOSSES.reduce((sum, name) => sum + edge[name], 0);
 
 export class Pipeline {
@@ -111,32 +111,44 @@ class Card {
     const worst = WORST.find((state) => stages.some((stage) => stage.state === state));
     const loss = edges.reduce((sum, edge) => sum + lossOf(edge), 0);
     const failed = stages.some(({ error }) => error);
-    const load = Math.max(...stages.map((stage) => stage.load));
+    const load = Math.max(...stages.map((stage) => stage.load ?? 0));
     if (stages.length > 1) this.name.replaceChildren(this.group, make("small", ` ×${stages.length}`));
-    this.state.textContent = `${number(Math.max(...stages.map(({ rate }) => rate)))}/s · ${worst}`;
+    this.state.textContent = FAULTS.includes(worst) ? fault(stages, worst) : `${number(Math.max(...stages.map(({ rate }) => rate)))}/s · ${worst}`;
     this.state.dataset.state = worst;
     this.note.hidden = !(loss || failed);
     this.note.textContent = failed ? "error" : `${loss} not delivered`;
     this.button.className = failed || worst === "absent" ? "bad" : "";
+    this.button.dataset.state = worst;
     this.load.style.transform = `scaleX(${Math.min(1, load).toFixed(3)})`;
     this.button.title = `busiest instance: ${(100 * load).toFixed(0)} % of one processor`;
   }
 }
 
-function table(head, rows) {
+// How many instances of a stage are absent or old, and since when.
+function fault(stages, state) {
+  const found = stages.filter((stage) => stage.state === state);
+  const many = stages.length > 1 ? `${found.length} of ${stages.length} ` : "";
+  return many + lasting({ state, age_s: found.reduce((most, { age_s }) => (age_s ?? -1) > (most ?? -1) ? age_s : most, null) });
+}
+
+const lasting = ({ state, age_s }) => (age_s === null ? state : `${state} ${age_s.toFixed(0)} s`);
+
+// old: of each row, whether it is one of a fault.
+function table(head, rows, old) {
   const element = make("table");
-  const line = (tag, cells) => {
-    const row = make("tr");
+  const line = (tag, cells, className) => {
+    const row = make("tr", "", { className });
     row.append(...cells.map((cell) => (cell instanceof Node ? cell : make(tag, cell))));
     return row;
   };
-  element.append(line("th", head), ...rows.map((cells) => line("td", cells)));
+  element.append(line("th", head, ""), ...rows.map((cells, i) => line("td", cells, old[i] ? "fault" : "")));
   return element;
 }
 
 function stageTable(stages) {
-  const rows = stages.map((s) => [s.stage, s.worker, s.state, waits(s), number(s.rate), `${(100 * s.load).toFixed(0)} %`, s.fired, s.skipped, s.restarts]);
-  return table(["stage", "worker", "state", "on", "per second", "load", "fired", "skipped", "restarts"], rows);
+  const load = (s) => (s.load === null ? "–" : `${(100 * s.load).toFixed(0)} %`);
+  const rows = stages.map((s) => [s.stage, s.worker, lasting(s), waits(s), number(s.rate), load(s), s.fired, s.skipped, s.restarts]);
+  return table(["stage", "worker", "state", "on", "per second", "load", "fired", "skipped", "restarts"], rows, stages.map(({ state }) => FAULTS.includes(state)));
 }
 
 function edgeTable(edges) {
@@ -146,13 +158,13 @@ function edgeTable(edges) {
     `${edge.from} → ${edge.to}`,
     edge.kind,
     number(edge.rate),
-    ms(edge.p50_ms),
-    ms(edge.p95_ms),
+    number(edge.p50_ms),
+    number(edge.p95_ms),
     ...counts.map((name) => make("td", edge[name], { className: LOSSES.includes(name) && edge[name] ? "lossy" : "" })),
     ...(failed ? [make("td", edge.error, { className: "lossy" })] : []),
   ]);
   const last = failed ? ["last error"] : [];
-  return table(["edge", "kind", "per second", "p50 ms", "p95 ms", ...counts.map((name) => name.replace("_", " ")), ...last], rows);
+  return table(["edge", "kind", "per second", "p50 ms", "p95 ms", ...counts.map((name) => name.replace("_", " ")), ...last], rows, edges.map(({ old }) => old));
 }
 
 function waits({ state, on }) {

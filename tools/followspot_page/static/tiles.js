@@ -1,6 +1,7 @@
 // One tile for each camera: its picture, and over it what was detected, where it was searched, where tracks are.
 const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second
 const WIDE = 2; // times as wide as high, and wider: such a picture has a row to itself
+const SILENT_MS = 2000; // longer without a picture, the one that is shown is old
 const PERSON_HUES = [205, 28, 140, 275, 52, 330];
 
 export class Tiles {
@@ -8,7 +9,22 @@ export class Tiles {
     this.section = section;
     this.views = views;
     this.tiles = new Map();
+    this.sources = new Map();
     this.colors = [];
+  }
+
+  // stages: of the graph; the sources among them send the pictures of their cameras.
+  from(stages) {
+    this.sources = new Map(stages.filter(({ source, camera }) => source && camera).map(({ name, camera }) => [name, camera]));
+  }
+
+  // stages: what each is doing.
+  update(stages) {
+    for (const stage of stages) this.tiles.get(this.sources.get(stage.stage))?.tell(stage);
+  }
+
+  look() {
+    for (const tile of this.tiles.values()) tile.look();
   }
 
   show(room) {
@@ -53,11 +69,29 @@ class Tile {
     caption.textContent = camera.name;
     const kind = document.createElement("small");
     kind.textContent = camera.kind;
-    caption.append(kind);
+    this.note = document.createElement("b");
+    caption.append(kind, this.note);
     this.figure.append(this.canvas, caption);
   }
 
+  // What its source is doing.
+  tell({ state, age_s }) {
+    this.state = state;
+    this.fault = state === "absent" || state === "old" ? `${state}${age_s === null ? "" : ` ${age_s.toFixed(0)} s`}` : "";
+    this.look();
+  }
+
+  // Says whether the picture is one of now.
+  look() {
+    const silent = this.shown === undefined || this.state === "over" ? 0 : performance.now() - this.shown;
+    const old = silent > SILENT_MS ? `${(silent / 1000).toFixed(0)} s old` : "";
+    this.note.textContent = this.fault || old;
+    this.figure.classList.toggle("absent", this.state === "absent");
+    this.figure.classList.toggle("old", Boolean(this.note.textContent));
+  }
+
   show(image, time) {
+    this.shown = performance.now();
     if (this.pictures.length && time < this.pictures.at(-1).time) this.forget(this.pictures.length); // a loop began anew
     this.pictures.push({ image, time });
     this.figure.classList.remove("dark");

@@ -1,0 +1,119 @@
+"""What is gone looks gone: in `top`, on the page and in its metrics, in the progress, in the exit code."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+import pytest
+from hosts import Agent, near_agent
+from running import COMMAND, Finished, finish, start, wait_until, write_graph
+
+LIVE = """
+a:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
+b:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
+sum:  {uses: ticks.sum, in: {numbers: [a, b]}, tolerance: 0.004}
+save: {uses: ticks.write, in: {number: sum}}
+"""
+PLACEMENT = "workers:\n  left: {host: pc-left, stages: [a]}\n  right: {stages: [b, sum, save]}\n"
+PATIENCE = 60.0
+
+
+class Watched:
+    """A live run with one source on another host, as those see it who look on."""
+
+    def __init__(self, folder: Path, agent: Agent, *options: str) -> None:
+        self.agent = agent
+        self.out = folder / "out"
+        graph = write_graph(folder, LIVE)
+        (folder / "two.yaml").write_text(PLACEMENT)
+        where = ("--placement", str(folder / "two.yaml"), "--connect", agent.endpoint)
+        self.process = start(graph, self.out, *where, "--dashboard-at", "127.0.0.1:0", *options)
+        assert self.process.stderr is not None
+        self.said: list[str] = []
+        line = self.process.stderr.readline()
+        found = re.search(r"http://\S+/", line)
+        assert found, line + self.process.stderr.read()
+        self.url = found[0]
+        threading.Thread(target=lambda: self.said.extend(self.process.stderr or ()), daemon=True).start()
+
+    def top(self) -> dict[str, Any]:
+        """What `followspot top` tells."""
+        words = [*COMMAND, "top", str(self.process.pid), "--json"]
+        done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=PATIENCE)
+        return dict(json.loads(done.stdout)) if done.returncode == 0 else {}
+
+    def status(self) -> dict[str, Any]:
+        """What the page is told."""
+        return dict(json.load(urlopen(self.url + "status", timeout=PATIENCE)))
+
+    def metrics(self) -> dict[str, str]:
+        text = urlopen(self.url + "metrics", timeout=PATIENCE).read().decode()
+        return dict(re.findall(r"^([a-z_]+(?:\{.*\})?) (\S+)$", text, re.MULTILINE))
+
+    def until(self, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """What the page is told when it fits."""
+        told: list[dict[str, Any]] = []
+
+        def looks() -> bool:
+            told[:] = [self.status()]
+            return fits(told[0])
+
+        assert wait_until(looks, PATIENCE), told
+        return told[0]
+
+    def ended(self) -> Finished:
+        self.process.send_signal(signal.SIGINT)
+        return finish(self.process, self.out)
+
+
+@pytest.fixture
+def agent(tmp_path: Path) -> Iterator[Agent]:
+    home = tmp_path / "pc-left"
+    home.mkdir()
+    made = near_agent("pc-left", home)
+    yield made
+    made.process.kill()
+    made.process.communicate()
+
+
+@contextmanager
+def watched(folder: Path, agent: Agent, *options: str) -> Iterator[Watched]:
+    run = Watched(folder, agent, *options)
+    try:
+        yield run
+    finally:
+        run.process.kill()
+        run.process.wait()
+
+
+def states(run: dict[str, Any]) -> dict[str, str]:
+    return {stage["stage"]: stage["state"] for stage in run["stages"]}
+
+
+def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent: Agent) -> None:
+    with watched(tmp_path, agent) as run:
+        well = run.until(lambda told: told["fired"] > 20 and not told["faults"])
+        assert "absent" not in states(well).values()
+        agent.process.kill()
+        told = run.until(lambda told: any(host["absent"] for host in told["hosts"]))
+        for seen in (told, run.top()):
+            assert re.fullmatch(r"host pc-left has not answered for \d+ s", seen["faults"][0])
+            (left,) = [worker for worker in seen["workers"] if worker["worker"] == "left"]
+            assert (left["host"], left["phase"]) == ("pc-left", "absent")
+            (a,) = [stage for stage in seen["stages"] if stage["stage"] == "a"]
+            assert (a["state"], a["rate"], a["load"]) == ("absent", None, None)
+            assert a["age_s"] > 1.0
+            assert a["fired"] > 0  # the last that is known
+            assert {"sum", "save", "b"} <= {s for s, state in states(seen).items() if state != "absent"}
+        ended = run.ended()
+    assert ended.code == 1, ended.errors
+    assert "host pc-left does not answer" in ended.summary["errors"]
