@@ -77,7 +77,7 @@ def test_a_run_that_has_not_begun_is_not_changed(plan: Plan) -> None:
     for ask in (lambda: run.change(["a.count=7"], Path()), lambda: run.move(["a"], "b")):
         with pytest.raises(FollowspotError, match="has not begun yet"):
             ask()
-    assert run.status().workers == ()
+    assert [(w.name, w.phase) for w in run.status().workers] == [("a", "starting"), ("b", "starting")]
 
 
 def test_a_host_tells_its_status_while_workers_are_started() -> None:
