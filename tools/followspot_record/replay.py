@@ -16,6 +16,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.load import Loaded
 from followspot.graph.plan import Plan
+from followspot.graph.sampling import plan_sampled_cycles
 from followspot.plugins.hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
@@ -40,6 +41,7 @@ def replay_command(args: argparse.Namespace) -> int:
         clip = Clip(recording.path, args.start, args.stop, args.speed, args.loop)
         plan = played(plan, replays(recording, plan, _ports(plan, recording, more)), clip)
     _check_live(plan)
+    check_sampled_cycles(plan, "--graph GRAPH, or play the port, too, with --ports")
     for options in load_plan_options():
         plan = options.change(plan, args)
     return execute(plan, args)
@@ -103,6 +105,13 @@ def _without_room_sources(loaded: Loaded, recording: Recording) -> Loaded:
             path = Node(str(recording.path.absolute()), stage.place, stage.place)
             stages[name] = replace(stage, uses=kind, params={"path": path})
     return replace(loaded, stages=stages)
+
+
+def check_sampled_cycles(plan: Plan, remedy: str) -> None:
+    """Raises InputError if the result of this replay would depend on timing; remedy: where to delay it."""
+    mistakes = plan_sampled_cycles(plan)
+    if mistakes:
+        raise InputError([replace(m, remedy=f"{m.remedy} in {remedy}") for m in mistakes])
 
 
 def _check_live(plan: Plan) -> None:

@@ -21,7 +21,7 @@ from followspot_record.embedded import recorded_plan
 from followspot_record.played import Clip, alone, played, replays
 from followspot_record.ports import output_ports
 from followspot_record.record import Target, with_recording
-from followspot_record.replay import source_ports
+from followspot_record.replay import check_sampled_cycles, source_ports
 from followspot_recording.recording import Recording
 
 _LIVE = "it was recorded live: a message that came too late then comes in time now"
@@ -38,6 +38,7 @@ def verify_command(args: argparse.Namespace) -> int:
             remedy = "record it with all ports"
             raise InputError([Mistake(None, f"the source {', '.join(missing)} was not recorded", remedy)])
         plan = played(plan, replays(old, plan, sources), Clip(old.path))
+        check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
         names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
         with tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
             new_path = Path(folder) / "again.mcap"

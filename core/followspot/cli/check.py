@@ -25,9 +25,12 @@ def _run(args: argparse.Namespace) -> int:
         return 2
     counts = {"stages": len(plan.stages), "edges": len(plan.edges), "workers": len(plan.workers)}
     if args.json:
-        print(json.dumps({"ok": True, "graph": plan.graph, "room": plan.room.name, **counts}))
+        found = {"graph": plan.graph, "room": plan.room.name, **counts, "notes": plan.notes}
+        print(json.dumps({"ok": True, **found}))
     else:
         print(f"{plan.graph} in {plan.room.name}: " + ", ".join(f"{n} {what}" for what, n in counts.items()))
+        for note in plan.notes:
+            print(f"note: {note}")
     return 0
 
 

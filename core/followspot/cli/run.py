@@ -65,6 +65,9 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
 
     plan = placed(plan, args.host)
+    if not args.quiet:
+        for note in plan.notes:
+            print(f"note: {note}", file=sys.stderr)
     network = network_of(args, LOOPBACK, AGENT)
     if args.detach:
         return _detach(plan, args, network)

@@ -7,7 +7,7 @@ from typing import Literal
 
 from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.connections import CheckedEdge
-from followspot.graph.cycles import components, successors, topological
+from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.placement import Placed
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage
 
@@ -33,7 +33,7 @@ def plan(
         workers=placed.workers,
         seed=checked.seed if seed is None else seed,
         plugin_files=plugin_files,
-        notes=(*placed.notes, *_notes(planned, edges)),
+        notes=(*checked.notes, *placed.notes, *_notes(planned, edges)),
     )
 
 
@@ -52,15 +52,14 @@ def on_host(plan: Plan, host: str) -> Plan:
 
 
 def _order(checked: Checked) -> list[str]:
-    """Topological, held edges within a cycle aside; else as in the file and the room."""
+    """Topological, edges that lead back in a cycle aside; else as in the file and the room."""
     names = [stage.instance.name for stage in checked.stages]
     ends = [(edge.wire.source.name, edge.wire.target.name) for edge in checked.edges]
-    component = components(successors(names, ends))
-    forward = [
-        (start, end)
-        for (start, end), edge in zip(ends, checked.edges, strict=True)
-        if not (edge.held and component[start] == component[end])
-    ]
+    edges = list(zip(ends, checked.edges, strict=True))
+    circular = cyclic(ends)
+    undelayed = cyclic([pair for pair, edge in edges if not edge.wire.feed.delay])
+    back = [pair in (undelayed if edge.sampled else circular) and edge.held for pair, edge in edges]
+    forward = [pair for pair, leads_back in zip(ends, back, strict=True) if not leads_back]
     return topological(successors(names, forward))
 
 

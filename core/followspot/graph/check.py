@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, connect
 from followspot.graph.expand import Expanded, Instance
 from followspot.graph.parameters import output_paths, validated
+from followspot.graph.sampling import sampled_cycles
 from followspot.people import PoseTruth
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
@@ -37,6 +38,8 @@ class Checked:
     seed: int
     stages: tuple[CheckedStage, ...]
     edges: tuple[CheckedEdge, ...]
+    notes: tuple[str, ...] = ()
+    """What a live run may do and a replay may not."""
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
@@ -53,9 +56,16 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     ]
     edges = connect(expanded.wires, classes, mistakes)
     check_cycles(edges, mistakes)
+    sampled = sampled_cycles(edge.link for edge in edges)
+    if any(stage.live for stage in classes.values()):
+        notes = tuple(f"{mistake.place}: {mistake.text}; {mistake.remedy}" for mistake in sampled)
+    else:
+        notes = ()
+        if len(classes) == len(expanded.instances):  # else one that is not known may be live
+            mistakes += sampled
     _check_outputs(stages, mistakes)
     room = _checked_room(expanded, mistakes)
-    return Checked(expanded.name, room, expanded.seed, tuple(stages), tuple(edges))
+    return Checked(expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes)
 
 
 def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:

@@ -9,17 +9,33 @@ from dataclasses import dataclass
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, successors
 from followspot.graph.expand import Wire
+from followspot.graph.sampling import Link
 from followspot.ports import InputPort, OutputPort, Ports, accepts, ports
 from followspot.stage import Stage
 
 
 @dataclass(frozen=True)
 class CheckedEdge:
-    """A wire with both ports known; held: it is delayed or sampled, so it may close a cycle."""
+    """A wire with both ports known; sampled: it leads to a `Latest` and has no delay."""
 
     wire: Wire
     output: str
-    held: bool
+    sampled: bool
+
+    @property
+    def held(self) -> bool:
+        """Whether it is delayed or sampled, so that it may close a cycle."""
+        return self.sampled or self.wire.feed.delay > 0
+
+    @property
+    def link(self) -> Link:
+        """The edge between the stages of the file."""
+        feed = self.wire.feed
+        origin = feed.stage if feed.port is None else f"{feed.stage}.{feed.port}"
+        end = self.wire.target.declared.name
+        return Link(
+            feed.stage, origin, end, self.wire.port, feed.delay, self.sampled, feed.policy, feed.place
+        )
 
 
 def connect(
@@ -37,16 +53,12 @@ def connect(
         into[wire.target.name, wire.port].append(wire)
         output = _output(wire, ports(source), port, mistakes)
         if output is not None:
-            edges.append(CheckedEdge(wire, output.name, _is_held(wire, port)))
+            edges.append(CheckedEdge(wire, output.name, port.kind == "latest" and not wire.feed.delay))
     for (name, port_name), members in into.items():
         port = ports(classes[name]).input(port_name)
         if port is not None:
             _check_multiplicity(members, port, mistakes)
     return edges
-
-
-def _is_held(wire: Wire, port: InputPort) -> bool:
-    return wire.feed.delay > 0 or port.kind == "latest"
 
 
 def _check_multiplicity(members: Sequence[Wire], port: InputPort, mistakes: list[Mistake]) -> None:
@@ -93,7 +105,7 @@ def _output(wire: Wire, source: Ports, port: InputPort, mistakes: list[Mistake])
 
 
 def check_cycles(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
-    """Every cycle needs a delay or a Latest."""
+    """Every cycle needs a delay or a `Latest`."""
     plain: dict[tuple[str, str], CheckedEdge] = {}
     for edge in edges:
         if not edge.held:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 Successors = Mapping[str, Sequence[str]]
 
@@ -47,6 +47,12 @@ def components(graph: Successors) -> dict[str, int]:
     return number
 
 
+def cyclic(edges: Collection[tuple[str, str]]) -> set[tuple[str, str]]:
+    """The edges that are part of a cycle."""
+    component = components(successors(dict.fromkeys(name for ends in edges for name in ends), edges))
+    return {(start, end) for start, end in edges if component[start] == component[end]}
+
+
 def cycles(graph: Successors) -> list[list[str]]:
     """One shortest cycle of each component that has one, from its first member on, which ends it too."""
     component = components(graph)
@@ -55,21 +61,26 @@ def cycles(graph: Successors) -> list[list[str]]:
     for name in graph:
         if component[name] in seen:
             continue
-        path = _way_back(graph, name, component)
+        path = _path(graph, name, name, component)
         if path:
             seen.add(component[name])
             found.append(path)
     return found
 
 
-def _way_back(graph: Successors, start: str, component: Mapping[str, int]) -> list[str]:
-    """Shortest path from a name to itself, within its component."""
+def cycle_through(graph: Successors, start: str, end: str, component: Mapping[str, int]) -> list[str]:
+    """The shortest cycle that begins with the edge from `start` to `end`; both are in one component."""
+    return [start, end] if start == end else [start, *_path(graph, end, start, component)]
+
+
+def _path(graph: Successors, start: str, goal: str, component: Mapping[str, int]) -> list[str]:
+    """Shortest path of at least one edge within the component of `start`; empty if there is none."""
     came: dict[str, str] = {}
     queue = [start]
     for name in queue:
         for end in graph[name]:
-            if end == start:
-                path = [start, name]
+            if end == goal:
+                path = [goal, name]
                 while path[-1] != start:
                     path.append(came[path[-1]])
                 return path[::-1]

@@ -100,7 +100,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     if isinstance(node.value, Mapping):
         form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy"), mistakes)
         origin = form.get("from", required=True)
-        delay = form.whole("delay", least=0, most=_MAX_DELAY) or 0
+        delay = _delay(form)
         codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
         policy = _policy(form, delay, mistakes)
         depth = form.whole("depth", least=1, most=_MAX_DEPTH) or (1 if policy == "latest" else depth)
@@ -112,6 +112,14 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
     return Feed(named[1], named[2], delay, depth, codec, policy, origin.place)
+
+
+def _delay(form: Form) -> int:
+    """Firings back; 1 for a wrong value, with which a cycle is no further mistake."""
+    if "delay" not in form.entries:
+        return 0
+    delay = form.whole("delay", least=0, most=_MAX_DELAY)
+    return 1 if delay is None else delay
 
 
 def _policy(form: Form, delay: int, mistakes: list[Mistake]) -> EdgePolicy:

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from followspot.errors import InputError
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.graph.sampling import plan_sampled_cycles
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputPort, Ports, ports
@@ -35,6 +37,9 @@ class Wiring:
     """What the workers of a plan agree on: port types, windows, which held inputs are sampled by time."""
 
     def __init__(self, plan: Plan) -> None:
+        """Raises InputError if the plan is a replay whose result would depend on timing."""
+        if not plan.live and (mistakes := plan_sampled_cycles(plan)):
+            raise InputError(mistakes)
         self.plan = plan
         self.stages = {stage.name: stage for stage in plan.stages}
         self.classes: dict[str, type[Stage]] = {s.name: load_stage(s.uses) for s in plan.stages}
@@ -62,8 +67,8 @@ class Wiring:
         return edge.delay > 0 or self.input_port(edge).kind == "latest"
 
     def timed(self, edge: PlannedEdge) -> bool:
-        """Whether a held edge is sampled by capture time; `Latest` is not where it is live or fed back."""
-        return edge.delay > 0 or not (self.live or edge.from_stage in self._reachable(edge.to_stage))
+        """Whether a held edge is sampled by capture time, not by arrival as a `Latest` of a live run is."""
+        return edge.delay > 0 or not self.live
 
     def window(self, stage: PlannedStage) -> int:
         """Largest difference in capture time within the stage's join, ns; 0 for a single input."""
@@ -95,14 +100,3 @@ class Wiring:
             own = stage.deadline if len(members) > 1 else 0.0
             deadline[stage.name] = own + max(members, default=0.0)
         return deadline
-
-    def _reachable(self, start: str) -> set[str]:
-        """Stages downstream of one, itself included."""
-        seen, queue = {start}, [start]
-        while queue:
-            for number in self.out_of[queue.pop()]:
-                target = self.plan.edges[number].to_stage
-                if target not in seen:
-                    seen.add(target)
-                    queue.append(target)
-        return seen

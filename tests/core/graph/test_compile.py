@@ -81,8 +81,9 @@ def test_the_plan_does_not_depend_on_the_order_in_which_stages_are_declared(tmp_
     assert order.index("pair") < order.index("track") < order.index("save")
 
 
-def test_a_latest_may_close_a_cycle_without_delay(tmp_path: Path) -> None:
-    plan = planned(tmp_path, graph=GRAPH.replace("{from: track.forecast, delay: 1}", "track.forecast"))
+def test_a_latest_may_close_a_cycle_without_delay_in_a_live_run(tmp_path: Path) -> None:
+    graph = GRAPH.replace("{from: track.forecast, delay: 1}", "track.forecast")
+    plan = planned(tmp_path, graph=graph, room=ROOM.replace("toy.camera", "toy.device"))
     assert [s.group for s in plan.stages] == ["camera", "camera", "detect", "detect", "pair", "track", "save"]
     assert {edge.delay for edge in plan.edges} == {0}
 

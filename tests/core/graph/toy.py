@@ -62,6 +62,12 @@ class Camera(Stage):
         yield from ()
 
 
+class Device(Camera):
+    """A live source."""
+
+    live = True
+
+
 class Mood(StageParams):
     """A parameter with parameters."""
 

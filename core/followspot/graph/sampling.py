@@ -1,0 +1,81 @@
+"""Sampled inputs (`Latest`) in cycles without a delay: what such an input gets depends on timing.
+
+Its sender waits for its reader's result, so the reader cannot wait until the newest message is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from followspot.errors import Mistake, Place
+from followspot.graph.cycles import components, cycle_through, cyclic, successors
+from followspot.graph.plan import Plan
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports
+
+_MOST_NAMED = 20
+"""Cycles that are searched for and named; the time to find one grows with the graph."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """An edge between stages or their instances; origin: STAGE or STAGE.PORT as the file names it."""
+
+    start: str
+    origin: str
+    end: str
+    port: str
+    delay: int
+    sampled: bool
+    policy: str = "block"
+    place: Place | None = None
+
+
+def sampled_cycles(links: Iterable[Link]) -> list[Mistake]:
+    """One mistake for each sampled input in a cycle without a delay, at the place of its edge."""
+    undelayed = [link for link in links if not link.delay]
+    ends = [(link.start, link.end) for link in undelayed]
+    circular = cyclic(ends)
+    found = list(dict.fromkeys(x for x in undelayed if x.sampled and (x.start, x.end) in circular))
+    graph = successors(dict.fromkeys(name for pair in ends for name in pair), ends)
+    component = components(graph)
+    mistakes = [
+        _mistake(link, cycle_through(graph, link.start, link.end, component)) for link in found[:_MOST_NAMED]
+    ]
+    if len(found) > _MOST_NAMED:
+        text = f"{len(found) - _MOST_NAMED} more inputs are sampled in cycles without a delay"
+        mistakes.append(Mistake(found[_MOST_NAMED].place, text, "delay them too"))
+    return mistakes
+
+
+def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
+    """The same of the instances of a plan; the mistakes have no place."""
+    group = {stage.name: stage.group for stage in plan.stages}
+    kinds = {
+        (stage.name, port.name): port.kind
+        for stage in plan.stages
+        for port in ports(load_stage(stage.uses)).inputs
+    }
+    links = [
+        Link(
+            edge.from_stage,
+            f"{group[edge.from_stage]}.{edge.from_port}",
+            edge.to_stage,
+            edge.to_port,
+            edge.delay,
+            kinds[edge.to_stage, edge.to_port] == "latest",
+            edge.policy,
+        )
+        for edge in plan.edges
+    ]
+    return sampled_cycles(links)
+
+
+def _mistake(link: Link, cycle: Sequence[str]) -> Mistake:
+    text = (
+        f'the result depends on timing: input "{link.port}" of stage "{link.end}" samples "{link.origin}" '
+        f"in the cycle {' -> '.join(cycle)}, which has no delay"
+    )
+    without = "" if link.policy == "block" else f" without policy: {link.policy}"
+    return Mistake(link.place, text, f"delay it: {{from: {link.origin}, delay: 1}}{without}")
