@@ -62,6 +62,25 @@ def test_a_clock_that_is_set_is_believed_at_once() -> None:
     assert clocks.exchanges == 1
 
 
+@pytest.mark.parametrize(
+    ("captured", "steady", "kept"),
+    [
+        (0.9, 0.9, 2),  # drift, or a thread that woke late
+        (-0.9, -0.9, 2),
+        (1.7, 0.0, 1),  # the clock was set
+        (0.0, 1.7, 1),  # the host began anew
+        (0.0, -1.7, 1),
+    ],
+)
+def test_bounds_may_miss_each_other_by_a_millisecond_and_neither_clock_by_more(
+    captured: float, steady: float, kept: int
+) -> None:
+    clocks = ClockFilter()
+    clocks.add(Exchange(0, 0, 400_000))
+    clocks.add(Exchange(round(captured * MS), round(steady * MS), 400_000))
+    assert clocks.exchanges == kept
+
+
 def test_slow_drift_is_followed() -> None:
     clocks = ClockFilter()
     for second in range(1000):

@@ -42,10 +42,12 @@ def filmed(
     frames: int = 240,
     speed: float = 1.0,
     late: Array | None = None,
+    hidden: float = 0.0,
 ) -> Tracked:
     """Tracks and blobs of two balls; a fifth of the blobs is missing, a twentieth is wrong.
 
-    late: (C,) s, by which the cameras' honest time stamps are later.
+    late: (C,) s, by which the cameras' honest time stamps are later; hidden: px, by which a ball that is
+    half hidden seems to be elsewhere for a second.
     """
     stamps = np.zeros(len(offset)) if late is None else late
     time = np.arange(frames) / FPS + 1.0
@@ -56,6 +58,8 @@ def filmed(
         for number, camera in enumerate(ROOM.cameras.values()):
             seen = swinging(speed * (time + stamps[number] + offset[number]), target)
             pixel = project(camera, seen) + rng.normal(0, NOISE, (frames, 2))
+            if hidden:
+                pixel += rng.normal(0, hidden, (frames, 2))[time.astype(int)]
             wrong = rng.random(frames) < 0.05
             pixel[wrong] += rng.normal(0, 5, (int(wrong.sum()), 2))
             kept = rng.random(frames) > 0.2
@@ -85,10 +89,11 @@ def test_offsets_are_found_though_places_and_offsets_are_unknown_together(rng: n
     assert (result.sightings > 200).all()
 
 
-def test_the_stated_deviation_is_that_of_the_errors() -> None:
+@pytest.mark.parametrize(("frames", "hidden"), [(120, 0.0), (300, 0.5)])
+def test_the_stated_deviation_is_that_of_the_errors(frames: int, hidden: float) -> None:
     errors = []
     for seed in range(12):
-        result = found(filmed(np.random.default_rng(seed), frames=120))
+        result = found(filmed(np.random.default_rng(seed), frames=frames, hidden=hidden))
         errors.append((result.offset - TRUE) / result.sigma)
     assert 0.6 < np.sqrt(np.mean(np.square(errors))) < 1.7
 
