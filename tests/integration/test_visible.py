@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 import signal
 import subprocess
 import threading
@@ -15,7 +17,7 @@ from urllib.request import urlopen
 
 import pytest
 from hosts import Agent, near_agent
-from running import COMMAND, Finished, finish, start, wait_until, write_graph
+from running import COMMAND, STAGES, Finished, children, finish, start, wait_until, write_graph
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
@@ -23,20 +25,20 @@ b:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
 sum:  {uses: ticks.sum, in: {numbers: [a, b]}, tolerance: 0.004}
 save: {uses: ticks.write, in: {number: sum}}
 """
-PLACEMENT = "workers:\n  left: {host: pc-left, stages: [a]}\n  right: {stages: [b, sum, save]}\n"
+HERE = "workers:\n  left: {stages: [a]}\n  right: {stages: [b, sum, save]}\n"
+THERE = HERE.replace("left: {", "left: {host: pc-left, ")
 PATIENCE = 60.0
 
 
 class Watched:
-    """A live run with one source on another host, as those see it who look on."""
+    """A live run in two workers, as those see it who look on."""
 
-    def __init__(self, folder: Path, agent: Agent, *options: str) -> None:
-        self.agent = agent
+    def __init__(self, folder: Path, placement: str, *options: str, stages: str = LIVE) -> None:
         self.out = folder / "out"
-        graph = write_graph(folder, LIVE)
-        (folder / "two.yaml").write_text(PLACEMENT)
-        where = ("--placement", str(folder / "two.yaml"), "--connect", agent.endpoint)
-        self.process = start(graph, self.out, *where, "--dashboard-at", "127.0.0.1:0", *options)
+        graph = write_graph(folder, stages)
+        (folder / "two.yaml").write_text(placement)
+        where = ("--placement", str(folder / "two.yaml"), "--dashboard-at", "127.0.0.1:0")
+        self.process = start(graph, self.out, *where, *options)
         assert self.process.stderr is not None
         self.said: list[str] = []
         line = self.process.stderr.readline()
@@ -86,8 +88,8 @@ def agent(tmp_path: Path) -> Iterator[Agent]:
 
 
 @contextmanager
-def watched(folder: Path, agent: Agent, *options: str) -> Iterator[Watched]:
-    run = Watched(folder, agent, *options)
+def watched(folder: Path, placement: str, *options: str, stages: str = LIVE) -> Iterator[Watched]:
+    run = Watched(folder, placement, *options, stages=stages)
     try:
         yield run
     finally:
@@ -95,12 +97,18 @@ def watched(folder: Path, agent: Agent, *options: str) -> Iterator[Watched]:
         run.process.wait()
 
 
+def workers(pid: int) -> list[int]:
+    """Workers that a process started, in that order."""
+    found = children(pid)
+    return [child for child in found if b"deploy.child" in Path(f"/proc/{child}/cmdline").read_bytes()]
+
+
 def states(run: dict[str, Any]) -> dict[str, str]:
     return {stage["stage"]: stage["state"] for stage in run["stages"]}
 
 
 def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent: Agent) -> None:
-    with watched(tmp_path, agent) as run:
+    with watched(tmp_path, THERE, "--connect", agent.endpoint) as run:
         well = run.until(lambda told: told["fired"] > 20 and not told["faults"])
         assert "absent" not in states(well).values()
         agent.process.kill()
@@ -117,3 +125,19 @@ def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent
         ended = run.ended()
     assert ended.code == 1, ended.errors
     assert "host pc-left does not answer" in ended.summary["errors"]
+
+
+def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path) -> None:
+    """It cannot come back, for its plugin is broken by then."""
+    plugin = tmp_path / "brittle.py"
+    shutil.copy(STAGES, plugin)
+    stages = LIVE.replace("ticks.", "brittle.")
+    with watched(tmp_path, HERE, "--plugin", str(plugin), stages=stages) as run:
+        run.until(lambda told: told["fired"] > 20 and not told["faults"])
+        plugin.write_text("raise RuntimeError('broken meanwhile')")
+        os.kill(workers(run.process.pid)[0], signal.SIGKILL)
+        told = run.until(lambda told: "absent" in states(told).values())
+        assert re.fullmatch(r"worker left is absent since \d+ s", told["faults"][0])
+        ended = run.ended()
+    assert ended.code == 1, ended.errors
+    assert any("worker left was not there at the end" in line for line in ended.summary["errors"])

@@ -98,6 +98,8 @@ def _worker_fault(worker: WorkerStatus) -> str:
     """What is wrong with a worker, "" for nothing."""
     if worker.phase == "absent":
         return f"worker {worker.name} is absent" + _since(worker.age_s)
+    if worker.phase in ("starting", "ready") and worker.restarts:
+        return f"worker {worker.name} is starting again"
     return f"worker {worker.name} was last heard {worker.age_s:.1f} s ago" if is_old(worker) else ""
 
 

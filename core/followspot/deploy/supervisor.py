@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.clocks.host import HostClock
@@ -34,6 +35,10 @@ class Supervisor:
         """Workers that have left their place, or are about to, until the crew is rearranged."""
         self._latest = 0
         """Highest incarnation that a move has given."""
+        self._dead: set[str] = set()
+        """Workers that died and are not at work again."""
+        self._missing: frozenset[str] = frozenset()
+        """Those of them when the run was stopped."""
         self._snapshot_at = 0.0
         self._kill_at: float | None = None
         self._pulse = Pulse()
@@ -58,9 +63,12 @@ class Supervisor:
         if self._stopping:
             return
         self._stopping = True
+        self._missing = frozenset(self._dead)
         self._kill_at = time.monotonic() + _GRACE
         self._crew.tell("stop")
-        for name in {*self._restarts.waiting, *self._left}:
+        for name in self._restarts.waiting:
+            self._give_up(self._crew.workers[name], error=_gone(name))
+        for name in self._left:
             self._give_up(self._crew.workers[name], error="")
 
     def look(self, now: float) -> None:
@@ -78,7 +86,7 @@ class Supervisor:
             self._kill_at = None
             for worker in self._crew.workers.values():
                 if worker.busy:
-                    worker.process.kill()
+                    worker.kill(f"it did not end within {_GRACE:.0f} s of the stop")
 
     def rearrange(self, order: MoveOrder) -> None:
         """Let workers leave, or let all take the places that a plan gives them."""
@@ -103,6 +111,7 @@ class Supervisor:
         """Let a worker that was started again begin; notice one that has reported, or died."""
         if worker.phase == "ready" and self._running:
             self._crew.join(worker)
+            self._dead.discard(worker.name)
             self._tell("info", f"worker {worker.name} is back", worker.name)
         if worker.phase in ("over", "absent") or worker.busy:
             return
@@ -110,6 +119,8 @@ class Supervisor:
         failed_again = report is not None and bool(report.error) and worker.incarnation and worker.fired == 0
         if report is not None and not failed_again:
             worker.phase = "over"
+            if worker.name in self._missing and not report.error:
+                worker.report = report = replace(report, error=_gone(worker.name))
             if report.error:
                 self._tell("error", report.error, worker.name)
             return
@@ -120,11 +131,12 @@ class Supervisor:
     def _died(self, worker: WorkerProcess, why: str, now: float) -> None:
         """Start it again after a while, unless nothing would come to it any more."""
         if not (self._at_work() and fed(self._crew.plan, worker.name, self._crew.over)):
-            called_off = self._stopping and self._crew.order.restart
-            self._give_up(worker, error="" if called_off else why)
+            why = f"{_gone(worker.name)}: {why}" if worker.name in self._missing else why
+            self._give_up(worker, error="" if worker.name in self._left else why)
             return
         worker.phase = "absent"
         if worker.name not in self._left:
+            self._dead.add(worker.name)
             wait = self._restarts.after_death(worker.name, now)
             self._tell("warning", f"{why}; it is started again in {wait:.1f} s", worker.name)
 
@@ -145,7 +157,7 @@ class Supervisor:
             if worker.phase == "running" and worker.busy and not worker.killed:
                 line = f"worker {name} (process {worker.process.pid}) hangs; it is killed"
                 self._tell("warning", line, name)
-                worker.kill()
+                worker.kill("it hung")
 
     def _ask_for_states(self) -> None:
         for worker in self._crew.workers.values():
@@ -154,3 +166,8 @@ class Supervisor:
 
     def _spawn_again(self, name: str, incarnation: int) -> None:
         self._crew.spawn(name, incarnation, self._clock.correction(), again=True)
+
+
+def _gone(worker: str) -> str:
+    """The error of a run that ends while a worker is away: what came to it meanwhile was not processed."""
+    return f"worker {worker} was not there at the end: it had died, and was not back at work yet"

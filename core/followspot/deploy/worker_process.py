@@ -47,7 +47,8 @@ class WorkerProcess:
         self.stages: tuple[StageStatus, ...] = ()
         self.paths: tuple[PathStatus, ...] = ()
         self.heard = time.monotonic()
-        self.killed = False
+        self.killed = ""
+        """Why it was killed from here; "" where it was not."""
 
     @property
     def busy(self) -> bool:
@@ -109,11 +110,12 @@ class WorkerProcess:
         """How the process ended that did not report."""
         code = self.process.wait()
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
-        return f"worker {self.name} (process {self.process.pid}) died: {how}"
+        why = f", because {self.killed}" if self.killed else ""
+        return f"worker {self.name} (process {self.process.pid}) died: {how}{why}"
 
-    def kill(self) -> None:
-        """End the process at once, whatever it does."""
-        self.killed = True
+    def kill(self, why: str) -> None:
+        """End the process at once, whatever it does. why: a clause for whoever asks how it ended."""
+        self.killed = why
         self.process.kill()
 
     def end(self) -> None:
