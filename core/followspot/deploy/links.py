@@ -56,6 +56,8 @@ class EdgeLinks:
         self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
         self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
+        self._refused: Counter[str] = Counter()
+        """What ends that were replaced since had refused."""
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
@@ -107,6 +109,7 @@ class EdgeLinks:
         """The worker at the other end of a ring edge was started again; `sock` leads to it."""
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
+            self._refused[self.plan.edges[edge].name] += old.strangers
             worker.adopt_reader(old, self._ring_reader(edge, sock, kind))
         else:
             ring, index = self._ring_writers[edge]
@@ -140,9 +143,13 @@ class EdgeLinks:
 
     def strangers(self) -> dict[str, int]:
         """How much came to each edge that was malformed or not from its other end, where any did."""
-        found: Counter[str] = Counter()
+        found = self._refused.copy()
         for name, end in self._zenoh_ends:
             found[name] += end.strangers
+        for edge, (reader, _) in self._ring_readers.items():
+            found[self.plan.edges[edge].name] += reader.strangers
+        for edge, (writer, index) in self._ring_writers.items():
+            found[self.plan.edges[edge].name] += 0 if index else writer.strangers
         return {name: count for name, count in found.items() if count}
 
     def close(self) -> None:

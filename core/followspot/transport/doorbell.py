@@ -6,11 +6,13 @@ arrays (INLINE) or where in the slot each begins, 8 bytes each (SLOT).
 
 from __future__ import annotations
 
+import contextlib
 import socket
 from collections import deque
 from struct import Struct
 
-from followspot.transport.control import Control, fence
+from followspot.messages import MAX_BYTES
+from followspot.transport.control import ARENAS, Control, fence
 from followspot.transport.memory import Memory
 from followspot.transport.token import END
 
@@ -20,6 +22,12 @@ HELLO, ARENA, INLINE, SLOT, SETTLED = range(1, 6)
 ARENA: value = capacity of a slot, bytes; with the memory of the slots. INLINE, SLOT: value = sequence number,
 size = bytes of arrays. SETTLED: value = bound, ns."""
 OVER = DOORBELL.pack(SETTLED, 0, 0, 0, END)
+MAX_SLOTS = 1 << 16
+"""Most slots of an arena: as many as a datagram can number."""
+MAX_SLOT = 2 * MAX_BYTES
+"""Largest slot, bytes: the arrays and what aligns them, rounded up to a power of two."""
+_WAKES = 256
+"""Most wake-ups that are swallowed at once."""
 INLINE_BYTES = 4096
 """Messages whose arrays take no more than this travel in the datagram."""
 
@@ -27,12 +35,16 @@ INLINE_BYTES = 4096
 class Link:
     """One reader as the writer sees it: a socket, shared words, and datagrams that wait for room."""
 
-    def __init__(self, sock: socket.socket, control: Control) -> None:
+    def __init__(self, sock: socket.socket, control: Control, depth: int) -> None:
+        """depth: most messages that the reader gives credit for."""
         sock.setblocking(False)
         self.socket = sock
         self.control = control
         self.alive = True
         self.ended = False
+        self.expelled = False
+        """Whether it was cut off, for it said or did what no reader does."""
+        self._most = 2 * (depth + ARENAS)
         self._posted = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
 
@@ -42,6 +54,8 @@ class Link:
             if datagram[0] == SETTLED == self._pending[-1][0][0]:
                 self._pending.pop()
             self._pending.append((datagram, memory))
+            if len(self._pending) > self._most:  # it gives credit for what it cannot have read
+                self.expel()
         elif not self._sent(datagram, memory):
             self._pending.append((datagram, memory))
             self.flush()
@@ -59,11 +73,20 @@ class Link:
         self.control.waiting = True
         fence()
 
+    def expel(self) -> None:
+        """Cut the reader off; `drain` will find it gone."""
+        self.expelled = True
+        with contextlib.suppress(OSError):  # it died meanwhile
+            self.socket.shutdown(socket.SHUT_RDWR)
+
     def drain(self) -> None:
-        """Swallow wake-ups; an end of file is the reader's death."""
+        """Swallow wake-ups, not without end; an end of file is the reader's death."""
         try:
-            while self.socket.recv(1):
-                pass
+            for _ in range(_WAKES):
+                if not self.socket.recv(1):
+                    break
+            else:
+                return
         except BlockingIOError:
             return
         except OSError:

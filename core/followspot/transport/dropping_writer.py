@@ -46,6 +46,11 @@ class DroppingWriter:
         """As the inner writer knows it."""
         return self.inner.lost
 
+    @property
+    def strangers(self) -> int:
+        """As the inner writer knows it."""
+        return self.inner.strangers
+
     def matched(self) -> bool:
         """As the inner writer knows it."""
         return self.inner.matched()

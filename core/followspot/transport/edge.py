@@ -25,6 +25,10 @@ class PortWriter(Protocol):
     def lost(self) -> frozenset[int]:
         """Readers, by their index, that `drain` found gone before the end; they hold up nothing any more."""
 
+    @property
+    def strangers(self) -> int:
+        """How much came that was malformed or not from a reader; no ledger knows it."""
+
     def matched(self) -> bool:
         """Whether every reader is there; until then what is sent may miss it."""
 
@@ -67,6 +71,10 @@ class PortReader(Protocol):
     @property
     def broken(self) -> bool:
         """Whether nothing will ever come from here any more, not even when the writer is started again."""
+
+    @property
+    def strangers(self) -> int:
+        """How much came that was malformed or not from the writer; no ledger knows it."""
 
     def matched(self) -> bool:
         """Whether the writer is there."""

@@ -16,10 +16,14 @@ class Memory:
     """
 
     def __init__(self, fd: int, size: int, *, writable: bool) -> None:
-        """Takes over `fd`. Raises OSError where it is not a sealed memory file of at least `size` bytes."""
+        """Takes over `fd`.
+
+        Raises ValueError where it is not a sealed memory file of at least `size` bytes, OSError where it
+        cannot be mapped.
+        """
         self.fd = fd
-        if not fcntl.fcntl(fd, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK or os.fstat(fd).st_size < size:
-            raise OSError(f"not a sealed memory file of {size} bytes")
+        if not _sealed(fd) or os.fstat(fd).st_size < size:
+            raise ValueError(f"not a sealed memory file of {size} bytes")
         access = mmap.PROT_READ | mmap.PROT_WRITE if writable else mmap.PROT_READ
         self.bytes = mmap.mmap(fd, size, mmap.MAP_SHARED, access)
 
@@ -37,3 +41,11 @@ class Memory:
 
     def __del__(self) -> None:
         os.close(self.fd)
+
+
+def _sealed(fd: int) -> bool:
+    """Whether it is a file in memory that nobody can shrink."""
+    try:
+        return bool(fcntl.fcntl(fd, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK)
+    except OSError:  # it is something else
+        return False

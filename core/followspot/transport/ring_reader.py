@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import mmap
+import os
 import socket
 import sys
 from collections.abc import Sequence
@@ -10,13 +12,24 @@ from typing import Any
 
 import numpy as np
 
+from followspot.errors import FollowspotError
 from followspot.messages import Array, InvalidMessage, Message
 from followspot.transport.codec import codec_of
-from followspot.transport.control import Control, fence
-from followspot.transport.doorbell import ARENA, DOORBELL, HELLO, INLINE, INLINE_BYTES, SETTLED, SLOT
+from followspot.transport.control import ARENAS, Control, fence
+from followspot.transport.doorbell import (
+    ARENA,
+    DOORBELL,
+    HELLO,
+    INLINE,
+    INLINE_BYTES,
+    MAX_SLOT,
+    MAX_SLOTS,
+    SETTLED,
+    SLOT,
+)
 from followspot.transport.memory import Memory
 from followspot.transport.slots import Arena, Lease
-from followspot.transport.token import END, Invalid, Settled, Token
+from followspot.transport.token import END, MAX_COUNT, Invalid, Settled, Token, is_bound
 from followspot.transport.wire import MAX_HEAD, aligned, unpack_head
 
 _LARGEST = DOORBELL.size + MAX_HEAD + 2 * INLINE_BYTES
@@ -25,6 +38,8 @@ _ROOM, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
 _NONE = (0, 0, 0, 0, 0)
 _BATCH = 256
 """Most datagrams that one poll takes; a flood of settled times must not hold up the worker."""
+_MOST_MISSING = 256
+"""Messages that may be missing before one; a socket loses none, so more are not believed."""
 
 
 class RingReader:
@@ -51,6 +66,12 @@ class RingReader:
         self._consumed = 0
         self._ended = False
         self._closed = False
+        self._refused = 0
+
+    @property
+    def strangers(self) -> int:
+        """How many datagrams came that no writer sends."""
+        return self._refused
 
     @property
     def lost(self) -> bool:
@@ -71,7 +92,10 @@ class RingReader:
         return self._socket.fileno()
 
     def poll(self) -> list[Token]:
-        """What has arrived, at most 256 datagrams at once. Raises OSError where memory cannot be mapped."""
+        """What has arrived, at most 256 datagrams at once.
+
+        Raises FollowspotError where memory cannot be mapped.
+        """
         tokens: list[Token] = []
         for _ in range(_BATCH):
             try:
@@ -108,8 +132,8 @@ class RingReader:
         """Append what one datagram says, which brought `extra` (a file descriptor)."""
         whole = len(data) >= DOORBELL.size
         kind, number, slot, size, value = DOORBELL.unpack_from(data) if whole else _NONE
-        if kind in (INLINE, SLOT):
-            missing = range(self._sequence, min(value, self._sequence + _BATCH))
+        if kind in (INLINE, SLOT) and not extra and 0 <= value - self._sequence <= _MOST_MISSING:
+            missing = range(self._sequence, value)
             tokens += [Invalid(f"gap: message {n} of the port never came") for n in missing]
             self._sequence = value + 1
             try:
@@ -117,11 +141,11 @@ class RingReader:
                 tokens.append(self._inline(data, size) if inline else self._placed(data, number, slot, size))
             except InvalidMessage as error:
                 tokens.append(Invalid(str(error)))
-        elif kind == SETTLED:
+        elif kind == SETTLED and not extra and is_bound(value):
             self._ended = value == END
             tokens.append(Settled(value))
-        elif kind in (HELLO, ARENA) and extra:
-            self._map(int.from_bytes(extra[0][2], sys.byteorder), kind, number, slot, size, value)
+        elif not (extra and self._mapped(extra[0][2], kind, number, slot, size, value)):
+            self._refused += 1
 
     def _inline(self, data: memoryview, size: int) -> Message:
         head, start = unpack_head(data[DOORBELL.size :])
@@ -158,17 +182,45 @@ class RingReader:
         fence()
         self._wake()
 
-    def _map(self, fd: int, kind: int, number: int, slot: int, size: int, value: int) -> None:
-        """Map the memory that a datagram brought. Raises OSError."""
+    def _mapped(self, packed: bytes, kind: int, number: int, slot: int, size: int, value: int) -> bool:
+        """Map the memory that a datagram brought; False where it is not what it claims to be.
+
+        packed: the file descriptor. Raises FollowspotError where there is no room to map it.
+        """
+        fd = int.from_bytes(packed, sys.byteorder)
+        if not self._credible(kind, number, slot, size, value):
+            os.close(fd)
+            return False
+        try:
+            if kind == HELLO:
+                self._control = Control(Memory(fd, Control.size(size), writable=True), size)
+                self._quota, self._slots = slot, size
+                self._sequence = self._consumed = value
+            else:
+                self._enter(
+                    Arena(Memory(fd, self._slots * value, writable=False), number, self._slots, value)
+                )
+        except ValueError:
+            return False
+        except OSError as error:
+            raise FollowspotError(f"the memory of an edge cannot be mapped: {error}") from None
+        return True
+
+    def _credible(self, kind: int, number: int, slot: int, size: int, value: int) -> bool:
+        """Whether a writer can mean that: it greets once, and each arena is newer than the one before."""
         if kind == HELLO:
-            self._control = Control(Memory(fd, Control.size(size), writable=True), size)
-            self._quota = slot
-            self._slots = size
-            self._sequence = self._consumed = value
-            return
-        memory = Memory(fd, self._slots * value, writable=False)
-        self._arena = arena = Arena(memory, number, self._slots, value)
-        self._interfaces = [arena.interface(i, (value,), "|u1", writable=False) for i in range(self._slots)]
+            return (
+                self._control is None and slot <= size and 0 < size <= MAX_SLOTS and 0 <= value <= MAX_COUNT
+            )
+        newest = -1 if self._arena is None else self._arena.number
+        whole = 0 < value <= MAX_SLOT and value % mmap.PAGESIZE == 0
+        return kind == ARENA and self._control is not None and newest < number < ARENAS and whole
+
+    def _enter(self, arena: Arena) -> None:
+        """What comes from now on lies there."""
+        one = (arena.capacity,)
+        self._arena = arena
+        self._interfaces = [arena.interface(i, one, "|u1", writable=False) for i in range(self._slots)]
 
     def _wake(self) -> None:
         """Wake the writer if it asked for that."""

@@ -17,6 +17,7 @@ from followspot.transport.doorbell import (
     HELLO,
     INLINE,
     INLINE_BYTES,
+    MAX_SLOTS,
     OVER,
     SETTLED,
     SLOT,
@@ -42,10 +43,11 @@ class RingWriter:
         """
         self._depth = depth
         self._quota = depth + 1
-        self._slots = self._quota * (len(sockets) + 1) + 2
+        self._slots = min(self._quota * (len(sockets) + 1) + 2, MAX_SLOTS)
         self._sequence = 0
         self._granted = 0
         self._over = False
+        self._expelled = 0
         self._pool: Slots | None = None
         self._links = [self._linked(sock) for sock in sockets]
 
@@ -54,12 +56,18 @@ class RingWriter:
         """Indices of the readers that `drain` found gone before the end."""
         return frozenset(i for i, link in enumerate(self._links) if not link.alive and not link.ended)
 
+    @property
+    def strangers(self) -> int:
+        """Readers that were cut off because they said or did what no reader does."""
+        return self._expelled + sum(link.expelled for link in self._links)
+
     def matched(self) -> bool:
         """True: the sockets exist before the processes do."""
         return True
 
     def replace(self, index: int, sock: socket.socket) -> None:
         """Serve another reader, from the next message on, in the place of one that is gone."""
+        self._expelled += self._links[index].expelled
         self._links[index].socket.close()
         self._links[index] = self._linked(sock)
         if self._over:
@@ -70,10 +78,13 @@ class RingWriter:
         controls = self._controls()
         credit = self._depth
         if controls:
-            slowest = min([control.consumed for control in controls])
+            consumed = [control.consumed for control in controls]
+            if max(consumed) > self._sequence:
+                self._expel()
+            slowest = min(consumed)
             credit = min(credit, max(0, credit - self._sequence + slowest))
             if credit and self._pool is not None:
-                credit = min(credit, int(np.count_nonzero(self._pool.free(controls))))
+                credit = min(credit, self._pool.find_free(controls))
         self._granted = credit
         return credit
 
@@ -109,11 +120,10 @@ class RingWriter:
         controls = self._controls()
         if controls and INLINE_BYTES < size <= MAX_BYTES:
             pool = self._pool_for(size)
-            free = pool.free(controls)
-            left = int(np.count_nonzero(free)) - 1
+            left = pool.find_free(controls) - 1
             if left >= 2 and pool.lent() < self._quota:
                 self._granted = min(self._granted, left)
-                return pool.lend(int(free.argmax()), shape, kind)
+                return pool.lend(shape, kind)
         return None
 
     def flush(self) -> bool:
@@ -147,12 +157,18 @@ class RingWriter:
         """A new reader, that has consumed and released everything so far."""
         control = Control(Memory.create("followspot-control", Control.size(self._slots)), self._slots)
         control.consumed = self._sequence
-        link = Link(sock, control)
+        link = Link(sock, control, self._depth)
         link.post(DOORBELL.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
         if self._pool is not None:
             control.released(self._pool.arena.number)[:] = self._pool.stamps
             link.post(_announced(self._pool), self._pool.arena.memory)
         return link
+
+    def _expel(self) -> None:
+        """Cut off who says to have consumed more than was sent: nothing that it says can be believed."""
+        for link in self._links:
+            if link.alive and link.control.consumed > self._sequence:
+                link.expel()
 
     def _controls(self) -> list[Control]:
         return [link.control for link in self._links if link.alive]
@@ -176,7 +192,7 @@ class RingWriter:
         """Put the arrays into a slot, except one that is there already; the datagram that says where."""
         pool = self._pool_for(size)
         stamp = self._sequence + 1
-        kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.first_free(self._controls()), 0)
+        kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.first_free(), 0)
         places = []
         for index, array in enumerate(arrays):
             if index == kept:
@@ -185,7 +201,7 @@ class RingWriter:
             places.append(end)
             pool.arena.bytes[slot, end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
             end += padded(array.nbytes)
-        pool.stamps[slot] = stamp
+        pool.fill(slot, stamp)
         doorbell = DOORBELL.pack(SLOT, pool.arena.number, slot, end, self._sequence)
         return doorbell + head + codec.places.pack(*places)
 

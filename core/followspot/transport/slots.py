@@ -66,30 +66,39 @@ class Slots:
         self.arena = Arena(Memory.create("followspot-slots", slots * capacity), number, slots, capacity)
         self.stamps: Array = np.zeros(slots, np.uint64)
         self._lent: Array = np.zeros(slots, bool)
+        self._free: Array = np.ones(slots, bool)
         self._sizes = [0] * slots
 
-    def free(self, controls: Iterable[Control]) -> Array:
-        """(slots,) bool: the slots that may be written."""
+    def find_free(self, controls: Iterable[Control]) -> int:
+        """Look which slots may be written; how many. What a reader says of them later takes none back."""
         free = ~self._lent
         for control in controls:
             free &= control.released(self.arena.number) == self.stamps
-        return free
+        self._free = free
+        return int(np.count_nonzero(free))
 
     def lent(self) -> int:
         """Number of slots that this process looks at."""
         return int(np.count_nonzero(self._lent))
 
-    def lend(self, slot: int, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
+    def lend(self, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
         """A writable array at the start of a free slot, which is kept until the array dies."""
+        slot = self.first_free()
         interface = self.arena.interface(slot, shape, dtype.str, writable=True)
         loan = np.asarray(Lease(self.arena, slot, 0, interface, self._end))
         self._lent[slot] = True
+        self._free[slot] = False
         self._sizes[slot] = loan.nbytes
         return loan
 
-    def first_free(self, controls: Iterable[Control]) -> int:
-        """The first free slot: those that were used lately are still in the processor's cache."""
-        return int(self.free(controls).argmax())
+    def first_free(self) -> int:
+        """The first slot found free: those that were used lately are still in the processor's cache."""
+        return int(self._free.argmax())
+
+    def fill(self, slot: int, stamp: int) -> None:
+        """The slot holds the message of this stamp now."""
+        self.stamps[slot] = stamp
+        self._free[slot] = False
 
     def in_place(self, arrays: Sequence[Array], size: int, stamp: int) -> tuple[int, int, int] | None:
         """Find an array that was lent and not sent yet, and stamp its lease.

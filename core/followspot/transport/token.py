@@ -15,6 +15,9 @@ MAX_SLACK = 1 << 61
 MAX_BOUND = MAX_TIME + MAX_SLACK
 """Largest bound, ns, that a message leads to; `ABSENT` and `END` lie beyond."""
 
+MAX_COUNT = 1 << 62
+"""Largest count that one end tells the other: what is added to it still fits into the next."""
+
 
 class Settled(NamedTuple):
     """Nothing earlier than `bound` (ns) will come; `END` for the end of the stream."""

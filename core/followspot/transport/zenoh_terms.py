@@ -11,6 +11,7 @@ import zenoh
 from zenoh.handlers import Callback
 
 from followspot.graph.plan import EdgeCodec
+from followspot.transport.token import MAX_COUNT
 
 NUMBER = Struct("<QQQ")
 """Attachment: the writer's incarnation, number of the token, and of messages up to and with it."""
@@ -18,8 +19,6 @@ CREDIT = Struct("<QQQ")
 """What a reader reports: incarnation of its writer, messages consumed, tokens taken."""
 START = Struct("<QQQQ")
 """Where a reader joins: incarnation of the writer, tokens and messages before, those given to it."""
-MAX_COUNT = 1 << 62
-"""Largest number in any of them: what is added to it still fits into the next."""
 WINDOW = 256
 """Most tokens under way: as many settled times do not fill any buffer, so that a put does not block."""
 

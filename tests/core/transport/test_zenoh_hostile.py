@@ -12,8 +12,8 @@ from tests.core.transport.test_zenoh_edge import DEPTH, KEY, Pair, arrived, fram
 
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, identical, stamped
 from followspot.transport.codec import pack
-from followspot.transport.token import ABSENT, END, MAX_BOUND, Invalid, Settled
-from followspot.transport.zenoh_terms import CREDIT, MAX_COUNT, NUMBER, START, WINDOW
+from followspot.transport.token import ABSENT, END, MAX_BOUND, MAX_COUNT, Invalid, Settled
+from followspot.transport.zenoh_terms import CREDIT, NUMBER, START, WINDOW
 
 READER = "color%2Fcam0.frame"
 EXTREME = (2**63, 2**64 - 1, 2**63 - 1, MAX_COUNT + 1)
