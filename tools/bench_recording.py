@@ -25,9 +25,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from followspot import Field, Source, Stage, StageParams, at
+from followspot.runtime.ledger import COUNTS
 from followspot.tracking import Frame
 
-COUNTS = ("sent", "delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
 _WIDTH, _HEIGHT = 320, 240
 
 

@@ -43,8 +43,11 @@ class Finished:
 def balanced(summary: dict[str, Any]) -> bool:
     """Whether every message of every edge was accounted for."""
     parts = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
-    sums = all(e["sent"] == sum(e[p] for p in parts) for e in summary["edges"])
-    return sums and all(e["in_flight"] == 0 for e in summary["edges"])
+    edges = summary["edges"]
+    sums = all(e["sent"] == sum(e[p] for p in parts) for e in edges)
+    made = all(e["produced"] == e["sent"] + e["away"] for e in edges)
+    whole = all(e[p] >= 0 for e in edges for p in (*parts, "produced", "away", "sent"))
+    return sums and made and whole and all(e["in_flight"] == 0 for e in edges)
 
 
 def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:

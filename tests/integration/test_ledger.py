@@ -63,6 +63,8 @@ def test_a_message_that_breaks_its_contract_is_invalid_and_goes_no_further(
         finished = run(write_graph(tmp_path, CHAIN), "--set", "b.invalid_at=7", *options)
         assert finished.code == 0, finished.errors
         assert finished.edge("b.", "save.") == {
+            "produced": 20,
+            "away": 0,
             "sent": 20,
             "delivered": 19,
             "dropped": 0,
@@ -150,7 +152,7 @@ save: {uses: ticks.write, in: {number: b}}
     finished = run(graph)
     edge = finished.edge("a.", "b.")
     assert finished.code == 0, finished.errors
-    assert edge["sent"] == 200
+    assert edge["produced"] == edge["sent"] == 200
     assert edge["dropped"] > 0
     assert edge["delivered"] == 200 - edge["dropped"] == len(finished.lines())
     assert finished.values() == sorted(finished.values())

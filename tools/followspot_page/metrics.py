@@ -9,11 +9,12 @@ from typing import Literal
 from followspot.graph.plan import PlannedEdge
 from followspot.messages import Message
 from followspot.room import Room
+from followspot.runtime.ledger import LOSSES
 from followspot.tracking import STATES, Tracks
 from followspot_watch.picture_of_run import RunPicture
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
-_OUTCOMES = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
+_OUTCOMES = ("away", "delivered", *LOSSES, "in_flight")
 
 
 class Targets:
@@ -66,14 +67,16 @@ def _whole(run: RunPicture) -> Iterator[Figure]:
 
 def _edges(run: RunPicture) -> Iterator[Figure]:
     edges = [(_ends(edge), count) for edge, count in run.edges()]
+    produced = [(ends, count.produced) for ends, count in edges]
     sent = [(ends, count.sent) for ends, count in edges]
     became = [
         ({**ends, "outcome": outcome}, getattr(count, outcome))
         for ends, count in edges
         for outcome in _OUTCOMES
     ]
-    yield Figure("edge_sent_total", "counter", "Messages sent on an edge.", sent)
-    yield Figure("edge_messages", "gauge", "What became of them; the sum is what was sent.", became)
+    yield Figure("edge_produced_total", "counter", "Messages made for an edge.", produced)
+    yield Figure("edge_sent_total", "counter", "Messages sent on an edge: all but those away.", sent)
+    yield Figure("edge_messages", "gauge", "What became of them; the sum is what was produced.", became)
     ends_of = {edge.name: _ends(edge) for edge, _ in run.edges()}
     ages = [
         ({**ends_of[age.name], "quantile": quantile}, ms / 1000.0)

@@ -16,6 +16,7 @@ from followspot.cli.summary import table
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.ear import Ear, HeardPort, chosen, listening
@@ -23,7 +24,6 @@ from followspot_watch.runs import Look, looking
 from followspot_watch.screen import screenful
 
 SINK = "dashboard.meter"
-_LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 _PERIOD = 0.5
 """Seconds between two tables on a terminal."""
 _BEGINNING = 5.0
@@ -35,7 +35,7 @@ class Pace:
     """One port.
 
     silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all edges from
-    it since the run began.
+    it since the run began, those that no reader was there for included.
     """
 
     port: str
@@ -104,7 +104,7 @@ def dropped(plan: Plan, status: RunStatus) -> dict[str, int]:
     found: dict[str, int] = {}
     for edge, count in status.edges(plan):
         port = f"{edge.from_stage}.{edge.from_port}"
-        found[port] = found.get(port, 0) + sum(getattr(count, name) for name in _LOSSES)
+        found[port] = found.get(port, 0) + sum(getattr(count, name) for name in ("away", *LOSSES))
     return found
 
 

@@ -12,7 +12,7 @@ from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.status import OLD, RunStatus, is_old, is_unheard
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.runtime.ledger import EdgeCount
+from followspot.runtime.ledger import COUNTS, EdgeCount
 from followspot.runtime.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 
 _WINDOW = 2.0
@@ -183,7 +183,7 @@ def _edge(
         "p95_ms": age.p95_ms,
         "error": age.error[:_ERROR],
         "old": edge.from_stage in unknown or edge.to_stage in unknown,
-        **asdict(count),
+        **{name: getattr(count, name) for name in COUNTS},
     }
 
 

@@ -13,6 +13,7 @@ from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.deploy.clocks.status import LIMIT_MS
 from followspot.errors import FollowspotError
+from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.runs import looking
@@ -20,7 +21,6 @@ from followspot_watch.screen import BAD, screenful
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
-_LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 _ERROR = 100
 """Characters of an error that are shown."""
 BAD_STATES = ("old", "absent")
@@ -79,9 +79,9 @@ def _stages(data: dict[str, Any]) -> str:
 def _edges(data: dict[str, Any]) -> str:
     rows = []
     for e in data["edges"]:
-        counts = (str(e[name]) for name in ("sent", "in_flight", *_LOSSES))
+        counts = (str(e[name]) for name in ("produced", "away", "sent", "in_flight", *LOSSES))
         rows.append((f"{e['from']} -> {e['to']}", e["kind"], _rate(e), *counts))
-    text = table(("edge", "kind", "per second", "sent", "in flight", *_LOSSES), rows)
+    text = table(("edge", "kind", "per second", "produced", "away", "sent", "in flight", *LOSSES), rows)
     return _marked(text, [e["old"] for e in data["edges"]])
 
 

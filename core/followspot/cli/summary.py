@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from followspot.deploy.report import RunReport
-from followspot.runtime.ledger import EdgeCount
-
-_COUNTS = ("sent", "delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
+from followspot.runtime.ledger import COUNTS, EdgeCount
 
 
 def text(report: RunReport, accuracy: str) -> str:
@@ -32,7 +30,7 @@ def text(report: RunReport, accuracy: str) -> str:
     if report.warnings:
         parts.append("warnings\n" + "\n".join(f"  {line}" for line in report.warnings))
     if report.unbalanced:
-        parts.append("messages unaccounted for (a bug)\n" + "\n".join(f"  {e}" for e in report.unbalanced))
+        parts.append("the ledger does not add up (a bug)\n" + "\n".join(f"  {e}" for e in report.unbalanced))
     if report.errors:
         parts.append("the run failed\n" + "\n".join(report.errors))
     return "\n\n".join(parts)
@@ -66,7 +64,7 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
                 "from": f"{edge.from_stage}.{edge.from_port}",
                 "to": f"{edge.to_stage}.{edge.to_port}",
                 "kind": edge.kind,
-                **{name: getattr(count, name) for name in _COUNTS},
+                **{name: getattr(count, name) for name in COUNTS},
             }
             for edge, count in report.edges
         ],
@@ -83,7 +81,7 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
         "workers": [worker.to_data() for worker in report.workers],
         "warnings": list(report.warnings),
         "notes": list(report.plan.notes),
-        "errors": list(report.errors),
+        "errors": [*report.errors, *report.unbalanced],
     }
 
 
@@ -131,10 +129,10 @@ def _ledger(report: RunReport) -> str:
         name = f"{_group(edge.from_stage)}.{edge.from_port} -> {_group(edge.to_stage)}.{edge.to_port}"
         groups.setdefault((name, edge.kind), []).append(count)
     rows = [
-        (name, kind, str(len(counts)), *(str(sum(getattr(c, column) for c in counts)) for column in _COUNTS))
+        (name, kind, str(len(counts)), *(str(sum(getattr(c, column) for c in counts)) for column in COUNTS))
         for (name, kind), counts in groups.items()
     ]
-    return table(("edges", "kind", "n", *(name.replace("_", " ") for name in _COUNTS)), rows)
+    return table(("edges", "kind", "n", *(name.replace("_", " ") for name in COUNTS)), rows)
 
 
 def _group(stage: str) -> str:

@@ -87,13 +87,21 @@ class RunReport:
 
     @property
     def unbalanced(self) -> tuple[str, ...]:
-        """Edges whose messages are not all accounted for though the run ended cleanly."""
-        return () if self.errors else tuple(e.name for e, count in self.edges if not count.balanced)
+        """Edges whose messages are not all accounted for, once, though the run ended cleanly: a bug."""
+        if self.errors:
+            return ()
+        return tuple(f"{e.name}: {_imbalance(count)}" for e, count in self.edges if not count.balanced)
 
     @property
     def ok(self) -> bool:
         """Whether the run did what it was asked, and every message is accounted for."""
         return not self.errors and not self.unbalanced
+
+
+def _imbalance(count: EdgeCount) -> str:
+    if count.surplus:
+        return f"{count.surplus} messages were accounted for beyond those that were sent"
+    return f"nobody knows what became of {count.in_flight} messages"
 
 
 class Warnings:

@@ -172,7 +172,7 @@ class _Builder:
     def _attach(self, outlet: Outlet, numbers: list[int], rank: int) -> None:
         kind = self.plan.edges[numbers[0]].kind
         if kind == "reference":
-            outlet.inlets += [self.inlets[n] for n in numbers]
+            outlet.connect([self.inlets[n] for n in numbers])
             return
         writer = self.links.writer(numbers, kind)
         names = [self.plan.edges[n].name for n in numbers]

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 
 from followspot.messages import Message
-from followspot.runtime.ledger import DELIVERED, DROPPED, INVALID, SENT, UNMATCHED
+from followspot.runtime.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED
 from followspot.transport.edge import PortReader
 from followspot.transport.token import ABSENT, END, Invalid, Settled, Token
 
@@ -72,8 +72,7 @@ class Inlet:
         """Messages in the queue that a former writer sent; the present one gets no credit for them."""
 
     def put(self, message: Message) -> None:
-        """A message from a stage of the same worker; the call is the edge."""
-        self.words[self.row + SENT] += 1
+        """A message from a stage of the same worker, which counted it; the call is the edge."""
         self.queue.append(message)
         self.bound = message.header.time + 1 + self.slack
         self.wake()

@@ -1,21 +1,40 @@
-"""The ledger: for each edge, sent = delivered + dropped + late + unmatched + invalid + lost + in flight."""
+"""The ledger: for each edge, what became of every message that its sender produced.
+
+produced = sent + away, and sent = delivered + dropped + late + unmatched + invalid + lost + in flight.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-SENT, DELIVERED, DROPPED, LATE, UNMATCHED, INVALID, SHED = range(7)
-"""Columns of an edge's row. Sent and shed (dropped before it left) are the sender's, the rest the reader's:
-each word has one writer, so the row may lie in memory shared by two processes."""
-COLUMNS = 8
-"""Words in a row; the last is spare, which keeps rows at one cache line."""
+DELIVERED, DROPPED, LATE, UNMATCHED, INVALID = range(5)
+"""Words of an edge's row that the reader stores."""
+SHED, OVERRUN, REFUSED, AWAY, PRODUCED = range(8, 13)
+"""Words that the sender stores: dropped before it left, dropped by a live source, refused before it left,
+produced while the reader was away, and produced at all.
+
+Each word has one writer, so a row may lie in memory that two processes share. Of a live source, the thread
+that takes what the device gives stores PRODUCED and OVERRUN, the worker's thread the others. A message counts
+as produced before it counts as anything else, so whoever reads a row from its first word to its last never
+finds more messages accounted for than were produced, even while both ends count.
+"""
+COLUMNS = 16
+"""Words in a row: one cache line for each end of the edge; some are spare."""
+LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
+"""Columns of messages that were sent and will not be delivered."""
+COUNTS = ("produced", "away", "sent", "delivered", *LOSSES, "in_flight")
+"""Columns as they are shown."""
 
 
 @dataclass(frozen=True)
 class EdgeCount:
-    """What became of the messages of one edge."""
+    """What became of the messages of one edge. No column is negative."""
 
+    produced: int
+    """What the stage made: sent + away."""
+    away: int
+    """Not sent, for the reader was not there."""
     sent: int
     delivered: int
     dropped: int
@@ -26,15 +45,21 @@ class EdgeCount:
     """Sent and not yet accounted for by the reader: 0 after a clean end."""
     lost: int = 0
     """On their way to or from a worker when it died."""
+    surplus: int = 0
+    """Accounted for by the reader beyond what the sender is known to have sent.
+
+    While a run goes on that is a sender whose counts are older than those of the reader. At the end, when all
+    have told theirs, it is a bug.
+    """
 
     @property
     def balanced(self) -> bool:
-        """Whether every message is accounted for; holds at the end of every run that ended cleanly."""
-        return self.in_flight == 0
+        """Whether every message is accounted for, once; holds at the end of every run that ended cleanly."""
+        return self.in_flight == 0 == self.surplus
 
     def with_lost(self, most: int) -> EdgeCount:
         """At the end of a run nothing is under way: what seems to be was lost with a worker, up to `most`."""
-        lost = max(0, min(self.in_flight, most))
+        lost = min(self.in_flight, most)
         return replace(self, in_flight=self.in_flight - lost, lost=lost)
 
 
@@ -59,7 +84,27 @@ class Ledger:
 
 
 def tally(row: Sequence[int]) -> EdgeCount:
-    """Sum up one row; what is missing is in flight."""
-    sent, delivered, dropped, late, unmatched, invalid, shed = row[:7]
-    accounted = delivered + dropped + late + unmatched + invalid + shed
-    return EdgeCount(sent, delivered, dropped + shed, late, unmatched, invalid, sent - accounted)
+    """Sum up one row; what is missing is in flight.
+
+    Rows of several hosts that were added up are not of one moment: what readers account for was sent, even
+    where the sender has not told of it yet.
+    """
+    delivered, dropped, late, unmatched, invalid = row[:5]
+    shed, overrun, refused, away, produced = row[SHED : PRODUCED + 1]
+    dropped += shed + overrun
+    invalid += refused
+    accounted = delivered + dropped + late + unmatched + invalid
+    known = produced - away
+    sent = max(known, accounted)
+    return EdgeCount(
+        produced=sent + away,
+        away=away,
+        sent=sent,
+        delivered=delivered,
+        dropped=dropped,
+        late=late,
+        unmatched=unmatched,
+        invalid=invalid,
+        in_flight=sent - accounted,
+        surplus=sent - known,
+    )

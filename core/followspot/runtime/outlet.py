@@ -9,7 +9,7 @@ from typing import Any
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.runtime.inlet import Inlet
-from followspot.runtime.ledger import INVALID, SENT, SHED
+from followspot.runtime.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SHED
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Settled
@@ -27,8 +27,11 @@ class Outlet:
     """
 
     __slots__ = (
+        "_all_rows",
+        "_away",
         "_living",
         "bound",
+        "counts",
         "edges",
         "inlets",
         "patient",
@@ -50,14 +53,25 @@ class Outlet:
         self.rows: list[list[int]] = []
         self.edges: list[tuple[str, int]] = []
         """Names and ledger rows of the edges to other workers that may be full."""
+        self._all_rows: list[int] = []
+        """Of every edge."""
         self._living: list[tuple[PortWriter, list[int]]] = []
         """Writers with the rows of their living readers."""
+        self._away: list[int] = []
+        """Rows of the edges whose readers are away."""
+        self.counts = True
+        """Whether `send` counts what is produced; a source with a thread of its own does so there."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
         """Called with every message; see `followspot.runtime.tapping`."""
         self.bound = -END
         self.refused: Callable[[str], None] = _nothing
         self.patient = False
         """Whether to wait for a reader that is away and will be back: in replays, which lose nothing."""
+
+    def connect(self, inlets: Sequence[Inlet]) -> None:
+        """Add edges to readers in the same worker."""
+        self.inlets += inlets
+        self._all_rows += [inlet.row for inlet in inlets]
 
     def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; names, rows: of its readers in turn."""
@@ -68,14 +82,16 @@ class Outlet:
             self.edges += zip(names, rows, strict=True)
         self.writers.append(writer)
         self.rows.append(rows)
+        self._all_rows += rows
         self.forget_lost()
 
     def forget_lost(self) -> None:
-        """A reader that died is sent nothing, so nothing is counted as sent to it until it is back."""
-        self._living = [
-            (writer, [row for index, row in enumerate(rows) if index not in writer.lost])
-            for writer, rows in zip(self.writers, self.rows, strict=True)
-        ]
+        """A reader that died is sent nothing: what is produced until it is back counts as away."""
+        self._living, self._away = [], []
+        for writer, rows in zip(self.writers, self.rows, strict=True):
+            lost = writer.lost
+            self._living.append((writer, [row for index, row in enumerate(rows) if index not in lost]))
+            self._away += [row for index, row in enumerate(rows) if index in lost]
 
     def returned(self, writer: PortWriter) -> None:
         """A reader is there again: tell it how far the stream is; nothing earlier comes to it."""
@@ -95,6 +111,10 @@ class Outlet:
 
     def send(self, message: Message, header: Header) -> None:
         """Stamp, check and deliver; one that breaks its contract is counted as invalid on every edge."""
+        words = self.words
+        if self.counts:
+            for row in self._all_rows:
+                words[row + PRODUCED] += 1
         try:
             if type(message) is not self.type:
                 raise InvalidMessage(f"is a {type(message).__name__}, declared {self.type.__name__}")
@@ -112,13 +132,13 @@ class Outlet:
             tap(message)
         for inlet in self.inlets:
             inlet.put(message)
+        for row in self._away:
+            words[row + AWAY] += 1
         for writer, rows in self._living:
-            for row in rows:
-                self.words[row + SENT] += 1
             try:
                 writer.send(message)
             except InvalidMessage as error:  # its head is too large to travel
-                self._count(rows, INVALID)
+                self._count(rows, REFUSED)
                 self.refused(str(error))
 
     def settle(self, bound: int) -> None:
@@ -144,10 +164,13 @@ class Outlet:
         """Nothing more will come."""
         self.settle(END)
 
-    def shed(self, count: int) -> None:
-        """Count messages that a live source dropped before they left."""
-        self._count(self._all_rows(), SENT, count)
-        self._count(self._all_rows(), SHED, count)
+    def produced(self) -> None:
+        """Count a message that a live source has made, in the thread in which it made it."""
+        self._count(self._all_rows, PRODUCED)
+
+    def overrun(self) -> None:
+        """Count a message that a live source has made and dropped before it left, in that thread."""
+        self._count(self._all_rows, OVERRUN)
 
     def tap(self, by: Callable[[Message], None]) -> None:
         """Call it with every message from now on. Safe from any thread."""
@@ -168,22 +191,22 @@ class Outlet:
         return None
 
     def _refuse(self, reason: str, header: Header) -> None:
-        self._count(self._all_rows(), SENT)
-        self._count(self._all_rows(), INVALID)
+        self._count(self._present(), REFUSED)
+        self._count(self._away, AWAY)
         self.refused(reason)
         self.settle(header.time + 1)
 
     def _refused_later(self, rows: list[int], reason: str) -> None:
         """A message that had to wait turned out to be too large to travel."""
-        self._count(rows, INVALID)
+        self._count(rows, REFUSED)
         self.refused(reason)
 
-    def _count(self, rows: list[int], column: int, count: int = 1) -> None:
+    def _count(self, rows: list[int], column: int) -> None:
         for row in rows:
-            self.words[row + column] += count
+            self.words[row + column] += 1
 
-    def _all_rows(self) -> list[int]:
-        """Of every edge that has a reader."""
+    def _present(self) -> list[int]:
+        """Rows of every edge whose reader is there."""
         return [inlet.row for inlet in self.inlets] + [row for _, rows in self._living for row in rows]
 
 

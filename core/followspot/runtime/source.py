@@ -10,6 +10,7 @@ from typing import Any
 
 from followspot.messages import UNSTAMPED, Header, Message, in_range
 from followspot.runtime.cell import Cell
+from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
 
 _LIVE_DEPTH = 2
@@ -94,7 +95,11 @@ class SourceCell(Cell):
 
 
 class LiveCell(SourceCell):
-    """A source that delivers in its own time. Its thread keeps the newest frames; the oldest is dropped."""
+    """A source that delivers in its own time. Its thread keeps the newest frames; the oldest is dropped.
+
+    What the device gives counts as produced in that very moment, so that it stands in the ledger whatever
+    happens to the worker before the graph takes it.
+    """
 
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
@@ -104,9 +109,14 @@ class LiveCell(SourceCell):
 
     def start(self) -> None:
         """Begin to grab."""
-        self._box: deque[Any] = deque()
         self._lock = threading.Lock()
-        self._shed = 0
+        self._box: deque[Any] = deque()
+        self._grabbed = self._overrun = 0
+        """Messages that came; those of them that were dropped since the worker last looked."""
+        self._shut = False
+        """Whether nothing more is taken from the thread."""
+        for _, outlet in self.outlets:
+            outlet.counts = False
         self._begin()
 
     def stop(self) -> None:
@@ -117,7 +127,7 @@ class LiveCell(SourceCell):
             self._thread.join(timeout=2.0)
 
     def succeed(self, stage: Stage, build: Callable[[], Stage]) -> None:
-        """Another device delivers from now on; what the old one's thread has yet to give is not taken."""
+        """Another device delivers from now on; what the old one's thread has yet to give is dropped."""
         super().succeed(stage, build)
         self._begin()
 
@@ -136,13 +146,8 @@ class LiveCell(SourceCell):
     def _grab(self, stage: Stage) -> None:
         try:
             for item in stage.process():
-                if self.stopped or self.stage is not stage:
+                if not self._keep(item, stage):
                     break
-                with self._lock:
-                    if len(self._box) == _LIVE_DEPTH:
-                        self._box.popleft()
-                        self._shed += 1
-                    self._box.append((item, self.clock.now(), time.time_ns()))
                 self.notify()
         except Exception as error:
             if self.stage is stage:
@@ -151,23 +156,48 @@ class LiveCell(SourceCell):
             self._over = True
             self.notify()
 
+    def _keep(self, item: Any, stage: Stage) -> bool:
+        """Count what came and put it into the box; whether more is wanted."""
+        with self._lock:
+            if self._shut:
+                return False
+            self._grabbed += 1
+            for outlet in self._said(item):
+                outlet.produced()
+            if self.stage is not stage:
+                self._drop(item)
+                return False
+            if len(self._box) == _LIVE_DEPTH:
+                self._drop(self._box.popleft()[0])
+            self._box.append((item, self.clock.now(), time.time_ns()))
+            return not self.stopped and self._grabbed != self.limit
+
+    def _drop(self, item: Any) -> None:
+        self._overrun += 1
+        for outlet in self._said(item):
+            outlet.overrun()
+
+    def _said(self, item: Any) -> Iterator[Outlet]:
+        """The outputs that have a message in what came."""
+        for port, outlet in self.outlets:
+            if self.single is not None or getattr(item, port, None) is not None:
+                yield outlet
+
     def _next(self) -> Any:
         with self._lock:
-            shed, self._shed = self._shed, 0
+            overrun, self._overrun = self._overrun, 0
             item = self._box.popleft() if self._box else None
             over, error = self._over, self._error  # now, for what came later would be in the box by then
-        if shed:
-            self.yielded += shed
-            for _, outlet in self.outlets:
-                outlet.shed(shed)
-        if item is not None and self.yielded != self.limit:
+            self._shut = item is None and error is None and (over or self.stopped)
+        self.yielded += overrun
+        if item is not None:
             found, self.entered, self._came = item
             return found
         if error is not None:
             self._failed(error)
             if not self.done:
-                self.start()
-        elif over or self.stopped or self.yielded == self.limit:
+                self._begin()
+        elif self._shut:
             self.finish()
         return None
 

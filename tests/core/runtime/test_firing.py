@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from followspot.messages import Header, Message, stamped
 from followspot.runtime.firing import InputPort, Join
 from followspot.runtime.inlet import HeldInlet, Inlet
-from followspot.runtime.ledger import Ledger
+from followspot.runtime.ledger import PRODUCED, Ledger
 from followspot.transport.token import END, Settled
 
 MS = 1_000_000
@@ -36,6 +36,11 @@ class Bench:
             Inlet(f"edge{n}", self.ledger.words, self.ledger.row(n), depth=100, slack=slack)
             for n in range(edges)
         ]
+
+    def put(self, edge: int, message: Message) -> None:
+        """As an outlet of the same worker does."""
+        self.ledger.words[self.ledger.row(edge) + PRODUCED] += 1
+        self.inlets[edge].put(message)
 
     def joined(self, window: int = 4 * MS, slack: int | None = None) -> Join:
         port = InputPort("all", joined=True, members=tuple(self.inlets))
@@ -153,7 +158,7 @@ def _firings(times: list[list[int]], order: random.Random) -> list[tuple[int, li
         if token is None:
             bench.inlets[stream].settle(END)
         else:
-            bench.inlets[stream].put(token)
+            bench.put(stream, token)
         while (time := join.ready()) is not None:
             arguments, messages = join.take(time)
             assert len(messages) == len(arguments[0])  # type: ignore[arg-type]

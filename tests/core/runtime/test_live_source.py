@@ -1,74 +1,178 @@
-"""A live source at its end: what its thread gave last is sent, however the two threads take turns."""
+"""Every message that a live source makes is counted when it is made, whatever becomes of it then."""
 
 from __future__ import annotations
 
-import sys
 import threading
-from collections.abc import Iterator
-from contextlib import nullcontext
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
-import pytest
-
-from followspot import Message
-from followspot.deploy.local import LocalRun
-from followspot.graph.compile import compile_graph
-from followspot.plugins.registry import load_stage
-from followspot.runtime.cell import StageError
+from followspot import Context, Message, Source, Stage, at
+from followspot.runtime.firing import Join
+from followspot.runtime.inlet import Inlet
+from followspot.runtime.ledger import EdgeCount, Ledger
+from followspot.runtime.outlet import Outlet
 from followspot.runtime.source import LiveCell
-from followspot.runtime.wiring import RunOptions
-
-TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
-GRAPH = """
-graph: g
-stages:
-  a: {uses: ticks.live}
-  save: {uses: ticks.write, in: {number: a}}
-"""
 
 
-class Turn:
-    """A lock: when the worker lets go of it, the source's thread goes on to its end before it does."""
-
-    def __init__(self, cell: LiveCell) -> None:
-        self.cell = cell
-        self.lock = threading.Lock()
-        self.go_on = threading.Event()
-
-    def __enter__(self) -> None:
-        self.lock.acquire()
-
-    def __exit__(self, *_: object) -> None:
-        self.lock.release()
-        thread = self.cell._thread
-        assert thread is not None
-        if threading.current_thread() is not thread:
-            self.go_on.set()
-            thread.join()
+class Note(Message):
+    number: int
 
 
-@pytest.mark.parametrize("fails", [False, True])
-def test_the_last_message_is_sent_before_the_end_is_seen(tmp_path: Path, fails: bool) -> None:
-    (tmp_path / "g.yaml").write_text(GRAPH)
-    run = LocalRun(compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS]), RunOptions(tmp_path))
-    (cell,) = run.worker.live
-    turn = Turn(cell)
-    tick = sys.modules[load_stage("ticks.live").__module__].tick
+@dataclass(frozen=True)
+class Pair:
+    """Two outputs, of which one may have nothing to say."""
 
-    def process() -> Iterator[Message]:
-        assert turn.go_on.wait(20)
-        yield tick(7)
-        if fails:
-            raise RuntimeError("the camera fell down")
+    even: Note | None
+    odd: Note | None
 
-    cell.stage.process = process
-    run.worker.setup()
-    cell.start()
-    cell._lock = turn  # type: ignore[assignment]
-    assert not cell.pull()
-    assert cell.pull()
-    assert not cell.done
-    with pytest.raises(StageError, match="fell down") if fails else nullcontext():
-        cell.pull()
-    assert cell.done != fails
-    run.worker.close()
+
+class Device(Stage):
+    """Gives what it is told to, and says when it is asked for more."""
+
+    live = True
+
+    def __init__(self) -> None:
+        super().__init__(Context())
+        self.wanted = threading.Semaphore(0)
+        self.asked = threading.Semaphore(0)
+        self.made = 0
+        self.fails = False
+
+    def process(self) -> Source[Note]:
+        yield from self.items(lambda n: at(n, Note(n)))
+
+    def items(self, made: Callable[[int], object]) -> Iterator[object]:  # type: ignore[misc]
+        while True:
+            self.asked.release()
+            self.wanted.acquire()
+            if self.fails:
+                raise RuntimeError("it fell down")
+            self.made += 1
+            yield made(self.made)
+
+    def make(self, count: int) -> None:
+        for _ in range(count):
+            self.wanted.release()
+            assert self.asked.acquire(timeout=60)
+
+    def close(self) -> None:
+        self.wanted.release()
+
+
+class Twin(Device):
+    """Even numbers at one port, odd ones at the other."""
+
+    def process(self) -> Source[Pair]:  # type: ignore[override]
+        yield from self.items(lambda n: Pair(*((None, at(n, Note(n)))[:: 1 if n % 2 else -1])))  # type: ignore[arg-type,misc]
+
+
+class Bench:
+    """A live source with a reader for each port in the same worker."""
+
+    def __init__(self, device: Device, *ports: str) -> None:
+        self.ledger = Ledger(len(ports))
+        self.inlets = []
+        outlets = {}
+        for n, port in enumerate(ports):
+            inlet = Inlet(port, self.ledger.words, self.ledger.row(n), depth=100, slack=0)
+            outlets[port] = Outlet(Note, self.ledger.words, slack=0)
+            outlets[port].connect([inlet])
+            self.inlets.append(inlet)
+        self.device = device
+        self.cell = LiveCell("camera", 0, lambda: device, Join((), window=0, slack=0), outlets)
+        self.cell.notify = lambda: None
+
+    def begin(self) -> None:
+        self.cell.setup()
+        self.cell.start()
+        assert self.device.asked.acquire(timeout=60)
+
+    def pull_all(self) -> None:
+        """Until it has nothing to give now, or is over."""
+        while not self.cell.done and self.cell.pull():
+            pass
+
+    def count(self, port: int = 0) -> EdgeCount:
+        return self.ledger.count(port)
+
+
+def test_what_waits_for_the_graph_is_produced_and_what_is_dropped_is_so_at_once() -> None:
+    bench = Bench(Device(), "out")
+    bench.begin()
+    bench.device.make(5)
+    assert (bench.count().produced, bench.count().dropped, bench.count().in_flight) == (5, 3, 2)
+    bench.pull_all()
+    assert [message.number for message in bench.inlets[0].queue] == [4, 5]  # type: ignore[attr-defined]
+    assert (bench.count().produced, bench.count().dropped, bench.cell.yielded) == (5, 3, 5)
+    bench.cell.stop()
+
+
+def test_what_comes_while_the_device_is_told_to_stop_is_sent() -> None:
+    bench = Bench(Device(), "out")
+    bench.begin()
+    bench.device.make(1)
+    bench.cell.stop()  # closing it lets it give one more
+    bench.pull_all()
+    assert bench.cell.done
+    assert bench.device.made == bench.count().produced == len(bench.inlets[0].queue) == 2
+
+
+def test_a_source_with_a_limit_takes_no_more_than_that_from_its_device() -> None:
+    bench = Bench(Device(), "out")
+    bench.cell.limit = 3
+    bench.begin()
+    bench.device.make(2)
+    bench.device.wanted.release(5)
+    assert bench.cell._thread is not None
+    bench.cell._thread.join(60)
+    bench.pull_all()
+    assert bench.cell.done
+    assert (bench.device.made, bench.count().produced, bench.cell.yielded) == (3, 3, 3)
+    assert bench.count().dropped == 1
+
+
+def test_what_the_device_before_a_swap_still_gives_is_dropped() -> None:
+    first, second = Device(), Device()
+    bench = Bench(first, "out")
+    bench.begin()
+    old = bench.cell._thread
+    assert old is not None
+    bench.cell.succeed(second, lambda: second)
+    first.wanted.release()
+    old.join(60)
+    assert (bench.count().produced, bench.count().dropped) == (1, 1)
+    assert second.asked.acquire(timeout=60)
+    second.make(1)
+    bench.pull_all()
+    assert (bench.count().produced, bench.count().dropped, len(bench.inlets[0].queue)) == (2, 1, 1)
+    bench.cell.stop()
+
+
+def test_a_device_that_is_built_anew_after_it_failed_counts_on() -> None:
+    bench = Bench(Device(), "out")
+    bench.cell.on_error = "restart"
+    bench.begin()
+    bench.device.make(3)
+    bench.device.fails = True
+    bench.device.wanted.release()
+    assert bench.cell._thread is not None
+    bench.cell._thread.join(60)
+    bench.device.fails = False
+    bench.device.context = Context(warn=lambda text: None)
+    bench.pull_all()
+    assert bench.device.asked.acquire(timeout=60)
+    bench.device.make(1)
+    bench.pull_all()
+    assert (bench.count().produced, bench.count().dropped, len(bench.inlets[0].queue)) == (4, 1, 3)
+    bench.cell.stop()
+
+
+def test_each_port_of_a_source_counts_what_it_was_given() -> None:
+    bench = Bench(Twin(), "even", "odd")
+    bench.begin()
+    bench.device.make(5)
+    bench.pull_all()
+    assert [bench.count(n).produced for n in (0, 1)] == [2, 3]
+    assert [bench.count(n).dropped for n in (0, 1)] == [1, 2]
+    assert [len(inlet.queue) for inlet in bench.inlets] == [1, 1]
+    bench.cell.stop()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import socket
 
+from followspot.graph.plan import AHEAD
 from followspot.messages import Header, Message
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.outlet import Outlet
+from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.ring_reader import RingReader
 from followspot.transport.ring_writer import RingWriter
 
@@ -27,7 +29,7 @@ def outlet_with_ring(ledger: Ledger) -> tuple[Outlet, Inlet, Inlet, list[str]]:
     near = Inlet("near", ledger.words, ledger.row(0), depth=8, slack=0)
     far = Inlet("far", ledger.words, ledger.row(1), depth=8, slack=0)
     far.reader = RingReader(theirs, Note)
-    outlet.inlets.append(near)
+    outlet.connect([near])
     outlet.attach(RingWriter([ours], 8), ["a.out -> b.in"], [ledger.row(1)])
     complaints: list[str] = []
     outlet.refused = complaints.append
@@ -54,3 +56,64 @@ def test_another_type_than_declared_is_invalid_everywhere_and_settles_its_time()
     assert (ledger.count(0).invalid, ledger.count(1).invalid) == (1, 1)
     assert (near.bound, far.bound) == (6, 6)
     assert complaints == ["is a Memo, declared Note"]
+
+
+class Rings:
+    """An outlet with two readers over one ring (edges 0, 1) and one on an edge that drops (edge 2)."""
+
+    def __init__(self) -> None:
+        self.ledger = Ledger(3)
+        self.outlet = Outlet(Note, self.ledger.words, slack=0)
+        pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in range(3)]
+        self.ends = [theirs for _, theirs in pairs]
+        self.ring = RingWriter([ours for ours, _ in pairs[:2]], 8)
+        self.dropping = DroppingWriter(RingWriter([pairs[2][0]], AHEAD), 2)
+        self.outlet.attach(self.ring, ["a -> b", "a -> c"], [self.ledger.row(0), self.ledger.row(1)])
+        self.outlet.attach(self.dropping, ["a -> d"], [self.ledger.row(2)])
+
+    def kill(self, edge: int) -> None:
+        """As the worker finds a reader dead."""
+        self.ends[edge].close()
+        for writer in self.outlet.writers:
+            writer.drain()
+        self.outlet.forget_lost()
+
+    def revive(self, edge: int) -> None:
+        """As the worker takes up a reader that was started again."""
+        ours, self.ends[edge] = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        if edge == 2:
+            self.dropping.replace(0, ours)
+        else:
+            self.ring.replace(edge, ours)
+        self.outlet.forget_lost()
+
+    def send(self, count: int, message: Message = Note("short")) -> None:
+        for _ in range(count):
+            time = max(0, self.outlet.bound)
+            self.outlet.send(type(message)(message.text), Header("a", time, time))  # type: ignore[attr-defined,call-arg]
+
+    def told(self, edge: int) -> tuple[int, int, int]:
+        count = self.ledger.count(edge)
+        return count.produced, count.away, count.sent
+
+
+def test_what_is_produced_while_a_reader_is_away_is_counted_on_its_edge_alone() -> None:
+    rings = Rings()
+    rings.send(2)
+    rings.kill(1)
+    rings.send(3)
+    assert [rings.told(edge) for edge in range(3)] == [(5, 0, 5), (5, 3, 2), (5, 0, 5)]
+    rings.kill(2)
+    rings.revive(1)
+    rings.send(1)
+    assert [rings.told(edge) for edge in range(3)] == [(6, 0, 6), (6, 3, 3), (6, 1, 5)]
+    assert rings.ledger.count(2).dropped == 3, "one found no room, two waited for the reader that died"
+
+
+def test_what_is_refused_while_a_reader_is_away_is_away_there_and_invalid_elsewhere() -> None:
+    rings = Rings()
+    rings.kill(0)
+    rings.send(1, Memo("of another type"))
+    rings.send(1, Note("x" * 100_000))  # too large to travel
+    assert [rings.told(edge) for edge in range(3)] == [(2, 2, 0), (2, 0, 2), (2, 0, 2)]
+    assert [rings.ledger.count(edge).invalid for edge in range(3)] == [0, 2, 2]

@@ -29,7 +29,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, Message, stamped
-from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
@@ -153,7 +153,8 @@ def next_picture(browser: ClientConnection) -> bytes:
 
 def status(plan: Plan, fired: int = 7) -> RunStatus:
     counts = [0] * (COLUMNS * len(plan.edges))
-    counts[:7] = [10, 6, 1, 1, 1, 0, 0]
+    for column, count in {PRODUCED: 12, AWAY: 2, DELIVERED: 6, DROPPED: 1, LATE: 1, UNMATCHED: 1}.items():
+        counts[column] = count
     age = EdgeAge(plan.edges[0].name, 4.5, 9.0, "too old")
     stage = StageStatus(
         "fuse", "sending", ("fuse.out -> track.positions",), 6, 1, 0, 1500.0, "it hurts", (age,)
@@ -384,6 +385,7 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
         run = next(run for run in things(browser, "run") if run["fired"] == 7)
     assert {stage["stage"]: stage["error"] for stage in run["stages"]}["fuse"] == "it hurts"
     first = run["edges"][0]
+    assert (first["produced"], first["away"], first["sent"], first["in_flight"]) == (12, 2, 10, 1)
     assert (first["dropped"], first["p50_ms"], first["p95_ms"], first["error"]) == (1, 4.5, 9.0, "too old")
     assert run["edges"][1]["p50_ms"] is None
     assert json.loads(page.get("status")[1])["news"] == ["a worker is back"]
@@ -393,7 +395,8 @@ def test_status_and_metrics_tell_the_ledger(page: Shown) -> None:
     edge = page.plan.edges[0]
     ends = f'from="{edge.from_stage}.{edge.from_port}",to="{edge.to_stage}.{edge.to_port}"'
     became = [float(v) for k, v in samples.items() if k.startswith(f"followspot_edge_messages{{{ends},")]
-    assert sum(became) == float(samples[f"followspot_edge_sent_total{{{ends}}}"]) == 10
+    assert sum(became) == float(samples[f"followspot_edge_produced_total{{{ends}}}"]) == 12
+    assert samples[f"followspot_edge_sent_total{{{ends}}}"] == "10"
     assert samples['followspot_target_state{target="green",state="tracked"}'] == "1"
     assert samples['followspot_target_state{target="red",state="lost"}'] == "1"
     assert samples['followspot_path_latency_seconds{from="camera",to="save",quantile="0.95"}'] == "0.009"

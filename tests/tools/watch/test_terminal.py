@@ -23,7 +23,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
 from followspot.plugins.registry import load_stage
-from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.stage import Context
 from followspot.tracking import Blobs, Frame, Tracks
@@ -40,7 +40,8 @@ NAME = f"{os.getpid():x}terminal"
 def run() -> Iterator[str]:
     plan = compile_graph(GRAPH)
     counts = [0] * (COLUMNS * len(plan.edges))
-    counts[:7] = [10, 6, 1, 1, 1, 0, 0]
+    for column, count in {PRODUCED: 12, AWAY: 2, DELIVERED: 6, DROPPED: 1, LATE: 1, UNMATCHED: 1}.items():
+        counts[column] = count
     waiting = StageStatus(
         "fuse", "getting", ("a.out -> fuse.x", "b.out -> fuse.x"), 6, 1, 2, 9.0, "it\nhurts"
     )
@@ -118,12 +119,17 @@ def test_top_tells_once_what_everything_is_doing(run: str, capsys: pytest.Captur
     assert verify.split()[3] == "triangulate.pairs"
     assert "fuse: it" in text
     assert "a worker is back" in text
+    head = next(line for line in text.splitlines() if line.startswith("  edge "))
+    assert head.split()[4:9] == ["produced", "away", "sent", "in", "flight"]
+    first = next(line for line in text.splitlines() if " -> " in line)
+    assert first.split()[5:] == ["12", "2", "10", "1", "1", "1", "1", "0", "0"]
 
 
 def test_top_in_json_is_one_object(run: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert said("top", run, "--json") == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["run"], found["fired"], found["edges"][0]["late"]) == (run, 7, 1)
+    assert (found["edges"][0]["produced"], found["edges"][0]["away"]) == (12, 2)
 
 
 def test_echo_prints_messages_until_the_run_ends(run: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -150,7 +156,7 @@ def test_hz_tells_how_regularly_each_port_sends_and_what_was_lost(
     assert found["track.tracks"]["count"] == 1  # the second comes too soon to be told of
     assert found["camera/cam0.out"]["count"] is None
     first = compile_graph(GRAPH).edges[0]
-    assert found[f"{first.from_stage}.{first.from_port}"]["dropped"] == 3
+    assert found[f"{first.from_stage}.{first.from_port}"]["dropped"] == 5
     assert said("hz", "color/cam0", "--run", run) == 0
     (_, row) = capsys.readouterr().out.splitlines()
     assert row.split()[0] == "color/cam0.out"

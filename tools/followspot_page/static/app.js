@@ -75,7 +75,7 @@ const takers = {
     faults.take(run.faults);
     const fresh = run.paths.filter(({ old }) => !old);
     const path = fresh.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);
-    const lost = run.edges.reduce((sum, e) => sum + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
+    const lost = run.edges.reduce((sum, e) => sum + e.away + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
     $("rate").textContent = run.rate === null ? "–" : run.rate.toFixed(run.rate < 10 ? 1 : 0);
     $("fired").textContent = run.expected ? `${run.fired} / ${run.expected}` : run.fired;
     $("latency").textContent = path ? span(path.p50_ms, path.p95_ms) : "–";

@@ -4,7 +4,7 @@ import { make } from "./make.js";
 
 const WORST = ["absent", "old", "starting", "sending", "processing", "getting", "over"];
 const FAULTS = ["absent", "old"];
-const LOSSES = ["dropped", "late", "unmatched", "invalid", "lost"];
+const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"];
 
 const groupOf = (stage) => stage.split("/")[0];
 const number = (value) => (value === null ? "–" : value >= 100 ? value.toFixed(0) : value.toFixed(1));
@@ -152,7 +152,7 @@ function stageTable(stages) {
 }
 
 function edgeTable(edges) {
-  const counts = ["sent", "delivered", ...LOSSES, "in_flight"];
+  const counts = ["produced", "away", "sent", "delivered", ...LOSSES.slice(1), "in_flight"];
   const failed = edges.some(({ error }) => error);
   const rows = edges.map((edge) => [
     `${edge.from} → ${edge.to}`,
