@@ -127,7 +127,7 @@ def write(order: dict[str, Any]) -> None:
     session: Any = open_session(connect=order["connect"]) if "connect" in order else None
     writer: PortWriter
     if session:
-        writer = ZenohWriter(session, KEY, [READER], DEPTH)
+        writer = ZenohWriter(session, KEY, {READER: ""}, DEPTH)
     else:
         writer = RingWriter([socket.socket(fileno=order["fd"])], DEPTH)
     try:

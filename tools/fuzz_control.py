@@ -12,7 +12,7 @@ from uuid import UUID
 
 from followspot.deploy.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
 from followspot.deploy.parcel import packed, unpacked
-from followspot.deploy.security.admission import Admission, Asked
+from followspot.deploy.security.admission import FORMAT, Admission, Asked
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
@@ -32,7 +32,7 @@ def _plan() -> Plan:
 
 def request_target() -> Target:
     """Requests as bytes, from the key to the plan that is unpacked; nothing is started."""
-    gate = Admission({"prepare", "stop", "status"}, clock=lambda: 1000.0)
+    gate = Admission(HOST, {"prepare", "stop", "status"}, clock=lambda: 1000.0)
     order = RunOrder("run", packed(_plan(), HOST, Path()), 10).to_data()
     keys = [f"followspot/agent/{HOST}/{verb}/operator/desk" for verb in ("prepare", "stop", "status")]
 
@@ -40,7 +40,8 @@ def request_target() -> Target:
         name = UUID(int=rng.getrandbits(128)).hex
         verb = rng.choice(("prepare", "prepare", "stop"))
         data: Any = {"order": order} if verb == "prepare" else {"run": "run"}
-        tree: Any = {"format": 1, "id": name, "time": 1000.0, "data": data}
+        tree: Any = {"format": FORMAT, "id": name, "time": 1000.0, "data": data}
+        tree["asked"] = [HOST, verb, "operator", "desk"]
         way = rng.random()
         if way < 0.4:
             tree["data"] = broken_tree(data, rng)
@@ -84,7 +85,7 @@ def roster_target() -> Target:
     path = Path(tempfile.mkdtemp(prefix="followspot-fuzz-")) / "hosts.json"
     expires = time.strftime("2036-%m-%dT00:00:00+00:00", time.gmtime(0))
     entry = {"role": "camera", "expires": expires}
-    text = json.dumps({"format": 1, "own": "a", "hosts": {"a": entry, "b": entry}}).encode()
+    text = json.dumps({"format": FORMAT, "own": "a", "hosts": {"a": entry, "b": entry}}).encode()
 
     def take(data: bytes) -> object:
         path.write_bytes(data)

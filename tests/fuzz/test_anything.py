@@ -136,7 +136,7 @@ def test_any_order_plan_and_status_is_taken_or_refused(tree: Any) -> None:
 @given(st.text(max_size=80), st.binary(max_size=200))
 def test_any_request_is_admitted_or_refused(key: str, payload: bytes) -> None:
     with pytest.raises(Refused):
-        Admission({"stop"}).admit(Asked.of(key), payload)
+        Admission("pc-left", {"stop"}).admit(Asked.of(key), payload)
 
 
 @pytest.mark.parametrize("way", [1, 2])

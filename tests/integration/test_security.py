@@ -7,7 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -15,15 +15,19 @@ import pytest
 import zenoh
 from hosts import free_port
 
+from followspot.deploy.host import HostLost
 from followspot.deploy.requests import Answers, Asker
-from followspot.deploy.security.admission import seal
+from followspot.deploy.security.admission import Asked, seal
 from followspot.deploy.security.authority import Authority, create_authority
 from followspot.errors import FollowspotError
-from followspot.transport.keys import agent_key, port_key, request_key
+from followspot.tracking import Frame
+from followspot.transport.keys import agent_key, port_key, reader_key, request_key
+from followspot.transport.zenoh_edge import ZenohReader
 from followspot.transport.zenoh_network import Network, Own
 from followspot.transport.zenoh_session import config_of, connected
+from followspot.transport.zenoh_terms import START
 
-HOSTS = {"desk": "operator", "pc-left": "camera", "pc-right": "camera", "hub": "router"}
+HOSTS = {"desk": "operator", "second": "operator", "pc-left": "camera", "pc-right": "camera", "hub": "router"}
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +85,11 @@ class Agent:
 
     def ask(self, by: zenoh.Session, key: str) -> list[dict[str, object]]:
         """The answers to a request under this key, from whoever answers."""
-        handler = by.get(key, payload=seal({"run": "r"}), timeout=2.0)
+        return self.hear(by, key, seal(Asked.of(key), {"run": "r"}))
+
+    def hear(self, by: zenoh.Session, key: str, payload: bytes) -> list[dict[str, object]]:
+        """The answers to this very request, under this key."""
+        handler = by.get(key, payload=payload, timeout=2.0)
         replies: list[dict[str, object]] = []
         for _ in range(100):
             self.answers.answer()
@@ -120,7 +128,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
     with session(certs / "desk", connect=endpoint) as desk:
         assert met(desk)
         assert agent.ask(desk, key)
-        once = seal({"run": "again"})
+        once = seal(Asked.of(key), {"run": "again"})
         for _ in range(2):
             handler = desk.get(key, payload=once, timeout=2.0)
             assert wait_for(lambda: bool(agent.answers._waiting))
@@ -129,6 +137,45 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
     assert agent.stopped.count("again") == 1
     assert agent.answers.admission.refused["replayed"] == 1
     agent.stopped.clear()
+
+
+def test_a_captured_request_is_refused_by_another_agent_whoever_passes_it_on(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    """The agent on the left keeps what the desk asked of it."""
+    captured: list[bytes] = []
+
+    def capture(query: zenoh.Query) -> None:
+        assert query.payload is not None
+        captured.append(query.payload.to_bytes())
+        query.reply(query.key_expr, b'{"answer": null}')
+
+    def asked_on_the_left() -> bool:
+        with suppress(HostLost):  # the link between the two may only just be made
+            Asker(desk, Own("operator", "desk")).ask("pc-left", "stop", run="r")
+        return bool(captured)
+
+    before = agent.answers.admission.refused.get("address", 0)
+    with (
+        session(certs / "pc-left", listen=f"tls/127.0.0.1:{free_port()}", connect=endpoint) as left,
+        session(certs / "desk", connect=endpoint) as desk,
+        session(certs / "second", connect=endpoint) as second,
+    ):
+        left.declare_queryable("followspot/agent/pc-left/**", capture)
+        assert met(second)
+        assert wait_for(asked_on_the_left)
+        for by, name in ((second, "second"), (desk, "desk")):
+            answers = agent.hear(by, request_key("pc-right", "stop", "operator", name), captured[0])
+            assert [str(answer["refused"]) for answer in answers] == [
+                "the request is addressed 'pc-left/stop/operator/desk', "
+                f"and came to pc-right as 'pc-right/stop/operator/{name}'"
+            ]
+        assert agent.hear(second, request_key("pc-right", "stop", "operator", "desk"), captured[0]) == []
+        everywhere = Asked("*", "stop", "operator", "desk")
+        agent.hear(desk, request_key(*everywhere), seal(everywhere, {"run": "r"}))
+    assert agent.answers.admission.refused["address"] == before + 3
+    assert any("refused (address" in line for line in agent.lines)
+    assert agent.stopped == []
 
 
 def test_a_cameras_certificate_cannot_stop_a_run_and_its_attempt_is_logged(
@@ -163,6 +210,9 @@ def test_a_camera_host_sends_on_its_own_ports_only(certs: Path, agent: Agent, en
         port_key("run", "", "track", "out"),
         port_key("run", "pc-right", "credit", "out"),
         port_key("run", "pc-right", "camera/credit", "out"),
+        port_key("run", "pc-right", "a/b/credit/pc-left", "out"),
+        port_key("run", "pc-right", "camera/cam3", "out/start/5"),
+        port_key("run", "*", "camera/cam3", "out"),
         agent_key("pc-right"),
         "elsewhere",
     ]
@@ -175,13 +225,72 @@ def test_a_camera_host_sends_on_its_own_ports_only(certs: Path, agent: Agent, en
     assert agent.heard == [own]
 
 
-def test_a_reader_anywhere_may_report_credit_to_a_writer(certs: Path, agent: Agent, endpoint: str) -> None:
-    key = port_key("run", "pc-right", "camera/cam3", "out") + "/credit/5"
+PORT = port_key("run", "pc-right", "camera/cam3", "out")
+
+
+def test_a_reader_anywhere_reports_credit_to_a_writer_for_its_own_host_alone(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    own = reader_key(PORT, "pc-left") + "/credit/5"
+    foreign = [f"{reader_key(PORT, host)}/credit/5" for host in ("", "desk", "pc-right", "*")]
     agent.heard.clear()
     with session(certs / "pc-left", connect=endpoint) as camera:
         assert met(camera)
-        camera.put(key, b"x")
-        assert wait_for(lambda: key in agent.heard)
+        for key in [*foreign, f"{PORT}/credit/5", own]:
+            camera.put(key, b"x")
+        assert wait_for(lambda: own in agent.heard)
+    assert agent.heard == [own]
+
+
+def test_no_host_declares_a_reader_on_another_host_to_be_there_or_done(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    """Its token, or the end of it, would let the writer wait for nobody, or for ever."""
+    said = ("alive/5/0", "done/5/0")
+    own = {f"{reader_key(PORT, 'pc-left')}/{word}" for word in said}
+    foreign = [f"{reader_key(PORT, host)}/{word}" for host in ("", "desk", "pc-right", "*") for word in said]
+    seen: set[str] = set()
+    with session(certs / "pc-left", connect=endpoint) as camera:
+        assert met(camera)
+        keys = [*foreign, f"{PORT}/alive/reader/5/0", f"{PORT}/alive/done/5/0", *own]
+        tokens = [camera.liveliness().declare_token(key) for key in keys]
+
+        def look() -> bool:
+            replies = agent.session.liveliness().get(f"{PORT}/**", timeout=1.0)
+            seen.update(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+            return own <= seen
+
+        assert wait_for(look)
+        del tokens  # until now they were there
+    assert seen == own
+
+
+def test_only_the_host_of_a_writer_tells_where_its_stream_begins(
+    certs: Path, agent: Agent, endpoint: str
+) -> None:
+    reader = ZenohReader(agent.session, port_key("run", "", "a", "out"), "5", Frame, 4)
+    foreign, own = (port_key("run", host, "a", "out/start/5") for host in ("", "pc-left"))
+    agent.heard.clear()
+    with (
+        session(certs / "pc-left", connect=endpoint) as camera,
+        session(certs / "desk", connect=endpoint) as desk,
+    ):
+        assert met(camera)
+        assert met(desk)
+        for key in (foreign, own):
+            camera.put(key, START.pack(7, 0, 0, 0))
+        assert wait_for(lambda: own in agent.heard)
+        assert not reader.poll()
+        assert not reader._arrived
+        assert reader._writer == -1
+        desk.put(foreign, START.pack(3, 0, 0, 0))
+
+        def told() -> bool:
+            reader.poll()
+            return reader._writer == 3
+
+        assert wait_for(told)
+    reader.close()
 
 
 def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, endpoint: str) -> None:
@@ -276,6 +385,8 @@ LISTEN = """
 import sys
 from contextlib import closing
 from followspot.deploy.security.door import Door
+from followspot.tracking import Frame
+from followspot.transport.zenoh_edge import ZenohReader
 from followspot.transport.zenoh_network import Network
 from followspot.transport.zenoh_session import connected
 network = Network((sys.argv[1],), (), sys.argv[2])

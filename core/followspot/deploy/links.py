@@ -74,6 +74,7 @@ class EdgeLinks:
             kind,
             self._depth([planned]),
             codec=planned.codec,
+            host=self._host[planned.to_stage],
             incarnation=self.incarnation,
         )
         self._zenoh_ends.append((planned.name, reader))
@@ -93,11 +94,11 @@ class EdgeLinks:
         from followspot.transport.zenoh_edge import ZenohWriter
 
         assert self.session is not None
-        names = [str(edge) for edge in edges]
+        readers = {str(edge): self._host[self.plan.edges[edge].to_stage] for edge in edges}
         writer = ZenohWriter(
             self.session,
             self._key(edges[0]),
-            names,
+            readers,
             self._depth(planned),
             codec=planned[0].codec,
             incarnation=self.incarnation,

@@ -35,8 +35,8 @@ class Asker:
 
     def ask(self, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
         """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses."""
-        key = request_key(agent, verb, *self.own)
-        for reply in self.session.get(key, payload=seal(data), timeout=timeout):
+        asked = Asked(agent, verb, *self.own)
+        for reply in self.session.get(request_key(*asked), payload=seal(asked, data), timeout=timeout):
             if reply.ok is None:
                 continue
             answer = json.loads(reply.ok.payload.to_bytes())
@@ -72,7 +72,7 @@ class Answers:
         self._waiting: deque[zenoh.Query] = deque()
         self._bytes = self._flooded = 0
         self._lock = threading.Lock()
-        self.admission = Admission(verbs, tell)
+        self.admission = Admission(agent, verbs, tell)
         self._declared: list[Any] = [
             session.declare_queryable(
                 request_key(agent, "*", "*", "*"), Callback(self._arrived, indirect=False)

@@ -45,7 +45,7 @@ def anew(old: Plan, new: Plan) -> set[str]:
     hosts = {w.name: w.host for w in (*old.workers, *new.workers)}
     found = {w for name in homes if homes[name] != later[name] for w in (homes[name], later[name])}
     for before, after in zip(old.edges, new.edges, strict=True):
-        keys = [hosts[home[before.from_stage]] for home in (homes, later)]
+        keys = [(hosts[home[before.from_stage]], hosts[home[before.to_stage]]) for home in (homes, later)]
         if before.kind != after.kind or (after.kind == "zenoh" and keys[0] != keys[1]):
             found |= {home[end] for home in (homes, later) for end in (before.from_stage, before.to_stage)}
     return found

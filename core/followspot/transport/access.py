@@ -2,7 +2,8 @@
 
 The rules stand at every session and router, on what comes in: a host that breaks its own rules gains nothing,
 for the others do not listen. A host may put under its own name only, speak for itself only, and ask agents
-under its own role and name only, so that an agent can believe the key of a request.
+under its own role and name only, so that an agent can believe the key of a request, and a writer that of
+a report.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from followspot.transport.keys import AGENTS, OPERATOR, ROOT, agent_key, request_key
+from followspot.transport.keys import AGENTS, OPERATOR, ROOT, agent_key, reader_key, request_key
 from followspot.transport.roster import Member
 
 _ALL = (
@@ -57,12 +58,10 @@ def _grants(member: Member) -> list[tuple[Sequence[str], list[str]]]:
         return [(_ALL, [f"{ROOT}/**"])]
     hosts = [name, OPERATOR] if role == OPERATOR else [name]
     ports = [f"{ROOT}/*/{host}/**" for host in hosts]
+    reports = [f"{reader_key(_PORT, host)}/**" for host in hosts]
     return [
-        (["put"], [*ports, f"{_PORT}/credit/*"]),
-        (
-            ["liveliness_token"],
-            [*ports, agent_key(name), f"{_PORT}/alive/reader/**", f"{_PORT}/alive/done/**"],
-        ),
+        (["put"], [*ports, *reports]),
+        (["liveliness_token"], [*ports, *reports, agent_key(name)]),
         (["declare_queryable", "reply"], [f"{AGENTS}/{name}/**"]),
         (["query"], [request_key("*", "*", role, name)]),
     ]

@@ -1,7 +1,8 @@
 """The key space: who may put, answer or ask what can be told from a key alone, so that Zenoh can enforce it.
 
 ``followspot/RUN/HOST/STAGE/PORT``             what a port sends, put by the stage's host
-``followspot/RUN/HOST/STAGE/PORT/credit/EDGE`` reports of a reader; ``.../alive/...``: presence of both sides
+``followspot/RUN/HOST/STAGE/PORT/alive/...``   presence of the writer, by the stage's host
+``followspot/RUN/HOST/STAGE/PORT/.reader/READER/...``   what readers of the port on the host READER say
 ``followspot/RUN/HOST/STAGE/PORT/look/TAP``    what a tap tells those who look on from other hosts
 ``followspot/agent/HOST``                      presence of an agent
 ``followspot/agent/HOST/VERB/ROLE/NAME``       what an agent answers, to whom: role and name as certified
@@ -18,6 +19,14 @@ OPERATOR = "operator"
 def port_key(run: str, host: str, stage: str, port: str) -> str:
     """What one output port of a run sends; host: "" for the operator's own."""
     return f"{ROOT}/{run}/{host or OPERATOR}/{stage}/{port}"
+
+
+def reader_key(port: str, host: str) -> str:
+    """Below the key of a port, what its readers on one host say; ``*`` stands for any host.
+
+    No stage has a dot in its name, so the key of no port has this chunk.
+    """
+    return f"{port}/.reader/{host or OPERATOR}"
 
 
 def look_key(run: str, host: str, name: str, tap: str) -> str:

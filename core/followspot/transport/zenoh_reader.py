@@ -16,6 +16,7 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import InvalidMessage, Message
 from followspot.transport.bell import Bell
 from followspot.transport.codec import MAX_PACKED
+from followspot.transport.keys import reader_key
 from followspot.transport.token import END, Invalid, Settled, Token
 from followspot.transport.zenoh_codec import unpack_as
 from followspot.transport.zenoh_terms import (
@@ -25,6 +26,7 @@ from followspot.transport.zenoh_terms import (
     WINDOW,
     chunks,
     codec_key,
+    is_incarnation,
     numbers,
     presence,
     publisher,
@@ -48,9 +50,10 @@ class ZenohReader:
         depth: int,
         *,
         codec: EdgeCodec = "raw",
+        host: str = "",
         incarnation: int = 0,
     ) -> None:
-        """key, name, depth, codec: as the writer knows them; kind: type of the messages.
+        """key, name, depth, codec, host: as the writer knows them; kind: type of the messages.
 
         incarnation: how many readers of this name there were before.
         """
@@ -79,13 +82,14 @@ class ZenohReader:
         name = quote(name, safe="")
         self._session = session
         self._start_key = f"{key}/start/{name}"
-        self._done_key = f"{key}/alive/done/{name}/{incarnation}"
-        self._report = publisher(session, f"{key}/credit/{name}")
+        said = reader_key(key, host)
+        self._done_key = f"{said}/done/{name}/{incarnation}"
+        self._report = publisher(session, f"{said}/credit/{name}")
         self._declared = [
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
             session.declare_subscriber(self._start_key, Callback(self._on_arrival, indirect=False)),
             presence(session, f"{key}/alive/writer/*", self._on_presence),
-            session.liveliness().declare_token(f"{key}/alive/reader/{name}/{incarnation}"),
+            session.liveliness().declare_token(f"{said}/alive/{name}/{incarnation}"),
         ]
 
     @property
@@ -239,6 +243,9 @@ class ZenohReader:
 
     def _on_presence(self, sample: zenoh.Sample) -> None:
         incarnation = chunks(sample, 1)[0]
+        if not is_incarnation(incarnation):
+            self._passed_over += 1
+            return
         if sample.kind == zenoh.SampleKind.PUT:
             self._there.add(incarnation)
         else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Callable, Iterable
 from struct import Struct
 from typing import Any
@@ -21,6 +22,7 @@ START = Struct("<QQQQ")
 """Where a reader joins: incarnation of the writer, tokens and messages before, those given to it."""
 WINDOW = 256
 """Most tokens under way: as many settled times do not fill any buffer, so that a put does not block."""
+_INCARNATION = re.compile(r"[0-9]{1,9}", re.ASCII)
 
 
 def numbers(layout: Struct, data: zenoh.ZBytes | None) -> tuple[int, ...] | None:
@@ -54,8 +56,14 @@ def undeclare(entities: Iterable[Any]) -> None:
 
 
 def chunks(sample: zenoh.Sample, count: int) -> list[str]:
-    """The last chunks of the sample's key."""
-    return str(sample.key_expr).split("/")[-count:]
+    """The last chunks of the sample's key, "" for those that it lacks: strangers may put on ``**``."""
+    found = str(sample.key_expr).split("/")[-count:]
+    return [""] * (count - len(found)) + found
+
+
+def is_incarnation(chunk: str) -> bool:
+    """Whether this is how an incarnation stands in the key of a liveliness token."""
+    return _INCARNATION.fullmatch(chunk) is not None
 
 
 def codec_key(key: str, codec: EdgeCodec) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 from urllib.parse import quote
 
@@ -20,6 +20,7 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, Message
 from followspot.transport.bell import Bell
 from followspot.transport.codec import pack
+from followspot.transport.keys import OPERATOR, reader_key
 from followspot.transport.token import END, Settled
 from followspot.transport.zenoh_codec import pack_as
 from followspot.transport.zenoh_terms import (
@@ -29,6 +30,7 @@ from followspot.transport.zenoh_terms import (
     WINDOW,
     chunks,
     codec_key,
+    is_incarnation,
     numbers,
     presence,
     publisher,
@@ -60,13 +62,14 @@ class ZenohWriter:
         self,
         session: zenoh.Session,
         key: str,
-        readers: Sequence[str],
+        readers: Mapping[str, str],
         depth: int,
         *,
         codec: EdgeCodec = "raw",
         incarnation: int = 0,
     ) -> None:
-        """key: of the port, for example ``followspot/RUN/color/cam0/out``; readers: their names.
+        """key: of the port, for example ``followspot/RUN/pc-left/color/cam0/out``; readers: the host of
+        each, by its name, "" for the operator's own: nobody else may speak for it.
 
         incarnation: how many writers this port had before; a later one waits for nobody.
         """
@@ -75,6 +78,7 @@ class ZenohWriter:
         self._incarnation = incarnation
         self._depth = depth
         self._names = [quote(name, safe="") for name in readers]
+        self._hosts = [host or OPERATOR for host in readers.values()]
         self._index = {name: index for index, name in enumerate(self._names)}
         self._reports = [(0, 0)] * len(readers)
         self._given = [0] * len(readers)
@@ -89,6 +93,7 @@ class ZenohWriter:
         self._gone: set[int] = set(range(len(readers))) if incarnation else set()
         self._tokens = 0
         self._messages = 0
+        self._refused = 0
         self._held: Settled | None = None
         self._ending = False
         self._waiting = False
@@ -96,9 +101,10 @@ class ZenohWriter:
         self._bell = Bell()
         self._session = session
         self._publisher = publisher(session, key)
+        said = reader_key(key, "*")
         self._declared = [
-            session.declare_subscriber(f"{key}/credit/*", Callback(self._on_report, indirect=False)),
-            presence(session, f"{key}/alive/*/*/*", self._on_presence),
+            session.declare_subscriber(f"{said}/credit/*", Callback(self._on_report, indirect=False)),
+            presence(session, f"{said}/*/*/*", self._on_presence),
             session.liveliness().declare_token(f"{key}/alive/writer/{incarnation}"),
         ]
 
@@ -109,7 +115,7 @@ class ZenohWriter:
 
     @property
     def strangers(self) -> int:
-        """How many reports came that were malformed or not from a reader."""
+        """How much came that was malformed, or not from the host of the reader of whom it spoke."""
         return self._refused
 
     def matched(self) -> bool:
@@ -246,7 +252,8 @@ class ZenohWriter:
             self._bell.ring()
 
     def _on_report(self, sample: zenoh.Sample) -> None:
-        index = self._index.get(chunks(sample, 1)[0])
+        host, _, name = chunks(sample, 3)
+        index = self._reader(host, name)
         report = numbers(CREDIT, sample.payload)
         if index is None or report is None:
             self._refused += 1
@@ -264,9 +271,16 @@ class ZenohWriter:
             self._bell.ring()
 
     def _on_presence(self, sample: zenoh.Sample) -> None:
-        role, name, incarnation = chunks(sample, 3)
-        index = self._index.get(name)
+        host, role, name, incarnation = chunks(sample, 4)
+        index = self._reader(host, name)
         there = sample.kind == zenoh.SampleKind.PUT
-        if index is not None and (there or role != "done"):
+        if index is None or role not in ("alive", "done") or not is_incarnation(incarnation):
+            self._refused += there
+        elif there or role != "done":
             self._news.append(_News(role, index, incarnation, there))
             self._bell.ring()
+
+    def _reader(self, host: str, name: str) -> int | None:
+        """Index of the reader of this name, None where it is not that host which may speak for it."""
+        index = self._index.get(name)
+        return index if index is not None and self._hosts[index] == host else None

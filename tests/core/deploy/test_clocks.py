@@ -131,7 +131,8 @@ def test_a_host_alone_adds_what_its_owner_knows() -> None:
 
 
 def test_every_host_may_ask_for_the_time_and_operators_alone_for_more() -> None:
-    gate = Admission(["clock", "stop"])
-    assert gate.admit(Asked("clock", "camera", "pc-left"), seal({})) == {}
+    gate = Admission("pc-right", ["clock", "stop"])
+    clock, stop = (Asked("pc-right", verb, "camera", "pc-left") for verb in ("clock", "stop"))
+    assert gate.admit(clock, seal(clock, {})) == {}
     with pytest.raises(Refused, match="may not stop"):
-        gate.admit(Asked("stop", "camera", "pc-left"), seal({"run": "1"}))
+        gate.admit(stop, seal(stop, {"run": "1"}))

@@ -47,6 +47,7 @@ def kinds(plan: Plan) -> list[str]:
         ("a", "pc-right", ["zenoh", "zenoh", "zenoh"], {"one", "two", "three"}),
         ("c", "pc-left", ["ring", "ring", "zenoh"], {"one", "two", "three", "four"}),
         ("d", "three", ["ring", "zenoh", "reference"], {"three", "four"}),
+        ("d", "one", ["ring", "zenoh", "zenoh"], {"one", "three", "four"}),
         ("d", "four", ["ring", "zenoh", "zenoh"], set()),
     ],
 )

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot.deploy.security.admission import (
+    FORMAT,
     MAX_REMEMBERED,
     MAX_REQUEST,
     WINDOW,
@@ -19,20 +20,27 @@ from followspot.deploy.security.admission import (
     seal,
 )
 
-DESK = Asked("stop", "operator", "desk")
+HERE = "pc-left"
+DESK = Asked(HERE, "stop", "operator", "desk")
 
 
 def request(**changes: Any) -> bytes:
-    envelope = {"format": 1, "id": "0123456789abcdef", "time": 1000.0, "data": {"run": "a"}}
+    envelope = {
+        "format": FORMAT,
+        "id": "0123456789abcdef",
+        "time": 1000.0,
+        "asked": DESK,
+        "data": {"run": "a"},
+    }
     return json.dumps(envelope | changes).encode()
 
 
 def admission(now: float = 1000.0) -> Admission:
-    return Admission({"stop", "status"}, clock=lambda: now)
+    return Admission(HERE, {"stop", "status"}, clock=lambda: now)
 
 
 def test_a_fresh_request_of_an_operator_is_taken() -> None:
-    assert Admission({"stop"}).admit(DESK, seal({"run": "a"})) == {"run": "a"}
+    assert Admission(HERE, {"stop"}).admit(DESK, seal(DESK, {"run": "a"})) == {"run": "a"}
 
 
 def test_a_replayed_request_is_refused_and_another_one_taken() -> None:
@@ -46,7 +54,7 @@ def test_a_replayed_request_is_refused_and_another_one_taken() -> None:
 
 def test_a_request_is_remembered_for_as_long_as_it_is_fresh() -> None:
     now = 1000.0
-    gate = Admission({"stop"}, clock=lambda: now)
+    gate = Admission(HERE, {"stop"}, clock=lambda: now)
     sent = now + WINDOW
     gate.admit(DESK, request(time=sent))
     now = sent + WINDOW
@@ -69,14 +77,14 @@ def test_an_old_request_and_one_from_the_future_are_refused_with_the_remedy(sent
 @pytest.mark.parametrize("role", ["camera", "worker", "router", "", "Operator"])
 def test_who_is_no_operator_may_ask_nothing(role: str) -> None:
     with pytest.raises(Refused, match="may not stop") as refused:
-        admission().admit(Asked("stop", role, "pc-left"), request())
+        admission().admit(Asked(HERE, "stop", role, "pc-right"), request())
     assert refused.value.reason == "role"
 
 
 def test_a_refused_request_does_not_use_up_its_id() -> None:
     gate = admission()
     with pytest.raises(Refused):
-        gate.admit(Asked("stop", "camera", "pc-left"), request())
+        gate.admit(Asked(HERE, "stop", "camera", "pc-right"), request())
     gate.admit(DESK, request())
 
 
@@ -90,7 +98,7 @@ def test_a_refused_request_does_not_use_up_its_id() -> None:
         ("form", b"[" * 200_000),
         ("form", b"1" * 10_000),
         ("version", b"{}"),
-        ("version", request(format=2)),
+        ("version", request(format=FORMAT - 1)),
         ("form", request(id="short")),
         ("form", request(id="x" * 65)),
         ("form", request(id=["0123456789abcdef"])),
@@ -100,6 +108,9 @@ def test_a_refused_request_does_not_use_up_its_id() -> None:
         ("form", request(time=float("nan"))),
         ("form", request(time=float("inf"))),
         ("form", request(time=10**400)),
+        ("form", request(asked=None)),
+        ("form", request(asked="pc-left")),
+        ("form", request(asked=[["pc-left"], "stop", "operator", "desk"])),
     ],
 )
 def test_what_is_no_request_is_refused_for_its_reason(reason: str, payload: bytes) -> None:
@@ -109,7 +120,9 @@ def test_what_is_no_request_is_refused_for_its_reason(reason: str, payload: byte
 
 
 @given(
-    st.dictionaries(st.sampled_from(["format", "id", "time", "data"]), st.none() | st.integers() | st.text())
+    st.dictionaries(
+        st.sampled_from(["format", "id", "time", "asked", "data"]), st.none() | st.integers() | st.text()
+    )
 )
 def test_whatever_comes_is_taken_or_refused(changes: dict[str, Any]) -> None:
     gate = admission()
@@ -120,6 +133,35 @@ def test_whatever_comes_is_taken_or_refused(changes: dict[str, Any]) -> None:
     assert sum(gate.refused.values()) <= 1
 
 
+@pytest.mark.parametrize(
+    "written",
+    [
+        DESK._replace(agent="pc-right"),
+        DESK._replace(verb="status"),
+        DESK._replace(role="camera"),
+        DESK._replace(name="second"),
+        DESK[:3],
+        (*DESK, "more"),
+        (),
+    ],
+)
+def test_what_was_meant_for_another_agent_or_verb_or_came_from_another_name_is_refused(
+    written: tuple[str, ...],
+) -> None:
+    gate = admission()
+    with pytest.raises(Refused) as refused:
+        gate.admit(DESK, request(asked=written))
+    assert refused.value.reason == "address"
+    gate.admit(DESK, request())
+
+
+def test_a_key_for_all_agents_at_once_is_refused_whatever_the_request_says() -> None:
+    everybody = DESK._replace(agent="*")
+    with pytest.raises(Refused) as refused:
+        admission().admit(everybody, seal(everybody, {"run": "a"}))
+    assert refused.value.reason == "address"
+
+
 def test_an_unknown_verb_is_refused_with_the_known_ones() -> None:
     with pytest.raises(Refused, match="known: status, stop"):
         admission().admit(DESK._replace(verb="erase"), request())
@@ -127,7 +169,7 @@ def test_an_unknown_verb_is_refused_with_the_known_ones() -> None:
 
 def test_a_flood_of_requests_takes_bounded_memory_and_ends_with_the_window() -> None:
     now = 1000.0
-    gate = Admission({"stop"}, clock=lambda: now)
+    gate = Admission(HERE, {"stop"}, clock=lambda: now)
     for number in range(MAX_REMEMBERED):
         gate.admit(DESK, request(id=f"{number:016}"))
     with pytest.raises(Refused) as refused:
@@ -139,7 +181,7 @@ def test_a_flood_of_requests_takes_bounded_memory_and_ends_with_the_window() -> 
 
 def test_refusals_are_counted_by_reason_and_logged_with_who_but_never_flood_the_log() -> None:
     lines: list[str] = []
-    gate = Admission({"stop"}, lines.append)
+    gate = Admission(HERE, {"stop"}, lines.append)
     for _ in range(1000):
         gate.count("followspot/agent/a/stop/camera/pc-left", Refused("role", "may not"))
     assert gate.refused == {"role": 1000}

@@ -131,7 +131,7 @@ def main(order: dict[str, Any]) -> None:
         if session is None:
             end = RingWriter([socket.socket(fileno=order["fd"])], depth)
         else:
-            end = ZenohWriter(session, KEY, [order["name"]], depth)
+            end = ZenohWriter(session, KEY, {order["name"]: ""}, depth)
         play = writing
     try:
         while not end.matched():

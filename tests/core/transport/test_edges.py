@@ -72,7 +72,7 @@ class Edge:
         if self.session is None:
             writer = RingWriter([s for s in sockets if s], DEPTH)
         else:
-            names = [f"stage/{index}.in" for index in range(len(orders))]
+            names = {f"stage/{index}.in": "" for index in range(len(orders))}
             writer = ZenohWriter(self.session, KEY, names, DEPTH)
         self._ready(writer)
         return writer

@@ -20,12 +20,15 @@ from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.tracking import Blobs, Frame
 from followspot.transport.bell import Bell
 from followspot.transport.codec import pack
+from followspot.transport.keys import reader_key
 from followspot.transport.token import END, Invalid, Settled, Token
 from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
 from followspot.transport.zenoh_terms import CREDIT, NUMBER, WINDOW
 
 KEY = "test/camera/cam0/out"
 NAME = "color/cam0.frame"
+SAID = reader_key(KEY, "")
+QUOTED = "color%2Fcam0.frame"
 DEPTH = 4
 
 
@@ -36,7 +39,7 @@ class Pair:
         self._sessions = ExitStack()
         self.session = self._sessions.enter_context(open_session())
         self.stranger = self._sessions.enter_context(open_session(connect=locators(self.session)))
-        self.writer = ZenohWriter(self.session, KEY, [NAME], DEPTH)
+        self.writer = ZenohWriter(self.session, KEY, {NAME: ""}, DEPTH)
         self.reader = ZenohReader(self.session, KEY, NAME, Frame, DEPTH)
         until(lambda: all([self.writer.matched(), self.reader.matched()]))
 
@@ -188,12 +191,84 @@ def test_a_flood_from_a_stranger_fills_no_memory(pair: Pair) -> None:
 
 def test_false_reports_are_counted_and_give_no_credit(pair: Pair) -> None:
     pair.writer.send(frame(0))
-    pair.intruder(f"{KEY}/credit/nobody").put(CREDIT.pack(0, 5, 5))
-    reports = pair.intruder(f"{KEY}/credit/color%2Fcam0.frame")
+    pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 5, 5))
+    reports = pair.intruder(f"{SAID}/credit/{QUOTED}")
     reports.put(b"short")
     reports.put(CREDIT.pack(0, 2**63, 2**63))
     until(lambda: pair.writer.strangers == 3)
     assert pair.writer.credit() == DEPTH - 1
+
+
+def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -> None:
+    """Neither credit, nor that it is there again, nor that it is done, nor that it went."""
+    for number in range(DEPTH):
+        pair.writer.send(frame(number))
+    arrived(pair.reader, DEPTH)
+    elsewhere = reader_key(KEY, "pc-left")
+    pair.intruder(f"{elsewhere}/credit/{QUOTED}").put(CREDIT.pack(0, DEPTH, DEPTH))
+    tokens = [
+        pair.stranger.liveliness().declare_token(f"{elsewhere}/{role}/{QUOTED}/{incarnation}")
+        for role in ("alive", "done")
+        for incarnation in (0, 1)
+    ]
+    until(lambda: pair.writer.strangers == 1 + len(tokens))
+    for token in tokens:
+        token.undeclare()  # type: ignore[no-untyped-call]
+    own = pair.stranger.liveliness().declare_token(f"{SAID}/done/{QUOTED}/0")
+    until(lambda: bool(pair.writer._news))
+    own.undeclare()  # type: ignore[no-untyped-call]
+    assert pair.writer.credit() == 0
+    pair.writer.drain()
+    assert pair.writer.lost == frozenset()
+    assert pair.writer._done == {0}, "it was its own host that said so"
+    assert pair.writer._present == {0: "0"}
+    assert pair.writer.strangers == 1 + len(tokens)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "alive/{0}/x",
+        "alive/{0}/-1",
+        "alive/{0}/1e3",
+        "alive/{0}/٣",
+        "alive/{0}/" + "9" * 5000,
+        "dead/{0}/1",
+        "alive/nobody/1",
+    ],
+)
+def test_a_token_that_tells_nothing_is_refused_and_counted(pair: Pair, words: str) -> None:
+    token = pair.stranger.liveliness().declare_token(f"{SAID}/{words.format(QUOTED)}")
+    until(lambda: pair.writer.strangers == 1)
+    token.undeclare()  # type: ignore[no-untyped-call]
+    pair.writer.send(frame(0))
+    assert arrived(pair.reader, 1)
+    assert not pair.writer._news
+    assert pair.writer.strangers == 1
+    assert not pair.writer.lost
+
+
+@pytest.mark.parametrize("incarnation", ["x", "-1", "9" * 5000, "*"])
+def test_a_writers_token_that_tells_nothing_is_refused_and_counted(pair: Pair, incarnation: str) -> None:
+    token = pair.stranger.liveliness().declare_token(f"{KEY}/alive/writer/{incarnation}")
+    until(lambda: pair.reader.strangers == 1)
+    pair.writer.close()
+    until(lambda: pair.reader._gone)
+    token.undeclare()  # type: ignore[no-untyped-call]
+
+
+def test_what_strangers_put_on_all_keys_at_once_kills_nobody(
+    pair: Pair, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pair.stranger.put("**", b"hello")
+    pair.stranger.put("test/**", CREDIT.pack(0, 1, 1))
+    token = pair.stranger.liveliness().declare_token("**")
+    until(lambda: pair.writer.strangers >= 2)
+    until(lambda: pair.reader.poll() == [] and pair.reader.strangers >= 2)
+    pair.writer.send(frame(0))
+    arrived(pair.reader, 1)
+    token.undeclare()  # type: ignore[no-untyped-call]
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_session_on_an_endpoint_that_is_taken_or_nonsense_says_so(pair: Pair) -> None:
@@ -231,7 +306,7 @@ def test_closing_twice_or_after_the_session_harms_nobody(pair: Pair) -> None:
 def test_a_process_that_closes_its_edges_exits() -> None:
     script = (
         "from followspot.transport.zenoh_edge import *; from followspot.tracking import Frame;"
-        "session = open_session(); writer = ZenohWriter(session, 'k', ['r'], 4);"
+        "session = open_session(); writer = ZenohWriter(session, 'k', {'r': ''}, 4);"
         "reader = ZenohReader(session, 'k', 'r', Frame, 4); writer.close(); reader.close(); session.close()"
     )
     subprocess.run([sys.executable, "-c", script], check=True, timeout=30)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pytest
-from tests.core.transport.test_zenoh_edge import DEPTH, KEY, Pair, arrived, frame, until
+from tests.core.transport.test_zenoh_edge import DEPTH, KEY, SAID, Pair, arrived, frame, until
 
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, identical, stamped
 from followspot.transport.codec import pack
@@ -79,7 +79,7 @@ def test_a_start_that_gives_more_than_can_be_under_way_is_refused(pair: Pair) ->
 )
 def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: Pair, report: bytes) -> None:
     pair.writer.send(frame(0))
-    pair.intruder(f"{KEY}/credit/{READER}").put(report)
+    pair.intruder(f"{SAID}/credit/{READER}").put(report)
     until(lambda: pair.writer.strangers == 1)
     assert pair.writer.credit() == DEPTH - 1
     arrived(pair.reader, 1)
@@ -88,7 +88,7 @@ def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: P
 
 
 def test_a_report_of_nobody_is_counted(pair: Pair) -> None:
-    pair.intruder(f"{KEY}/credit/nobody").put(CREDIT.pack(0, 0, 0))
+    pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 0, 0))
     until(lambda: pair.writer.strangers == 1)
     alive(pair)
 

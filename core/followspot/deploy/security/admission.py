@@ -1,7 +1,8 @@
 """Which requests an agent takes: each once, fresh, well-formed, from who may ask; the others it counts.
 
 Zenoh's access control vouches for role and name in a request's key (`followspot.transport.access`);
-what they may do is decided here, so that a refusal has an answer, a line in the log and a count.
+what they may do is decided here, so that a refusal has an answer, a line in the log and a count. A request
+says to whom it goes, what for and who sends it, so nobody can give it to another agent, or as its own.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from followspot.deploy.security.refusals import Refusals
 from followspot.errors import FollowspotError
 from followspot.transport.keys import OPERATOR
 
-FORMAT = 1
+FORMAT = 2
 MAX_REQUEST = 16 << 20
 """Longest request, bytes."""
 WINDOW = 120.0
@@ -28,7 +29,9 @@ _MAX_ID = 64
 _FOR_ALL = frozenset({"clock"})
 """What every host on the list may ask."""
 
-Reason = Literal["size", "form", "version", "stale", "replayed", "flood", "verb", "role", "content"]
+Reason = Literal[
+    "size", "form", "version", "stale", "replayed", "flood", "verb", "role", "address", "content"
+]
 
 
 class Refused(FollowspotError):
@@ -40,39 +43,43 @@ class Refused(FollowspotError):
 
 
 class Asked(NamedTuple):
-    """Who asks an agent for what, as the key of the request says."""
+    """Who asks which agent for what, as the key of the request says."""
 
+    agent: str
     verb: str
     role: str
     name: str
 
     @classmethod
     def of(cls, key: str) -> Asked:
-        """From ``.../VERB/ROLE/NAME``. Raises Refused."""
-        chunks = key.rsplit("/", 3)
-        if len(chunks) != 4:
+        """From ``.../AGENT/VERB/ROLE/NAME``. Raises Refused."""
+        chunks = key.rsplit("/", 4)
+        if len(chunks) != 5:
             raise Refused("form", f"{key[:200]!r} is not the key of a request")
         return cls(*chunks[1:])
 
 
-def seal(data: dict[str, Any]) -> bytes:
-    """A request with these arguments, to be sent once, now."""
-    return json.dumps({"format": FORMAT, "id": uuid4().hex, "time": time.time(), "data": data}).encode()
+def seal(asked: Asked, data: dict[str, Any]) -> bytes:
+    """A request with these arguments, to be sent once, now, to one agent, under one name."""
+    envelope = {"format": FORMAT, "id": uuid4().hex, "time": time.time(), "asked": asked, "data": data}
+    return json.dumps(envelope).encode()
 
 
 class Admission:
     """An agent's gate.
 
-    verbs: what can be asked; tell: gets lines for the log; clock: wall-clock time, s.
+    agent: its name; verbs: what can be asked; tell: gets lines for the log; clock: wall-clock time, s.
     """
 
     def __init__(
         self,
+        agent: str,
         verbs: Iterable[str],
         tell: Callable[[str], None] = lambda line: None,
         clock: Callable[[], float] = time.time,
     ) -> None:
         self._refusals = Refusals(tell)
+        self._agent = agent
         self._verbs = frozenset(verbs)
         self._clock = clock
         self._seen: dict[str, float] = {}
@@ -89,6 +96,12 @@ class Admission:
         if asked.role != OPERATOR and asked.verb not in _FOR_ALL:
             raise Refused("role", f"{asked.role[:80]} {asked.name[:80]} may not {asked.verb}; operators may")
         found = _opened(payload)
+        if asked.agent != self._agent or found["asked"] != list(asked):
+            raise Refused(
+                "address",
+                f"the request is addressed {'/'.join(found['asked'])[:200]!r}, "
+                f"and came to {self._agent} as {'/'.join(asked)[:200]!r}",
+            )
         self._remember(found["id"], float(found["time"]))
         return dict(found["data"])
 
@@ -130,9 +143,11 @@ def _opened(payload: bytes) -> dict[str, Any]:
         raise Refused("form", "a request is a JSON object")
     if found.get("format") != FORMAT:
         raise Refused("version", f"a request of format {str(found.get('format'))[:80]}, this is {FORMAT}")
-    name, sent, data = found.get("id"), found.get("time"), found.get("data")
+    name, sent, data, asked = (found.get(part) for part in ("id", "time", "data", "asked"))
     if not (isinstance(name, str) and 16 <= len(name) <= _MAX_ID and isinstance(data, dict)):
         raise Refused("form", "a request has an id of 16 to 64 characters and an object as data")
     if isinstance(sent, bool) or not isinstance(sent, int | float) or not abs(sent) < 1e12:
         raise Refused("form", "a request has a time, seconds since 1970")
+    if not (isinstance(asked, list) and all(isinstance(word, str) for word in asked)):
+        raise Refused("form", "a request says which agent is asked for what, and by whom")
     return found
