@@ -143,7 +143,13 @@ def at(time: int, message: M, *, seq: int = -1) -> M:
     source that cannot tell the time yields its messages as they are: they get the time at which they came.
     Raises InvalidMessage where a number is out of range, and TypeError where it is no whole number.
     """
-    return stamped(message, in_range(Header("", operator.index(seq), operator.index(time))))
+    try:
+        header = Header("", operator.index(seq), operator.index(time))
+    except TypeError:
+        raise TypeError(
+            f"at({time!r}, ..., seq={seq!r}): time and number are whole; write round(seconds * 1e9)"
+        ) from None
+    return stamped(message, in_range(header))
 
 
 def in_range(header: Header) -> Header:

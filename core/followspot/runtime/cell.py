@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from followspot.errors import FollowspotError
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
+from followspot.outputs import WrongOutput, check_returned, untimed
 from followspot.ports import ports
 from followspot.runtime.clock import Clock
 from followspot.runtime.firing import Join
@@ -84,6 +85,7 @@ class Cell:
             self.stage = build()
         except Exception as error:
             raise StageError(name, None, error) from error
+        self._declare()
         self.join = join
         self.outlets = tuple(outlets.items())
         self.single = self.outlets[0][1] if len(self.outlets) == 1 and self.outlets[0][0] == "out" else None
@@ -162,8 +164,13 @@ class Cell:
         return result
 
     def deliver(self, result: Any, header: Header) -> None:
-        """The firing is over: hand out its result, or note how long it took to the end of the graph."""
+        """The firing is over: hand out its result, or note how long it took to the end of the graph.
+
+        Raises StageError where the result is not what the stage declares and the policy is `fail`.
+        """
         self.count.fired += 1
+        if result is not None and (type(result) is not self._only or not untimed(result.header)):
+            result = self._checked(result, header)
         if self.is_sink:
             self._record(header, self.clock.now())
         else:
@@ -197,8 +204,24 @@ class Cell:
         self.stage = stage
         self.build = build
         found = ports(type(stage))
+        self._declare()
         self.join = self.join.read_by(found.inputs)
         self.outlets = tuple(named for named in self.outlets if found.output(named[0]) is not None)
+
+    def _declare(self) -> None:
+        """Read what the stage says that it hands out."""
+        self.declared = ports(type(self.stage)).outputs
+        self._only = self.declared[0].type if len(self.declared) == 1 else None
+        """The type of all results but None, where there is one; dataclasses of messages have another."""
+
+    def _checked(self, result: Any, header: Header) -> Any:
+        """The result, or None where it is not what the stage declares. Raises StageError as :meth:`run`."""
+        try:
+            check_returned(self.declared, result)
+        except WrongOutput as error:
+            self._recover(header, error)
+            return None
+        return result
 
     def finish(self) -> None:
         """No more input: close the stage and end its outputs."""

@@ -116,8 +116,6 @@ class Outlet:
             for row in self._all_rows:
                 words[row + PRODUCED] += 1
         try:
-            if type(message) is not self.type:
-                raise InvalidMessage(f"is a {type(message).__name__}, declared {self.type.__name__}")
             if header.time < self.bound:
                 raise InvalidMessage(f"time {header.time} ns lies before {self.bound} ns, which was settled")
             if not message.header.source:  # else it was sent before, and sealed then
@@ -168,6 +166,11 @@ class Outlet:
         """Count a message that a live source has made, in the thread in which it made it."""
         self._count(self._all_rows, PRODUCED)
 
+    def invalid(self) -> None:
+        """Count a message that was produced and breaks its contract."""
+        self._count(self._present(), REFUSED)
+        self._count(self._away, AWAY)
+
     def overrun(self) -> None:
         """Count a message that a live source has made and dropped before it left, in that thread."""
         self._count(self._all_rows, OVERRUN)
@@ -191,8 +194,7 @@ class Outlet:
         return None
 
     def _refuse(self, reason: str, header: Header) -> None:
-        self._count(self._present(), REFUSED)
-        self._count(self._away, AWAY)
+        self.invalid()
         self.refused(reason)
         self.settle(header.time + 1)
 

@@ -8,13 +8,16 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from followspot.messages import UNSTAMPED, Header, Message, in_range
+from followspot.messages import UNSTAMPED, Header, InvalidMessage, in_range
+from followspot.outputs import WrongOutput, check_yielded
 from followspot.runtime.cell import Cell
 from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
 
 _LIVE_DEPTH = 2
 """Frames that wait for the graph before the oldest is dropped: one to take, one being written."""
+_NOTHING = object()
+"""Stands for an item that a source has not got now."""
 
 
 class SourceCell(Cell):
@@ -35,13 +38,13 @@ class SourceCell(Cell):
     def pull(self) -> bool:
         """Send the next message; False where there is none now. Raises StageError."""
         item = self._next()
-        if item is None:
+        if item is _NOTHING:
             return False
         try:
             header = in_range(self._stamp(item))
-        except Exception as error:
-            self._failed(error)
-            return False
+        except (WrongOutput, InvalidMessage) as error:
+            self._left_out(item, error)
+            return True
         self.bound = header.time
         self.send(item, header)
         self.yielded += 1
@@ -63,18 +66,18 @@ class SourceCell(Cell):
     def _next(self) -> Any:
         if self.stopped or self.yielded == self.limit:
             self.finish()
-            return None
-        if self._items is None:
-            self._items = iter(self.stage.process())
+            return _NOTHING
         started = time.monotonic_ns()
         try:
+            if self._items is None:
+                self._items = iter(self.stage.process())
             item = next(self._items)
         except StopIteration:
             self.finish()
-            return None
+            return _NOTHING
         except Exception as error:
             self._failed(error)
-            return None
+            return _NOTHING
         ended = time.monotonic_ns()
         self.entered = ended + self.clock.steady
         self.count.busy_ns += ended - started
@@ -82,16 +85,34 @@ class SourceCell(Cell):
 
     def _failed(self, error: Exception) -> None:
         """A generator that raised is over: `restart` opens it anew, `skip` ends the stream."""
-        self._items = None
         self._recover(Header(self.name, self.yielded, max(0, self.bound)), error)
         if self.on_error == "skip":
             self.finish()
+        else:
+            self._open_anew()
+
+    def _left_out(self, item: Any, error: Exception) -> None:
+        """A generator that yielded what it must not can go on: `skip` leaves that out alone."""
+        self._recover(Header(self.name, self.yielded, max(0, self.bound)), error)
+        self.yielded += 1
+        if self.on_error == "restart":
+            self._open_anew()
+
+    def _open_anew(self) -> None:
+        """The stage was built anew; what the generator of the old one has yet to give is not taken."""
+        self._items = None
 
     def _stamp(self, item: Any) -> Header:
-        """The header of what the source yielded: its capture time, the runtime's name and number."""
-        given: Header = item.header if isinstance(item, Message) else _first(item).header
+        """The header of what the source yielded: its capture time, the runtime's name and number.
+
+        Raises WrongOutput.
+        """
+        given = check_yielded(self.declared, item, live=self.stage.live)
         seq = given.seq if given.seq >= 0 else self.yielded
-        return Header(self.name, seq, given.time, self.entered)
+        return Header(self.name, seq, self._time(given), self.entered)
+
+    def _time(self, given: Header) -> int:
+        return given.time
 
 
 class LiveCell(SourceCell):
@@ -137,11 +158,17 @@ class LiveCell(SourceCell):
         self._thread = threading.Thread(target=self._grab, args=(self.stage,), name=self.name, daemon=True)
         self._thread.start()
 
-    def _stamp(self, item: Any) -> Header:
+    def _time(self, given: Header) -> int:
         """By the clock of all; of a camera that has no clock, the time at which its picture came."""
-        header = super()._stamp(item)
-        known = (item if isinstance(item, Message) else _first(item)).header is not UNSTAMPED
-        return header._replace(time=self.clock.capture_time(header.time if known else self._came))
+        return self.clock.capture_time(self._came if given is UNSTAMPED else given.time)
+
+    def _left_out(self, item: Any, error: Exception) -> None:
+        for outlet in self._said(item):
+            outlet.invalid()  # it counts as produced
+        super()._left_out(item, error)
+
+    def _open_anew(self) -> None:
+        self._begin()
 
     def _grab(self, stage: Stage) -> None:
         try:
@@ -195,18 +222,6 @@ class LiveCell(SourceCell):
             return found
         if error is not None:
             self._failed(error)
-            if not self.done:
-                self._begin()
         elif self._shut:
             self.finish()
-        return None
-
-
-def _first(outputs: Any) -> Message:
-    """The first message among the outputs of a source with several ports."""
-    for name in outputs.__dataclass_fields__:
-        message = getattr(outputs, name)
-        if message is not None:
-            assert isinstance(message, Message)
-            return message
-    raise ValueError("a source yielded outputs without any message")
+        return _NOTHING

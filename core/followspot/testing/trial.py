@@ -105,9 +105,9 @@ class Trial:
 
 
 def outputs(output: object) -> list[Message]:
-    """What goes out of all ports."""
-    sent = [output] if output is None or isinstance(output, Message) else vars(output).values()
-    return [message for message in sent if message is not None]
+    """The messages that go out of all ports."""
+    sent = [output] if isinstance(output, Message) else getattr(output, "__dict__", {}).values()
+    return [message for message in sent if isinstance(message, Message)]
 
 
 def noise(seed: int = 0) -> Array:

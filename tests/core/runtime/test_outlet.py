@@ -18,10 +18,6 @@ class Note(Message):
     text: str
 
 
-class Memo(Message):
-    text: str
-
-
 def outlet_with_ring(ledger: Ledger) -> tuple[Outlet, Inlet, Inlet, list[str]]:
     """An outlet with a reader in the same worker (edge 0) and one across a ring (edge 1)."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -46,16 +42,6 @@ def test_a_message_too_large_to_travel_is_invalid_on_the_ring_and_delivered_near
     assert len(near.queue) == 2
     assert (ledger.count(1).sent, ledger.count(1).invalid, ledger.count(0).invalid) == (2, 1, 0)
     assert len(complaints) == 1
-
-
-def test_another_type_than_declared_is_invalid_everywhere_and_settles_its_time() -> None:
-    ledger = Ledger(2)
-    outlet, near, far, complaints = outlet_with_ring(ledger)
-    outlet.send(Memo("hello"), Header("a", 0, 5))
-    far.poll()
-    assert (ledger.count(0).invalid, ledger.count(1).invalid) == (1, 1)
-    assert (near.bound, far.bound) == (6, 6)
-    assert complaints == ["is a Memo, declared Note"]
 
 
 class Rings:
@@ -113,7 +99,7 @@ def test_what_is_produced_while_a_reader_is_away_is_counted_on_its_edge_alone() 
 def test_what_is_refused_while_a_reader_is_away_is_away_there_and_invalid_elsewhere() -> None:
     rings = Rings()
     rings.kill(0)
-    rings.send(1, Memo("of another type"))
+    rings.send(1, Note(3))  # type: ignore[arg-type]  # no text
     rings.send(1, Note("x" * 100_000))  # too large to travel
     assert [rings.told(edge) for edge in range(3)] == [(2, 2, 0), (2, 0, 2), (2, 0, 2)]
     assert [rings.ledger.count(edge).invalid for edge in range(3)] == [0, 2, 2]

@@ -87,6 +87,20 @@ class WrongType(Stage):
         return blobs  # type: ignore[return-value]
 
 
+class NoMessage(Stage):
+    """Returns no message at all."""
+
+    def process(self, blobs: Blobs) -> Tracks:
+        return [blobs]  # type: ignore[return-value]
+
+
+class Timed(Stage):
+    """Says at which time its result was captured, though it is no source."""
+
+    def process(self, blobs: Blobs) -> Blobs:
+        return at(blobs.header.time - 1, blobs)
+
+
 class WrongShape(Stage):
     """Returns arrays of other shapes than it declares."""
 
@@ -216,6 +230,13 @@ class Undeclared(Stage):
 
     def process(self) -> Source[Frame]:
         yield at(0, Blobs.empty())  # type: ignore[misc]
+
+
+class Timeless(Stage):
+    """Yields without a capture time, though it is no device."""
+
+    def process(self) -> Source[Blobs]:
+        yield Blobs.empty()
 
 
 class Lonely(Stage):

@@ -110,6 +110,8 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Drawing, "leaves the random numbers of others alone"),
         (breaking.Printing, "prints nothing"),
         (breaking.WrongType, "sends what it declares"),
+        (breaking.NoMessage, "sends what it declares"),
+        (breaking.Timed, "sends what it declares"),
         (breaking.WrongShape, "sends what it declares"),
         (breaking.NotANumber, "takes unknown numbers"),
         (breaking.Late, "takes the same frame twice"),
@@ -124,6 +126,7 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Backwards, "never goes back in time"),
         (breaking.Unsteady, "yields the same again"),
         (breaking.Undeclared, "yields what it declares"),
+        (breaking.Timeless, "yields what it declares"),
         (breaking.Lonely, "leaves empty inputs alone"),
     ],
 )

@@ -5,8 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from itertools import islice, pairwise
+from typing import Any
 
 from followspot.messages import InvalidMessage, Message, seal
+from followspot.outputs import WrongOutput, check_yielded
 from followspot.testing.promises.work import contents
 from followspot.testing.trial import Trial, outputs, reason
 
@@ -14,15 +16,16 @@ FRAMES = 4
 
 
 def yields_what_it_declares(trial: Trial) -> Iterator[str]:
-    """Messages have the declared type, dtypes and shapes."""
+    """Messages have the declared type, dtypes and shapes, and their capture time."""
     if not trial.yields:
         return
-    declared = {port.type for port in trial.ports.outputs}
     try:
-        for message in _first(trial):
-            if type(message) not in declared:
-                yield f"it yields a {type(message).__name__}, which it does not declare"
-            seal(message)
+        for item in _items(trial):
+            check_yielded(trial.ports.outputs, item, live=False)
+            for message in outputs(item):
+                seal(message)
+    except WrongOutput as error:
+        yield f"it {error}"
     except InvalidMessage as error:
         yield f"a message breaks its contract: {error}"
     except Exception as error:
@@ -56,14 +59,14 @@ def stops_within_a_second(trial: Trial) -> Iterator[str]:
         yield f"it took {time.monotonic() - started:.1f} s to stop"
 
 
-def _first(trial: Trial) -> list[Message]:
+def _items(trial: Trial) -> list[Any]:
     with trial.at_work(seed=1) as stage:
-        return [message for output in islice(stage.process(), FRAMES) for message in outputs(output)]
+        return list(islice(stage.process(), FRAMES))
 
 
 def _first_or_none(trial: Trial) -> list[Message]:
     """Nothing where it fails, which `yields_what_it_declares` tells."""
     try:
-        return _first(trial) if trial.yields else []
+        return [message for item in _items(trial) for message in outputs(item)] if trial.yields else []
     except Exception:
         return []

@@ -11,6 +11,7 @@ import numpy as np
 
 from followspot.errors import FollowspotError
 from followspot.messages import InvalidMessage, Message, identical, seal
+from followspot.outputs import WrongOutput, check_returned
 from followspot.testing.samples import BLACK
 from followspot.testing.trial import Trial, noise, outputs, reason
 
@@ -95,15 +96,17 @@ def leaves_its_inputs_as_they_were(trial: Trial) -> Iterator[str]:
 
 
 def sends_what_it_declares(trial: Trial) -> Iterator[str]:
-    """Outputs have the declared type, dtypes and shapes; others are dropped as invalid."""
-    declared = {port.type for port in trial.ports.outputs}
-    for message in _sent(trial):
-        if type(message) not in declared:
-            yield f"process returns a {type(message).__name__}, which it does not declare"
+    """Outputs have the declared type, dtypes and shapes, and no time of their own."""
+    for result in _returned(trial):
         try:
-            seal(message)
+            if result is not None:
+                check_returned(trial.ports.outputs, result)
+            for message in outputs(result):
+                seal(message)
+        except WrongOutput as error:
+            yield f"process {error}"
         except InvalidMessage as error:
-            yield f"its {type(message).__name__} breaks its contract: {error}"
+            yield f"what process returns breaks its contract: {error}"
 
 
 def leaves_what_it_sent_alone(trial: Trial) -> Iterator[str]:
@@ -183,13 +186,17 @@ def _tried(trial: Trial, what: str, frames: Sequence[list[Any]]) -> Iterator[str
 
 
 def _sent(trial: Trial) -> list[Message]:
-    """What an instance sends for three frames; nothing where it fails, which other promises tell."""
-    sent: list[Message] = []
+    """What an instance sends for three frames."""
+    return [message for result in _returned(trial) for message in outputs(result)]
+
+
+def _returned(trial: Trial) -> list[Any]:
+    """What an instance returns for three frames; nothing where it fails, which other promises tell."""
+    returned: list[Any] = []
     if trial.computes:
         with contextlib.suppress(Exception), trial.at_work(seed=1) as stage:
-            for n in range(3):
-                sent += outputs(stage.process(*trial.inputs("plausible", n, noise(n))))
-    return sent
+            returned.extend(stage.process(*trial.inputs("plausible", n, noise(n))) for n in range(3))
+    return returned
 
 
 def _frame(trial: Trial, pixels: Any) -> list[Any]:

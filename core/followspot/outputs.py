@@ -1,0 +1,78 @@
+"""What a stage hands out: messages of the types that it declares, with a time that only a source says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from followspot.errors import FollowspotError
+from followspot.messages import UNSTAMPED, Header, Message
+from followspot.ports import ONE_OUTPUT, OutputPort
+
+_MISSING = object()
+
+
+class WrongOutput(FollowspotError):
+    """A stage handed out something else than its signature declares; the text says what, and the remedy."""
+
+
+def untimed(header: Header) -> bool:
+    """Whether nobody called at() with the message of this header since it was made or came in."""
+    return header is UNSTAMPED or header.source != ""
+
+
+def check_returned(declared: Sequence[OutputPort], result: Any) -> None:
+    """Check what `process` of a stage with inputs returned, unless it is None. Raises WrongOutput."""
+    for message in _messages(declared, result, "returned"):
+        if not untimed(message.header):
+            raise WrongOutput(
+                f"returned a {type(message).__name__} with a capture time of its own: only a source has one;"
+                " return the message without at(), and it gets the time of the input that fired"
+            )
+
+
+def check_yielded(declared: Sequence[OutputPort], item: Any, *, live: bool) -> Header:
+    """Check what a source yielded; returns the header with its capture time, the same for all its messages.
+
+    A live source may leave the time to the runtime: the header is then UNSTAMPED. Raises WrongOutput.
+    """
+    headers = [message.header for message in _messages(declared, item, "yielded")]
+    if not headers:
+        raise WrongOutput("yielded nothing: leave the `yield` out where there is nothing to send")
+    given = [header for header in headers if header is not UNSTAMPED]
+    if not given and not live:
+        raise WrongOutput("yielded a message without its capture time: write `yield at(time_ns, message)`")
+    if any(header[1:3] != given[0][1:3] for header in given):
+        raise WrongOutput("yielded outputs of several times: give all of them the same time and number")
+    return given[0] if given else UNSTAMPED
+
+
+def _messages(declared: Sequence[OutputPort], output: Any, did: str) -> Iterator[Message]:
+    """The messages among the outputs, each of the declared type. Raises WrongOutput."""
+    if len(declared) == 1 and declared[0].name == ONE_OUTPUT:
+        if output is not None:
+            yield _of_type(declared[0].type, output, did)
+        return
+    if not declared:
+        raise WrongOutput(f"{did} {_named(output)}, declared None: declare what `process` returns")
+    for port in declared:
+        message = getattr(output, port.name, _MISSING)
+        if message is _MISSING:
+            names = ", ".join(f"`{each.name}`" for each in declared)
+            raise WrongOutput(f"{did} {_named(output)}, declared outputs {names}: name each of them")
+        if message is not None:
+            yield _of_type(port.type, message, f"{did} as `{port.name}`")
+
+
+def _of_type(kind: type[Message], message: Any, did: str) -> Message:
+    if type(message) is not kind:
+        raise WrongOutput(f"{did} {_named(message)}, declared {kind.__name__}: the type must be exactly that")
+    return message
+
+
+def _named(value: object) -> str:
+    """A value by its type: a list, an ndarray, None."""
+    if value is None:
+        return "None"
+    name = type(value).__name__
+    return f"{'an' if name[0] in 'aeiouAEIOU' else 'a'} {name}"
