@@ -122,9 +122,14 @@ def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent
             assert a["age_s"] > 1.0
             assert a["fired"] > 0  # the last that is known
             assert {"sum", "save", "b"} <= {s for s, state in states(seen).items() if state != "absent"}
+        assert wait_until(
+            lambda: any("! host pc-left has not answered for" in line for line in run.said), PATIENCE
+        )
         ended = run.ended()
     assert ended.code == 1, ended.errors
-    assert "host pc-left does not answer" in ended.summary["errors"]
+    why = "worker left was not there at the end: host pc-left does not answer"
+    assert ended.summary["errors"] == [why]
+    assert {w["worker"]: w["absent"] for w in ended.summary["workers"]} == {"left": True, "right": False}
 
 
 def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path) -> None:

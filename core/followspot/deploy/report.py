@@ -31,7 +31,10 @@ class StageReport:
 
 @dataclass(frozen=True)
 class WorkerReport:
-    """What one worker did; error is empty where it ended cleanly."""
+    """What one worker did; error is empty where it ended cleanly.
+
+    absent: whether it was not there at the end of the run.
+    """
 
     worker: str
     frames: int
@@ -39,6 +42,7 @@ class WorkerReport:
     paths: tuple[PathLatency, ...] = ()
     warnings: tuple[str, ...] = ()
     error: str = ""
+    absent: bool = False
 
     def to_data(self) -> dict[str, Any]:
         """JSON types."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -51,9 +51,7 @@ class RunStatus:
 
     def faults(self) -> tuple[str, ...]:
         """What is absent or was not heard lately, a line each; workers of such a host are not named again."""
-        hosts = {host.name: line for host in self.hosts if (line := _host_fault(host))}
-        workers = (_worker_fault(w) for w in self.workers if w.host not in hosts)
-        return (*hosts.values(), *(line for line in workers if line))
+        return faults(self.hosts, self.workers)
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
@@ -73,6 +71,13 @@ def run_status_from_data(data: Any) -> RunStatus:
 
 
 _STATUS: pydantic.TypeAdapter[RunStatus] = pydantic.TypeAdapter(RunStatus)
+
+
+def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[str, ...]:
+    """See `RunStatus.faults`."""
+    found = {host.name: line for host in hosts if (line := _host_fault(host))}
+    others = (_worker_fault(worker) for worker in workers if worker.host not in found)
+    return (*found.values(), *(line for line in others if line))
 
 
 def is_old(worker: WorkerStatus) -> bool:

@@ -120,7 +120,7 @@ class Supervisor:
         if report is not None and not failed_again:
             worker.phase = "over"
             if worker.name in self._missing and not report.error:
-                worker.report = report = replace(report, error=_gone(worker.name))
+                worker.report = report = replace(report, error=_gone(worker.name), absent=True)
             if report.error:
                 self._tell("error", report.error, worker.name)
             return
@@ -147,7 +147,7 @@ class Supervisor:
         if error:
             self._tell("error", error, worker.name)
         warnings = () if error else (f"worker {worker.name} was not there at the end",)
-        worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error)
+        worker.report = WorkerReport(worker.name, 0, warnings=warnings, error=error, absent=True)
 
     def _kill_silent(self, now: float) -> None:
         """Those that hang."""

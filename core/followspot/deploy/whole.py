@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import HostStatus, WorkerStatus
 from followspot.deploy.report import RunReport, WorkerReport, merge, summed
-from followspot.deploy.status import RunStatus, SeenHost
+from followspot.deploy.status import RunStatus, SeenHost, faults
 from followspot.deploy.supervision import SILENCE
 from followspot.graph.plan import Plan
 from followspot.runtime.ledger import Ledger
@@ -32,7 +32,8 @@ class Whole:
         senders = {edge.from_stage for edge in self.plan.edges}
         sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
         fired = [worker.fired for worker in self.workers() if worker.name in sinks]
-        return Progress(min(fired, default=0), max((worker.time for worker in self.workers()), default=-1))
+        newest = max((worker.time for worker in self.workers()), default=-1)
+        return Progress(min(fired, default=0), newest, faults(self._seen_hosts(), self._seen()))
 
     def expected(self) -> int | None:
         """Frames that will be done, where a source knows."""
@@ -80,7 +81,7 @@ class Whole:
         """At the end, workers in the order of the plan. silent: hosts that do not answer, and why."""
         found = {worker.name: worker for worker in self.workers()}
         reports = [
-            _report(found.get(w.name), silent.get(w.host, f"worker {w.name} did not end in time"), w.name)
+            _report(found.get(w.name), silent.get(w.host, "it did not end in time"), w.name)
             for w in self.plan.workers
         ]
         return merge(
@@ -109,4 +110,6 @@ class Whole:
 
 def _report(found: WorkerStatus | None, why: str, name: str) -> WorkerReport:
     """A worker's own, or why there is none."""
-    return WorkerReport(name, 0, error=why) if found is None or found.report is None else found.report
+    if found is not None and found.report is not None:
+        return found.report
+    return WorkerReport(name, 0, error=f"worker {name} was not there at the end: {why}", absent=True)

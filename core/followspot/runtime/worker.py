@@ -45,12 +45,14 @@ class StuckError(FollowspotError):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a worker is."""
+    """How far a worker, or a run, is."""
 
     fired: int
     """Firings of its sinks; of its sources where it has no sinks."""
     time: int
     """Newest capture time that a source sent, ns; -1 before the first."""
+    faults: tuple[str, ...] = ()
+    """What is absent or was not heard lately, a line each; of a run."""
 
 
 class Worker:
