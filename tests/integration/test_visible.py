@@ -47,11 +47,16 @@ class Watched:
         self.url = found[0]
         threading.Thread(target=lambda: self.said.extend(self.process.stderr or ()), daemon=True).start()
 
+    def looked(self, *words: str) -> subprocess.CompletedProcess[str]:
+        """A command that looks at the run."""
+        whole = [*COMMAND, *words]
+        return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=PATIENCE)
+
     def top(self) -> dict[str, Any]:
         """What `followspot top` tells."""
-        words = [*COMMAND, "top", str(self.process.pid), "--json"]
-        done = subprocess.run(words, capture_output=True, text=True, check=False, timeout=PATIENCE)
-        return dict(json.loads(done.stdout)) if done.returncode == 0 else {}
+        done = self.looked("top", str(self.process.pid), "--json")
+        assert done.returncode == 0, done.stderr
+        return dict(json.loads(done.stdout))
 
     def status(self) -> dict[str, Any]:
         """What the page is told."""
@@ -114,7 +119,7 @@ def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent
         agent.process.kill()
         told = run.until(lambda told: any(host["absent"] for host in told["hosts"]))
         for seen in (told, run.top()):
-            assert re.fullmatch(r"host pc-left has not answered for \d+ s", seen["faults"][0])
+            assert re.fullmatch(r"host pc-left is absent: last heard \d+ s ago", seen["faults"][0])
             (left,) = [worker for worker in seen["workers"] if worker["worker"] == "left"]
             assert (left["host"], left["phase"]) == ("pc-left", "absent")
             (a,) = [stage for stage in seen["stages"] if stage["stage"] == "a"]
@@ -123,7 +128,7 @@ def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent
             assert a["fired"] > 0  # the last that is known
             assert {"sum", "save", "b"} <= {s for s, state in states(seen).items() if state != "absent"}
         assert wait_until(
-            lambda: any("! host pc-left has not answered for" in line for line in run.said), PATIENCE
+            lambda: any("! host pc-left is absent: last heard" in line for line in run.said), PATIENCE
         )
         ended = run.ended()
     assert ended.code == 1, ended.errors
@@ -142,7 +147,24 @@ def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path)
         plugin.write_text("raise RuntimeError('broken meanwhile')")
         os.kill(workers(run.process.pid)[0], signal.SIGKILL)
         told = run.until(lambda told: "absent" in states(told).values())
-        assert re.fullmatch(r"worker left is absent since \d+ s", told["faults"][0])
+        assert re.fullmatch(r"worker left is absent: last heard \d+ s ago", told["faults"][0])
         ended = run.ended()
     assert ended.code == 1, ended.errors
     assert any("worker left was not there at the end" in line for line in ended.summary["errors"])
+
+
+def test_a_run_whose_operator_is_suspended_is_old_and_no_run_that_has_ended(tmp_path: Path) -> None:
+    with watched(tmp_path, HERE) as run:
+        run.until(lambda told: told["fired"] > 20 and not told["faults"])
+        run.process.send_signal(signal.SIGSTOP)
+        told = run.until(lambda told: bool(told["faults"]))
+        assert re.fullmatch(r"the run has not answered for \d+ s", told["faults"][0])
+        assert set(states(told).values()) == {"old"}
+        assert told["rate"] is None
+        top = run.looked("top", str(run.process.pid))
+        assert top.returncode == 1
+        assert f"process {run.process.pid} is suspended; kill -CONT {run.process.pid}" in top.stderr
+        run.process.send_signal(signal.SIGCONT)
+        run.until(lambda told: not told["faults"] and "old" not in states(told).values())
+        ended = run.ended()
+    assert ended.code == 0, ended.errors

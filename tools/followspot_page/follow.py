@@ -10,7 +10,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.reachable import RunHere, runs_here
+from followspot.deploy.reachable import NoAnswer, RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
@@ -27,13 +27,15 @@ _PLAN_EVERY = 10
 """Of so many questions one asks for the plan again: stages are swapped and parameters set."""
 _PATIENCE = 10.0
 """Seconds that a run may take to answer; one that is setting up its stages takes long."""
+_ANSWER = 1.0
+"""Seconds to wait for its status until browsers are told again how old the last one is."""
 
 
 async def found(pid: int) -> RunHere:
     """The run of a process, as soon as there is one."""
     while True:
         for run in await asyncio.to_thread(runs_here):
-            if run.pid == pid:
+            if run.pid == pid and run.graph:  # else it does not answer yet
                 return run
         await asyncio.sleep(_GLANCE)
 
@@ -78,14 +80,17 @@ class Sight:
 
 
 async def follow(
-    run: RunHere, sight: Sight, take: Callable[[RunStatus], Any], show: Callable[[Plan], Any]
+    run: RunHere, sight: Sight, take: Callable[[RunStatus | None], Any], show: Callable[[Plan], Any]
 ) -> None:
-    """Ask the run how it is, until it is there no more."""
+    """Ask the run how it is, until it is there no more; `take` is given None where it does not answer."""
     with contextlib.suppress(FollowspotError):
         for turn in count(1):
-            take(run_status_from_data(await asyncio.to_thread(run.ask, "status", _PATIENCE)))
-            if turn % _PLAN_EVERY == 0:
-                plan = await plan_of(run)
-                show(plan)
-                await sight.turn_to(plan)
+            try:
+                take(run_status_from_data(await asyncio.to_thread(run.ask, "status", _ANSWER)))
+                if turn % _PLAN_EVERY == 0:
+                    plan = await plan_of(run)
+                    show(plan)
+                    await sight.turn_to(plan)
+            except NoAnswer:
+                take(None)
             await asyncio.sleep(_PERIOD)

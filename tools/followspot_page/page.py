@@ -102,9 +102,10 @@ class Page:
     def _tell_recording(self, about: dict[str, Any]) -> None:
         self.feed.put("recording", json.dumps({"type": "recording", **about}))
 
-    def take_status(self, status: RunStatus) -> None:
-        """How the run is now."""
-        self.run.take(status)
+    def take_status(self, status: RunStatus | None) -> None:
+        """How the run is now; None where it does not answer, and what is known of it becomes old."""
+        if status is not None:
+            self.run.take(status)
         self.feed.put("run", json.dumps(self.run.data()))
 
     async def look(self, socket: WebSocket) -> None:

@@ -20,7 +20,7 @@ from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.ear import Ear, HeardPort, chosen, listening
-from followspot_watch.runs import Look, looking
+from followspot_watch.runs import PATIENCE, Look, looking
 from followspot_watch.screen import screenful
 
 SINK = "dashboard.meter"
@@ -91,7 +91,7 @@ class Measured:
         """One a port, in the order of the graph."""
         now = time.monotonic()
         with suppress(FollowspotError):  # it has ended, and the last counts stand
-            self._dropped = dropped(self._look.plan, self._look.status())
+            self._dropped = dropped(self._look.plan, self._look.status(PATIENCE))
         found = []
         for port in self.ports:
             rhythm, at = self._told.get(port.name, (None, self._since))

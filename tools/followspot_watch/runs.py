@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from followspot.deploy.changes.change import chosen_here
 from followspot.deploy.log.record import LogPage, page_from_data
-from followspot.deploy.reachable import RunHere, runs_here
+from followspot.deploy.reachable import NoAnswer, RunHere, runs_here
 from followspot.deploy.status import RunStatus, run_status_from_data
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
@@ -22,7 +22,7 @@ from followspot.transport.zenoh_network import Network, network_from_data
 if TYPE_CHECKING:
     from followspot.deploy.attach import Attachment
 
-_PATIENCE = 10.0
+PATIENCE = 10.0
 """Seconds that a run may take to answer."""
 
 
@@ -30,24 +30,26 @@ _PATIENCE = 10.0
 class Look:
     """A run that is looked at: its name, its plan as it was at first, how it is, and what it says.
 
-    near: whether the operator's host is this one; log: the records after the one of a number; out: the folder
-    of its outputs, where it is on this host; tap: puts sinks at ports; network: of one more session beside
-    those of its hosts.
+    near: whether the operator's host is this one; status: gets how long to wait for it, s, after which it
+    raises NoAnswer; log: the records after the one of a number; out: the folder of its outputs, where it is
+    on this host; tap: puts sinks at ports; network: of one more session beside those of its hosts.
     """
 
     run: str
     plan: Plan
     near: bool
-    status: Callable[[], RunStatus]
+    status: Callable[[float], RunStatus]
     log: Callable[[int], LogPage]
     out: Callable[[], Path | None]
     tap: Callable[[Sequence[Tapping]], None]
     network: Callable[[], Network]
 
     def over(self) -> bool:
-        """Whether the run has ended."""
+        """Whether the run has ended; one that does not answer has not."""
         try:
-            return all(worker.phase == "over" for worker in self.status().workers)
+            return all(worker.phase == "over" for worker in self.status(PATIENCE).workers)
+        except NoAnswer:
+            return False
         except FollowspotError:
             return True
 
@@ -67,7 +69,7 @@ def run_here(wanted: str | None) -> RunHere:
 
 def plan_here(run: RunHere) -> Plan:
     """Its plan, with its one-file plugins loaded. Raises FollowspotError."""
-    plan = plan_from_data(run.ask("plan", _PATIENCE))
+    plan = plan_from_data(run.ask("plan", PATIENCE))
     use_plugin_files(plan.plugin_files)
     return plan
 
@@ -99,11 +101,11 @@ def _here(run: RunHere) -> Look:
         run=run.run,
         plan=plan_here(run),
         near=True,
-        status=lambda: run_status_from_data(run.ask("status", _PATIENCE)),
-        log=lambda after: page_from_data(run.ask("log", _PATIENCE, after=after)),
-        out=lambda: Path(run.ask("where", _PATIENCE)["out"]),
-        tap=lambda taps: run.ask("tap", _PATIENCE, taps=[asdict(tap) for tap in taps]),
-        network=lambda: network_from_data(run.ask("where", _PATIENCE)["network"]),
+        status=lambda patience: run_status_from_data(run.ask("status", patience)),
+        log=lambda after: page_from_data(run.ask("log", PATIENCE, after=after)),
+        out=lambda: Path(run.ask("where", PATIENCE)["out"]),
+        tap=lambda taps: run.ask("tap", PATIENCE, taps=[asdict(tap) for tap in taps]),
+        network=lambda: network_from_data(run.ask("where", PATIENCE)["network"]),
     )
 
 
@@ -113,7 +115,7 @@ def _afar(attachment: Attachment, network: Network) -> Look:
         run=attachment.found.run,
         plan=coordinator.plan,
         near=False,
-        status=coordinator.status,
+        status=lambda _: coordinator.status(),
         log=coordinator.records,
         out=lambda: None,
         tap=coordinator.tap,
@@ -122,4 +124,4 @@ def _afar(attachment: Attachment, network: Network) -> Look:
 
 
 def _listing(runs: Sequence[RunHere]) -> str:
-    return ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
+    return ", ".join(run.label for run in runs) or "none"

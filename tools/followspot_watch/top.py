@@ -7,16 +7,18 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.deploy.clocks.status import LIMIT_MS
+from followspot.deploy.reachable import NoAnswer
 from followspot.errors import FollowspotError
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.runs import looking
+from followspot_watch.runs import PATIENCE, Look, looking
 from followspot_watch.screen import BAD, screenful
 
 _FIRST = 1.0
@@ -30,12 +32,12 @@ def top(args: argparse.Namespace) -> int:
     """Show the run until it ends, or once where the output is no terminal. Returns the exit code."""
     with looking(args.run, network_of(args, LOOPBACK, AGENT)) as look:
         picture = RunPicture(look.plan)
-        picture.take(look.status())
+        picture.take(look.status(PATIENCE))
         pause, once = _FIRST, args.json or not sys.stdout.isatty()
         try:
             while True:
                 time.sleep(pause)
-                picture.take(look.status())
+                _renew(picture, look, None if once else args.every)
                 data = {"run": look.run, "graph": look.plan.graph, **picture.data()}
                 if args.json:
                     print(json.dumps({name: value for name, value in data.items() if name != "type"}))
@@ -51,6 +53,15 @@ def top(args: argparse.Namespace) -> int:
                 raise
             print("the run has ended")
             return 0
+
+
+def _renew(picture: RunPicture, look: Look, patience: float | None) -> None:
+    """The newest status; where none comes within `patience`, s, the last one is shown as what it is: old."""
+    if patience is None:
+        picture.take(look.status(PATIENCE))
+        return
+    with suppress(NoAnswer):
+        picture.take(look.status(patience))
 
 
 def text(data: dict[str, Any]) -> str:

@@ -32,23 +32,43 @@ _TELLING = 8
 _PEER = Struct("3i")
 """Process, user and group at the other end."""
 
+
+class NoAnswer(FollowspotError):
+    """The run's process is there, but does not answer in time: it is suspended, or very busy."""
+
+
 Verbs = Mapping[str, Callable[..., Any]]
 """What can be asked: functions of JSON types that return JSON types; each call has a thread of its own."""
 
 
 @dataclass(frozen=True)
 class RunHere:
-    """A run on this machine, its process, and the name of its socket."""
+    """A run on this machine, its process, and the name of its socket; graph: "" where it does not answer."""
 
     run: str
     graph: str
     pid: int
     socket: str
 
+    @property
+    def label(self) -> str:
+        """For lists of runs."""
+        silent = f" of process {self.pid}, which does not answer"
+        return f"{self.graph} ({self.run[:8]})" if self.graph else self.run[:8] + silent
+
+    def silent(self) -> NoAnswer:
+        """The error of one that does not answer."""
+        return NoAnswer(f"the run {self.run[:8]} does not answer: {_why_silent(self.pid)}")
+
     def ask(self, verb: str, timeout: float | None = None, **data: Any) -> Any:
-        """Its answer. Raises FollowspotError where it refuses, or ends meanwhile."""
+        """Its answer. Raises FollowspotError where it refuses, or ends meanwhile.
+
+        timeout: time to answer, s, None for as long as it takes; NoAnswer is raised after it.
+        """
         try:
             return _asked(self.socket, verb, timeout, **data)
+        except TimeoutError:
+            raise self.silent() from None
         except OSError as error:
             raise FollowspotError(f"the run {self.run[:8]} does not answer: {error}") from None
 
@@ -83,9 +103,18 @@ def runs_here(wanted: str | None = None) -> list[RunHere]:
     meant = [name for name in names if wanted and _is(wanted, name)]
     for name in meant or names:
         with suppress(OSError, FollowspotError, KeyError, TypeError, ValueError):  # it has just ended
-            about = _asked(name, "describe", _PATIENCE)
-            found.append(RunHere(str(about["run"]), str(about["graph"]), int(about["pid"]), name))
+            found.append(_found(name))
     return found
+
+
+def _found(name: str) -> RunHere:
+    """The run with a socket of this name."""
+    try:
+        about = _asked(name, "describe", _PATIENCE)
+    except TimeoutError:
+        pid, _, run = name.removeprefix(_own()).partition("-")
+        return RunHere(run, "", int(pid), name)
+    return RunHere(str(about["run"]), str(about["graph"]), int(about["pid"]), name)
 
 
 class _Server:
@@ -178,6 +207,16 @@ def _line(end: socket.socket, most: int) -> bytes:
 def _same_user(end: socket.socket) -> bool:
     _, user, _ = _PEER.unpack(end.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _PEER.size))
     return bool(user == os.getuid())
+
+
+def _why_silent(pid: int) -> str:
+    """What is the matter with a process that does not answer."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return f"its process {pid} is gone"
+    stopped = f"is suspended; kill -CONT {pid} lets it go on"
+    return f"its process {pid} {stopped if state in 'Tt' else 'is too busy'}"
 
 
 def _is(wanted: str, name: str) -> bool:

@@ -95,18 +95,15 @@ def _host_fault(host: SeenHost) -> str:
     if host.age_s is None:
         return f"host {host.name} is not in reach"
     if host.absent:
-        return f"host {host.name} has not answered for {host.age_s:.0f} s"
+        return f"host {host.name} is absent: last heard {host.age_s:.0f} s ago"
     return f"host {host.name} was last heard {host.age_s:.1f} s ago" if host.age_s > OLD else ""
 
 
 def _worker_fault(worker: WorkerStatus) -> str:
     """What is wrong with a worker, "" for nothing."""
     if worker.phase == "absent":
-        return f"worker {worker.name} is absent" + _since(worker.age_s)
+        when = "never heard" if worker.age_s is None else f"last heard {worker.age_s:.0f} s ago"
+        return f"worker {worker.name} is absent: {when}"
     if worker.phase in ("starting", "ready") and worker.restarts:
         return f"worker {worker.name} is starting again"
     return f"worker {worker.name} was last heard {worker.age_s:.1f} s ago" if is_old(worker) else ""
-
-
-def _since(age_s: float | None) -> str:
-    return "" if age_s is None else f" since {age_s:.0f} s"

@@ -57,6 +57,7 @@ class Tile {
     this.colors = colors;
     this.pictures = []; // {image, time}: the one that is shown, and those that wait for what belongs to them
     this.waiting = false;
+    this.absent = ""; // since when its source is
     this.figure = document.createElement("figure");
     this.figure.className = "dark";
     this.figure.classList.toggle("wide", camera.size[0] > WIDE * camera.size[1]);
@@ -77,7 +78,7 @@ class Tile {
   // What its source is doing.
   tell({ state, age_s }) {
     this.state = state;
-    this.fault = state === "absent" || state === "old" ? `${state}${age_s === null ? "" : ` ${age_s.toFixed(0)} s`}` : "";
+    this.absent = state === "absent" ? `absent${age_s === null ? "" : ` ${age_s.toFixed(0)} s`}` : "";
     this.look();
   }
 
@@ -85,9 +86,9 @@ class Tile {
   look() {
     const silent = this.shown === undefined || this.state === "over" ? 0 : performance.now() - this.shown;
     const old = silent > SILENT_MS ? `${(silent / 1000).toFixed(0)} s old` : "";
-    this.note.textContent = this.fault || old;
+    this.note.textContent = this.absent || old;
     this.figure.classList.toggle("absent", this.state === "absent");
-    this.figure.classList.toggle("old", Boolean(this.note.textContent));
+    this.figure.classList.toggle("old", old !== "");
   }
 
   show(image, time) {

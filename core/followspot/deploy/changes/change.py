@@ -67,18 +67,23 @@ def move(wanted: str | None, stages: Sequence[str], place: str, *, network: Netw
 
 
 def chosen_here(runs: Sequence[RunHere], wanted: str | None) -> RunHere | None:
-    """The run on this machine that is meant; None where none is. Raises FollowspotError where several are."""
+    """The run on this machine that is meant; None where none is.
+
+    Raises FollowspotError where several are, and where the one that is meant does not answer.
+    """
     fitting = [
         run
         for run in runs
         if wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
     ]
     if len(fitting) > 1:
-        listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in fitting)
+        listing = ", ".join(run.label for run in fitting)
         raise FollowspotError(f"there are several runs: {listing}; name one by what stands in brackets")
+    if fitting and not fitting[0].graph:
+        raise fitting[0].silent()
     return fitting[0] if fitting else None
 
 
 def _none(wanted: str | None, runs: Sequence[RunHere]) -> str:
-    listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
+    listing = ", ".join(run.label for run in runs) or "none"
     return f"there is no run {wanted or ''}".rstrip() + f"; runs on this machine: {listing}"
