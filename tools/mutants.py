@@ -6,9 +6,10 @@
 
 Each change is made in a copy of the tree (runs/mutants/tree) and meets the tests whose coverage reaches its
 line, the cheapest files first, until one fails: at most --files of them and --budget seconds of what they
-usually take. A test that takes 30 s more than five times what is usual has failed. A change that no test
-reaches has survived. The sample is of places in the code, so a package has its share by what it computes.
-Ctrl-C ends it; the same command goes on where it was. Results: runs/mutants/results.jsonl, and a table.
+usually take. A test without end has failed, and has a second trial with four times the patience, for the
+machine may be busy. A change that no test reaches has survived. The sample is of places in the code, so that
+a package has its share by what it computes. Ctrl-C ends it; the same command goes on where it was.
+Results: runs/mutants/results.jsonl, and a table.
 """
 
 from __future__ import annotations
@@ -37,6 +38,10 @@ MODULES = (
     "tools/followspot_calibrate",
 )
 SLOWER, AT_LEAST_S = 5.0, 30.0
+"""What a test may take: times what is usual, and on top of that."""
+PATIENCE = (1.0, 4.0)
+"""Times that; a test that did not end has a second trial, for the machine may have been busy."""
+WITHOUT_END = " (did not end)"
 _IMPORT = re.compile(r"^\s*(?:from|import)\b.*$", re.MULTILINE)
 
 
@@ -151,13 +156,13 @@ def _within(groups: Sequence[Sequence[str]], seconds: dict[str, float], limits: 
 def _try(tree: Tree, mutant: Mutant, chosen: Sequence[str], seconds: dict[str, float]) -> dict[str, Any]:
     begun = time.monotonic()
     killed, out = "", ""
-    if chosen:
-        limits = {test: AT_LEAST_S + SLOWER * seconds[test] for test in chosen}
-        file = STORE / "limits.json"
-        file.write_text(json.dumps(limits))
+    for patience in PATIENCE if chosen else ():
+        limits = {test: patience * (AT_LEAST_S + SLOWER * seconds[test]) for test in chosen}
         with tree.changed(mutant):
-            ran = run(tree, ["-x", *chosen], 60.0 + sum(limits.values()), {"MUTANTS_LIMITS": str(file)})
+            ran = run(tree, ["-x", *chosen], limits)
         killed, out = _verdict(ran.log, ran.code), ran.out
+        if not killed.endswith(WITHOUT_END):
+            break
     return {
         "key": mutant.key, "path": mutant.path, "line": mutant.line, "operator": mutant.operator,
         "killed": killed, "tests": len(chosen), "seconds": round(time.monotonic() - begun, 1),
@@ -173,7 +178,7 @@ def _verdict(log: Sequence[dict[str, Any]], code: int | None) -> str:
     if code == 0:
         return ""
     begun = [entry["begin"] for entry in log if "begin" in entry]
-    return f"{begun[-1]} (did not end)" if begun else "import"
+    return begun[-1] + WITHOUT_END if begun else "import"
 
 
 def _print_table(mutants: Sequence[Mutant], results: dict[str, dict[str, Any]]) -> int:

@@ -21,8 +21,7 @@ _LONGEST_S = 900.0
 class _Log:
     def __init__(self) -> None:
         self.file = Path(os.environ["MUTANTS_LOG"]).open("a", buffering=1)  # noqa: SIM115
-        limits = os.environ.get("MUTANTS_LIMITS")
-        self.limits: dict[str, float] = json.loads(Path(limits).read_text()) if limits else {}
+        self.limits: dict[str, float] = json.loads(Path(os.environ["MUTANTS_LIMITS"]).read_text())
         self.seconds = 0.0
         self.outcome = "passed"
 

@@ -15,7 +15,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -44,6 +44,7 @@ sigterm = true
 data_file = %s
 include = %s
 """
+NOT_INHERITED = ("PYTHONDONTWRITEBYTECODE", "PYTHONPATH", "VIRTUAL_ENV")
 MEMORY = 6 << 30
 """Bytes of data that a process may take: a change can make a loop endless."""
 _LONGEST_S = 1800.0
@@ -122,18 +123,23 @@ def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -
     return []
 
 
-def run(tree: Tree, words: Sequence[str], limit_s: float, env: dict[str, str], *before: str) -> Run:
-    """Run pytest in the copy in a session of its own; nothing that it started is left when this returns."""
+def run(
+    tree: Tree,
+    words: Sequence[str],
+    limits: Mapping[str, float],
+    env: Mapping[str, str] | None = None,
+    *before: str,
+) -> Run:
+    """Run pytest in the copy in a session of its own; nothing that it started is left when this returns.
+
+    limits: s, for each test; before: words of Python's before those of pytest.
+    """
     folder = Path(tempfile.mkdtemp(prefix="mutants-"))
-    name = folder.name
     (folder / "words").write_text("\n".join(words))
+    (folder / "limits").write_text(json.dumps(limits))
     log = folder / "log"
-    own = {TOKEN: name, "MUTANTS_LOG": str(log), "OPENBLAS_NUM_THREADS": "1", "TMPDIR": str(folder)}
-    inherited = {
-        k: v
-        for k, v in os.environ.items()
-        if k not in ("PYTHONDONTWRITEBYTECODE", "PYTHONPATH", "VIRTUAL_ENV")
-    }
+    own = {TOKEN: folder.name, "MUTANTS_LOG": str(log), "MUTANTS_LIMITS": str(folder / "limits")}
+    inherited = {name: value for name, value in os.environ.items() if name not in NOT_INHERITED}
     command = [
         str(tree.python),
         *before,
@@ -146,17 +152,18 @@ def run(tree: Tree, words: Sequence[str], limit_s: float, env: dict[str, str], *
         with (folder / "out").open("w+") as out:
             process = subprocess.Popen(
                 command, cwd=tree.root, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT,
-                env=inherited | own | env, start_new_session=True, preexec_fn=_bounded,
+                env={**inherited, "OPENBLAS_NUM_THREADS": "1", "TMPDIR": str(folder), **own, **(env or {})},
+                start_new_session=True, preexec_fn=_bounded,
             )  # fmt: skip
             try:
-                code: int | None = process.wait(limit_s)
+                code: int | None = process.wait(_LONGEST_S + sum(limits.values()))
             except subprocess.TimeoutExpired:
                 code = None
             finally:
                 if process.poll() is None:
                     os.killpg(process.pid, signal.SIGKILL)
                     process.wait()
-                end(name)
+                end(folder.name)
             out.seek(0)
             lines = log.read_text().splitlines() if log.exists() else []
             return Run([json.loads(line) for line in lines], code, out.read()[-20_000:])
@@ -174,7 +181,7 @@ def _measure(tree: Tree, file: str) -> Reach:
         include = "\n    ".join(f"{tree.root / name}/*" for name in SOURCES)
         config.write_text(CONFIG % (Path(folder, "data"), include))
         coverage = ("-m", "coverage", "run", f"--rcfile={config}")
-        ran = run(tree, [file], _LONGEST_S, {"COVERAGE_PROCESS_START": str(config)}, *coverage)
+        ran = run(tree, [file], {}, {"COVERAGE_PROCESS_START": str(config)}, *coverage)
         reach = Reach(file, "")
         for entry in ran.log:
             if entry.get("outcome") == "passed":

@@ -191,6 +191,15 @@ def test_person_who_returns_is_known_by_the_same_number_or_not() -> None:
     assert (new.returns, new.returns_known, new.identity_switches) == (1, 0, 1)
 
 
+def test_pose_that_stays_until_the_person_returns_stays_as_long_as_the_person_is_away() -> None:
+    true = truth((2, 0), frames=50)
+    true.visible[10:20] = true.visible[30:45] = 0
+    score = score_persons(reported(true), true).overall
+    assert score.acquire_s == (0.0, 0.0, 0.0)
+    assert score.vanish_s == pytest.approx((1.0, 1.5))
+    assert (score.returns, score.returns_known) == (2, 2)
+
+
 def test_poses_between_frames_go_to_the_nearest_and_one_of_a_number_counts() -> None:
     true = truth((2, 0))
     twice = replace(reported(true), time=true.time + 0.02)

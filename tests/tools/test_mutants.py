@@ -47,9 +47,8 @@ def reach(
 
 @pytest.mark.parametrize("test", ["tests/test_part.py::test_part", "tests/test_child.py::test_child"])
 def test_a_change_kills_a_test_in_its_process_and_in_others_and_is_then_gone(
-    tree: mutants_tree.Tree, test: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    tree: mutants_tree.Tree, test: str
 ) -> None:
-    monkeypatch.setattr(mutants, "STORE", tmp_path)
     result = mutants._try(tree, CHANGE, [test], {test: 0.1})
     assert result["killed"] == test
     assert (tree.root / PATH).read_text() == "VALUE = 1\n"
@@ -58,11 +57,11 @@ def test_a_change_kills_a_test_in_its_process_and_in_others_and_is_then_gone(
     )
 
 
-def test_a_test_that_does_not_end_is_a_test_that_fails(
-    tree: mutants_tree.Tree, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+def test_a_test_that_does_not_end_fails_at_the_second_trial(
+    tree: mutants_tree.Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mutants, "STORE", tmp_path)
-    monkeypatch.setattr(mutants, "AT_LEAST_S", 1.0)
+    monkeypatch.setattr(mutants, "AT_LEAST_S", 0.5)
+    monkeypatch.setattr(mutants, "PATIENCE", (0.1, 4.0))
     test = "tests/test_long.py::test_long"
     assert mutants._try(tree, CHANGE, [test], {test: 0.0})["killed"] == f"{test} (did not end)"
 

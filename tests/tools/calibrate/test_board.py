@@ -15,7 +15,7 @@ from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.room_file import load, save
-from followspot_calibrate.board.poses import board_poses, relate
+from followspot_calibrate.board.poses import BoardPose, Pose, board_poses, relate
 from followspot_calibrate.board.rigidity import distances
 from followspot_calibrate.board.solving import solve
 from followspot_calibrate.board.timestamps import read_timestamps
@@ -172,6 +172,20 @@ def test_flat_board_far_away_has_two_poses_and_the_right_ones_agree() -> None:
     expected = b.rotation @ a.rotation.T
     assert np.degrees(np.linalg.norm(cv2.Rodrigues(relation.pose.rotation @ expected.T)[0])) < 3
     assert relation.moments <= relation.shared == 30
+
+
+def test_moments_agree_up_to_three_degrees_and_a_twentieth_of_the_distance() -> None:
+    def placed(degrees: float, shift: float) -> BoardPose:
+        rotation = cv2.Rodrigues(np.radians([0.0, degrees, 0.0]))[0]
+        return BoardPose(Pose(rotation, rotation @ [0.0, 0.0, 2.0] + [shift, 0.0, 0.0]), 0.1)
+
+    here = [[placed(0, 0)]] * 8
+    there = [(0, 0), (0.1, 0.002), (-0.1, 0), (0, -0.002), (2, 0), (4, 0), (0, 0.08), (0, 0.12)]
+    relation = relate(here, [[placed(*where)] for where in there])
+    assert relation is not None
+    assert (relation.moments, relation.shared) == (6, 8)
+    assert np.linalg.norm(relation.pose.translation) < 0.001
+    assert relate([[]], [[placed(0, 0)]]) is None
 
 
 def test_distances_are_taken_within_a_moment_only() -> None:

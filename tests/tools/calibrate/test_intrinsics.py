@@ -13,7 +13,7 @@ from drawn_boards import Photographer, lens, places
 
 from followspot import at
 from followspot.cli.main import main
-from followspot.errors import InputError
+from followspot.errors import FollowspotError, InputError
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.plugins import registry
@@ -98,6 +98,30 @@ def test_view_that_contradicts_the_others_is_rejected_by_name() -> None:
     found = calibrate_lens("cam0", views, BOARD, SIZE, "pinhole")
     assert found.rejected == (5,)
     assert found.fit.rms < 0.2
+
+
+@pytest.mark.parametrize("at", [0, 5, 14])
+def test_views_that_are_no_board_do_not_cost_a_fisheye_lens_the_others(at: int) -> None:
+    corners = np.arange(len(BOARD.corners))
+    anywhere = np.random.default_rng(0).uniform([0, 0], SIZE, (len(corners), 2))
+    views, nowhere = seen(lens("fisheye")), np.tile([300.0, 200.0], (len(corners), 1))
+    for pixel in (anywhere, nowhere):
+        wrong = View(99, corners, pixel, 1.5)
+        found = fit([*views[:at], wrong, *views[at:]], BOARD, SIZE, "fisheye")
+        assert [view.frame for view in found.views] == list(range(14))
+    wrong = View(99, corners, anywhere, 1.5), View(100, corners, anywhere[::-1], 1.5)
+    found = fit([*wrong, *views], BOARD, SIZE, "fisheye")
+    assert not {99, 100} & {view.frame for view in found.views}
+    assert found.rms < 0.2
+
+
+def test_views_that_are_no_boards_give_no_fisheye_lens() -> None:
+    corners = np.arange(len(BOARD.corners))
+    pixels = np.random.default_rng(1).uniform([0, 0], SIZE, (4, len(corners), 2))
+    with pytest.raises(FollowspotError, match="no fisheye lens explains the views"):
+        fit([View(n, corners, pixel, 1.5) for n, pixel in enumerate(pixels)], BOARD, SIZE, "fisheye")
+    with pytest.raises(FollowspotError, match="2 usable views of the board, at least 3"):
+        fit(seen(lens("fisheye"))[:2], BOARD, SIZE, "fisheye")
 
 
 def test_parallel_boards_are_told_to_leave_the_focal_length_open() -> None:

@@ -84,20 +84,30 @@ def _pinhole(views: Sequence[View], board: Board, size: tuple[int, int], flags: 
 
 
 def _fisheye(views: list[View], board: Board, size: tuple[int, int]) -> Fit:
-    flags = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW | cv2.fisheye.CALIB_CHECK_COND
+    """OpenCV gives up for one view that determines no pose, and seldom names the right one."""
     while len(views) >= LEAST_VIEWS:
-        objects = [board.corners[v.label][:, None] for v in views]
-        pixels = [v.pixel[:, None] for v in views]
         try:
-            _, K, lens, turns, shifts = cv2.fisheye.calibrate(
-                objects, pixels, size, np.zeros((3, 3)), np.zeros((4, 1)), flags=flags, criteria=STOP
-            )
+            return _fisheye_of(views, board, size)
         except cv2.error as error:
-            bad = _ILL.search(str(error))
-            views.pop(int(bad[1]) if bad and int(bad[1]) < len(views) else len(views) - 1)
-            continue
-        return _finished(views, board, K, lens.ravel(), turns, shifts, 8)
+            named = _ILL.search(str(error))
+        for number in range(len(views) if len(views) > LEAST_VIEWS else 0):
+            try:
+                return _fisheye_of([*views[:number], *views[number + 1 :]], board, size)
+            except cv2.error:
+                continue
+        views.pop(int(named[1]) if named else -1)
     raise NoFit("no fisheye lens explains the views; show the board nearer, in all parts of the picture")
+
+
+def _fisheye_of(views: Sequence[View], board: Board, size: tuple[int, int]) -> Fit:
+    """Raises cv2.error."""
+    flags = cv2.fisheye.CALIB_RECOMPUTE_EXTRINSIC | cv2.fisheye.CALIB_FIX_SKEW | cv2.fisheye.CALIB_CHECK_COND
+    objects = [board.corners[v.label][:, None] for v in views]
+    pixels = [v.pixel[:, None] for v in views]
+    _, K, lens, turns, shifts = cv2.fisheye.calibrate(
+        objects, pixels, size, np.zeros((3, 3)), np.zeros((4, 1)), flags=flags, criteria=STOP
+    )
+    return _finished(views, board, K, lens.ravel(), turns, shifts, 8)
 
 
 def _finished(

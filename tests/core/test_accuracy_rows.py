@@ -1,0 +1,64 @@
+"""Rows of somebody else's CSV file: what is taken, what is refused, and where the mistake is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from followspot import InputError
+from followspot.accuracy.rows import Row, header_of, read_rows
+
+
+def only_row(path: Path, text: str, columns: str = "time, hidden,object") -> Row:
+    path.write_text(f"{columns}\n{text}\n")
+    (row,) = read_rows(path, [name.strip() for name in columns.split(",")])
+    return row
+
+
+@pytest.mark.parametrize(
+    ("word", "value"), [("0", False), ("1", True), ("false", False), ("true", True), (" True", True)]
+)
+def test_flags_are_digits_or_words(tmp_path: Path, word: str, value: bool) -> None:
+    assert only_row(tmp_path / "truth.csv", f"0.5,{word},a").flag("hidden") is value
+
+
+@pytest.mark.parametrize("word", ["2", "yes", ""])
+def test_another_flag_is_refused_by_line_and_column(tmp_path: Path, word: str) -> None:
+    row = only_row(tmp_path / "truth.csv", f"0.5,{word},a")
+    with pytest.raises(InputError, match=rf'(?s)truth\.csv:2:5: "{word}" in column hidden.*needs 0 or 1'):
+        row.flag("hidden")
+
+
+def test_whole_numbers_are_those_that_an_int32_holds(tmp_path: Path) -> None:
+    row = only_row(tmp_path / "poses.csv", "0,2147483647,2147483648,-1,1.5", "zero,most,more,less,part")
+    assert (row.integer("zero"), row.integer("most")) == (0, 2**31 - 1)
+    for column in ("more", "less", "part"):
+        with pytest.raises(InputError, match=f"(?s)in column {column}.*a whole number from 0 to 2147483647"):
+            row.integer(column)
+
+
+def test_names_have_one_to_a_hundred_characters(tmp_path: Path) -> None:
+    row = only_row(tmp_path / "tracks.csv", f" red ,{'a' * 100},{'a' * 101}, ,1", "name,long,longer,none,x")
+    assert (row.text("name"), row.text("long")) == ("red", "a" * 100)
+    for column in ("longer", "none"):
+        with pytest.raises(InputError, match=f"(?s)in column {column}.*a name of 1 to 100 characters"):
+            row.text(column)
+
+
+def test_empty_lines_are_passed_over_and_short_ones_refused(tmp_path: Path) -> None:
+    path = tmp_path / "tracks.csv"
+    path.write_text("x, y,more\n1,2,3\n\n4,5\n6\n")
+    rows = read_rows(path, ["y", "x"])
+    assert next(rows).numbers("x", "y") == [1, 2]
+    row = next(rows)
+    assert (row.line, row.numbers("x", "y")) == (4, [4, 5])
+    with pytest.raises(InputError, match=r"tracks\.csv:5:1: 1 columns, 2 needed"):
+        next(rows)
+    assert header_of(path) == ("x", "y", "more")
+
+
+def test_every_column_that_is_missing_is_named(tmp_path: Path) -> None:
+    (tmp_path / "tracks.csv").write_text("time,x\n")
+    with pytest.raises(InputError, match=r"tracks\.csv:1:1: columns object, y are missing"):
+        list(read_rows(tmp_path / "tracks.csv", ["time", "object", "x", "y"]))
