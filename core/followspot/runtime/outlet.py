@@ -30,6 +30,7 @@ class Outlet:
         "_all_rows",
         "_away",
         "_living",
+        "_lost",
         "bound",
         "counts",
         "edges",
@@ -59,6 +60,8 @@ class Outlet:
         """Writers with the rows of their living readers."""
         self._away: list[int] = []
         """Rows of the edges whose readers are away."""
+        self._lost: list[frozenset[int]] = []
+        """Readers of each writer that are away, as of the last look."""
         self.counts = True
         """Whether `send` counts what is produced; a source with a thread of its own does so there."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
@@ -83,18 +86,27 @@ class Outlet:
         self.writers.append(writer)
         self.rows.append(rows)
         self._all_rows += rows
-        self.forget_lost()
+        self.look()
 
-    def forget_lost(self) -> None:
-        """A reader that died is sent nothing: what is produced until it is back counts as away."""
+    def look(self) -> None:
+        """Take note of which readers are away: what is produced until they are back counts as such.
+
+        A reader that is there again is told how far the stream is; nothing earlier comes to it.
+        """
+        lost = [writer.lost for writer in self.writers]
+        if lost == self._lost:
+            return
+        before, self._lost = self._lost, lost
         self._living, self._away = [], []
-        for writer, rows in zip(self.writers, self.rows, strict=True):
-            lost = writer.lost
-            self._living.append((writer, [row for index, row in enumerate(rows) if index not in lost]))
-            self._away += [row for index, row in enumerate(rows) if index in lost]
+        for writer, rows, gone in zip(self.writers, self.rows, lost, strict=True):
+            self._living.append((writer, [row for index, row in enumerate(rows) if index not in gone]))
+            self._away += [row for index, row in enumerate(rows) if index in gone]
+        for writer, then, now in zip(self.writers, before, lost, strict=False):
+            if then - now:
+                self.returned(writer)
 
     def returned(self, writer: PortWriter) -> None:
-        """A reader is there again: tell it how far the stream is; nothing earlier comes to it."""
+        """Another reader is there: tell it how far the stream is."""
         if writer in self.writers and -END < self.bound < END:
             writer.send(Settled(self.bound))
 

@@ -133,7 +133,7 @@ class Worker:
         rank = next(rank for known, rank in self.writers if known is writer)
         self.watch(fd, partial(self._credited, fd, writer, rank))
         for _, outlet in self.cells[rank].outlets:
-            outlet.forget_lost()
+            outlet.look()
             outlet.returned(writer)
         self.mark(rank)
 
@@ -176,6 +176,8 @@ class Worker:
                 source.start()
             for cell in self.cells:
                 self.mark(cell.rank)
+                for _, outlet in cell.outlets:
+                    outlet.look()  # readers may have come and gone since the edges were made
             while self._turn():
                 pass
         finally:
@@ -306,13 +308,9 @@ class Worker:
         return False
 
     def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
-        before = writer.lost
         writer.drain()
-        if writer.lost or before:
-            for _, outlet in self.cells[rank].outlets:
-                outlet.forget_lost()
-                if before - writer.lost:
-                    outlet.returned(writer)
+        for _, outlet in self.cells[rank].outlets:
+            outlet.look()
         self.mark(rank)
         return fd not in writer.filenos()
 

@@ -62,7 +62,7 @@ class Rings:
         self.ends[edge].close()
         for writer in self.outlet.writers:
             writer.drain()
-        self.outlet.forget_lost()
+        self.outlet.look()
 
     def revive(self, edge: int) -> None:
         """As the worker takes up a reader that was started again."""
@@ -71,7 +71,7 @@ class Rings:
             self.dropping.replace(0, ours)
         else:
             self.ring.replace(edge, ours)
-        self.outlet.forget_lost()
+        self.outlet.look()
 
     def send(self, count: int, message: Message = Note("short")) -> None:
         for _ in range(count):

@@ -1,0 +1,54 @@
+"""A reader that is found before the first firing is there, for the ledger too."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from followspot import Context, Message, Source, Stage, at
+from followspot.runtime.firing import Join
+from followspot.runtime.ledger import Ledger
+from followspot.runtime.outlet import Outlet
+from followspot.runtime.source import SourceCell
+from followspot.runtime.worker import Worker
+from followspot.transport.token import END, Settled, Token
+from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, open_session
+
+
+class Note(Message):
+    number: int
+
+
+class Count(Stage):
+    """Three numbers."""
+
+    def process(self) -> Source[Note]:
+        for n in range(3):
+            yield at(n, Note(n))
+
+
+def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it_found_at_the_barrier() -> (
+    None
+):
+    ledger = Ledger(1)
+    outlet = Outlet(Note, ledger.words, slack=0)
+    with open_session() as session:
+        writer = ZenohWriter(session, "test/out", {"0": ""}, 8, incarnation=1)
+        outlet.attach(writer, ["count.out -> save.in"], [ledger.row(0)])
+        reader = ZenohReader(session, "test/out", "0", Note, 8)
+        deadline = time.monotonic() + 60
+        while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
+            time.sleep(0.005)
+        cell = SourceCell("count", 0, lambda: Count(Context()), Join((), window=0, slack=0), {"out": outlet})
+        worker = Worker([cell], [], [(writer, 0)])
+        worker.setup()
+        thread = threading.Thread(target=worker.run, daemon=True)
+        thread.start()
+        tokens: list[Token] = []
+        while Settled(END) not in tokens and time.monotonic() < deadline:
+            tokens += reader.poll()
+        thread.join(60)
+        reader.close()
+    assert sum(isinstance(token, Note) for token in tokens) == 3
+    count = ledger.count(0)
+    assert (count.produced, count.away, count.sent) == (3, 0, 3)

@@ -1,0 +1,125 @@
+"""Compares what a run says in its ledger with the journals that its stages kept (journal.py).
+
+It knows the summary of a run as JSON and the lines of the journals, and nothing else of followspot.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+OUTCOMES = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
+_KILLED = re.compile(r"\(process (\d+)\) died: killed by SIGKILL")
+
+
+class Line(NamedTuple):
+    """Of a journal: the process that wrote it, the stage that made the message, and its number."""
+
+    pid: int
+    by: str
+    value: int
+
+
+def read(journal: Path) -> list[Line]:
+    """All lines; none where nothing was ever written."""
+    if not journal.exists():
+        return []
+    words = (line.split() for line in journal.read_text().splitlines())
+    return [Line(int(pid), by, int(value)) for pid, by, value in words]
+
+
+@dataclass(frozen=True)
+class Books:
+    """The journals in a folder. killed: processes that had a SIGKILL, with one message in hand at most."""
+
+    folder: Path
+    killed: frozenset[int] = frozenset()
+
+    def of(self, stage: str, what: str) -> list[Line]:
+        """A port's journal; what: in.PORT or out.PORT."""
+        return read(self.folder / f"{stage.replace('/', '~')}.{what}")
+
+    def journals(self, stage: str) -> list[Path]:
+        """Those of all ports of a stage."""
+        begin = stage.replace("/", "~")
+        return [*self.folder.glob(f"{begin}.in.*"), *self.folder.glob(f"{begin}.out.*")]
+
+    def pid(self, stage: str) -> int:
+        """The process that wrote last for this stage."""
+        newest = max(self.journals(stage), key=lambda path: path.stat().st_mtime_ns)
+        return read(newest)[-1].pid
+
+    def in_hand(self, stage: str) -> int:
+        """How many messages this stage may have had in hand when it was killed, over all its processes."""
+        return len(self.killed & self._pids.get(stage, frozenset()))
+
+    @cached_property
+    def _pids(self) -> Mapping[str, frozenset[int]]:
+        found: dict[str, set[int]] = {}
+        for journal in self.folder.glob("*.*.*"):
+            stage = journal.name.split(".")[0].replace("~", "/")
+            found.setdefault(stage, set()).update(line.pid for line in read(journal))
+        return {stage: frozenset(pids) for stage, pids in found.items()}
+
+
+def books_of(folder: Path, summary: Mapping[str, Any]) -> Books:
+    """The journals of a run that has ended, which says whom it saw die."""
+    killed = {int(pid) for line in summary["warnings"] for pid in _KILLED.findall(line)}
+    return Books(folder, frozenset(killed))
+
+
+def disagreements(summary: Mapping[str, Any], books: Books) -> list[str]:
+    """Everything in which the ledger of a run that has ended differs from the journals."""
+    return [*impossible(summary["edges"]), *_unended(summary["edges"]), *_differing(summary["edges"], books)]
+
+
+def impossible(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    """What no ledger may ever show, at the end or while a run goes on."""
+    for edge in edges:
+        for column in ("produced", "away", "sent", *OUTCOMES):
+            if edge[column] < 0:
+                yield f"{_name(edge)}: {column} {edge[column]}"
+        if edge["produced"] != edge["sent"] + edge["away"]:
+            yield f"{_name(edge)}: {edge['produced']} produced, {edge['sent']} sent, {edge['away']} away"
+        if edge["sent"] != sum(edge[column] for column in OUTCOMES):
+            yield f"{_name(edge)}: {edge['sent']} sent, became {[edge[column] for column in OUTCOMES]}"
+
+
+def _unended(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+    return (f"{_name(edge)}: {edge['in_flight']} in flight" for edge in edges if edge["in_flight"])
+
+
+def _differing(edges: Iterable[Mapping[str, Any]], books: Books) -> Iterator[str]:
+    for edge in edges:
+        start, _, port = edge["from"].rpartition(".")
+        end, _, into = edge["to"].rpartition(".")
+        made = books.of(start, f"out.{port}")
+        got = [line for line in books.of(end, f"in.{into}") if line.by == start]
+        unsaid = len(made) - edge["produced"]
+        if not 0 <= unsaid <= books.in_hand(start):
+            in_hand = f"{books.in_hand(start)} in hand"
+            yield f"{_name(edge)}: {start} made {len(made)}, {edge['produced']} produced, {in_hand}"
+        ungot = edge["delivered"] - len(got)
+        if not 0 <= ungot <= books.in_hand(end):
+            in_hand = f"{books.in_hand(end)} in hand"
+            yield f"{_name(edge)}: {end} got {len(got)}, {edge['delivered']} delivered, {in_hand}"
+        yield from _strange(_name(edge), made, got)
+
+
+def _strange(name: str, made: Sequence[Line], got: Sequence[Line]) -> Iterator[str]:
+    """Messages that came twice, or from nowhere."""
+    twice = [value for value, count in Counter(line.value for line in got).items() if count > 1]
+    if twice:
+        yield f"{name}: {len(twice)} messages came twice, {twice[:3]}"
+    nowhere = {line.value for line in got} - {line.value for line in made}
+    if nowhere:
+        yield f"{name}: {len(nowhere)} messages were never made"
+
+
+def _name(edge: Mapping[str, Any]) -> str:
+    return f"{edge['from']} -> {edge['to']}"
