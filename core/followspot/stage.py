@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -82,6 +83,11 @@ def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
     return np.empty(shape, dtype)
 
 
+def _sleep(seconds: float) -> bool:
+    time.sleep(seconds)
+    return True
+
+
 class Post(Protocol):
     """The way to those who look at a graph from other hosts; it never waits."""
 
@@ -111,6 +117,9 @@ class Context:
     """Tell the user what does not stop the run; shown with the stage's name, at once and at the end."""
     loan: Callable[[tuple[int, ...], str], Array] = _fresh
     """An array (shape, dtype) to compute the output into, in shared memory where a reader is near."""
+    pause: Callable[[float], bool] = _sleep
+    """Wait so many seconds: for a source that keeps a pace of its own. It returns at once, with False, when
+    the run is to end: the source then ends, too. Where messages are only read for a table nobody waits."""
     post: Post | None = None
     """Of a tap on another host than the operator's: the way to those who look on."""
 

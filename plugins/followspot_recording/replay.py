@@ -71,7 +71,9 @@ class Replay(Stage):
                 header = message.header
                 moment, number = header.time + later, header.seq + round_seqs
                 if given.speed:
-                    time.sleep(max(0.0, began + (moment - start) / 1e9 / given.speed - time.monotonic()))
+                    due = began + (moment - start) / 1e9 / given.speed
+                    if not self.context.pause(max(0.0, due - time.monotonic())):
+                        return
                 last = number
                 yield at(moment, message, seq=number)
             if not given.loop or last is None:

@@ -35,7 +35,7 @@ class PersonCamera(Stage):
 
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        for frame, time_ns in schedule(self.params):
+        for frame, time_ns in schedule(self.params, self.context):
             pixels = self.context.loan(self._picture.shape, "u1")
             self._picture.render(frame, pixels)
             yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)

@@ -31,7 +31,7 @@ class PoseTruthOfActors(Stage):
 
     def process(self) -> Source[PoseTruth]:
         """Everybody's pose, with the visible share in the camera that sees most."""
-        for frame, time_ns in schedule(self.params):
+        for frame, time_ns in schedule(self.params, self.context):
             yield at(time_ns, self.truth(frame), seq=frame)
 
     def truth(self, frame: int) -> PoseTruth:

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from typing import ClassVar
 
-from followspot import Source, Stage, at
+from followspot import Context, Source, Stage, at
 from followspot.tracking import Frame
 from followspot_sim.actor_parameters import ActorParams
 from followspot_sim.parameters import CameraParams, SimParams
@@ -38,16 +38,16 @@ class SimCamera(Stage):
 
     def process(self) -> Source[Frame]:
         """Pictures at the middle of their exposure: frame k at k / fps seconds, by the camera's clock."""
-        for frame, time_ns in schedule(self.params):
+        for frame, time_ns in schedule(self.params, self.context):
             pixels = self.context.loan(self._picture.shape, "u1")
             self._picture.render(frame, pixels)
             yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)
 
 
-def schedule(params: SimParams | ActorParams) -> Iterator[tuple[int, int]]:
+def schedule(params: SimParams | ActorParams, context: Context) -> Iterator[tuple[int, int]]:
     """Frame numbers with their capture times in ns, at the pace of the clock where that is wanted."""
     begin = time.monotonic()
     for frame in range(params.frames) if params.frames else itertools.count():
-        if params.realtime:
-            time.sleep(max(0.0, begin + frame / params.fps - time.monotonic()))
+        if params.realtime and not context.pause(max(0.0, begin + frame / params.fps - time.monotonic())):
+            return
         yield frame, round(frame * 1e9 / params.fps)

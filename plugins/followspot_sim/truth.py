@@ -33,7 +33,7 @@ class SimTruth(Stage):
 
     def process(self) -> Source[Truth]:
         """Centres of all targets shown, with what the cameras of the room could see of them."""
-        for frame, time_ns in schedule(self.params):
+        for frame, time_ns in schedule(self.params, self.context):
             yield at(time_ns, self.truth(frame), seq=frame)
 
     def truth(self, frame: int) -> Truth:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from contextlib import ExitStack, closing
 from pathlib import Path
@@ -13,6 +14,9 @@ from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
 from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command, load_plan_options
+
+_SOON = 1.0
+"""Seconds for the truth of a run that was stopped: whoever stops it does not wait for as long as it ran."""
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -89,8 +93,9 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
             on_log=ShownLog(out, bar.say).take,
         )
     try:
-        targets = run_scores(plan, out, report.frames)
-        persons = run_person_scores(plan, out, report.frames)
+        seconds = _SOON if report.stopped else math.inf
+        targets = run_scores(plan, out, report.frames, seconds)
+        persons = run_person_scores(plan, out, report.frames, seconds)
     except FollowspotError as error:  # the run itself is done; its summary must not be lost
         print(f"followspot: the accuracy cannot be told: {error}", file=sys.stderr)
         targets, persons = {}, None

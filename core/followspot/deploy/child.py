@@ -154,6 +154,7 @@ class Child:
             self.published = published(self.worker, self.links)
         self.change = WorkerChange(self.worker, self._tell_change)
         self.worker.watch(self.channel.fileno(), self._listen)
+        self.worker.pace.hear(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
         signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
         threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
@@ -163,16 +164,19 @@ class Child:
             self.change.close()
 
     def _listen(self) -> bool:
-        """Something came from the agent, or it is gone."""
+        """Something came from the agent, or it is gone: a stop at once, all else between two firings."""
         assert self.worker is not None
         try:
-            self._obey(self.channel.arrived())
+            orders = self.channel.arrived()
         except ChannelClosed:
             threading.Thread(target=_exit_later, daemon=True).start()
             if self.restart:  # another one will take its place, so its streams are not over
-                raise
+                self.worker.between_firings(_leave)
             self.worker.stop()
             return True
+        if any(order["kind"] == "stop" for order in orders):
+            self.worker.stop()
+        self.worker.between_firings(partial(self._obey, orders))
         return False
 
     def _obey(self, orders: list[dict[str, Any]]) -> None:
@@ -262,6 +266,11 @@ class Child:
         stages = [asdict(stage) for stage in stages_now(worker, self.warnings.last)]
         paths = [asdict(path) for path in paths_now(worker)]
         self.channel.send("stages", stages=stages, paths=paths)
+
+
+def _leave() -> None:
+    """End the worker in the middle of its streams. Raises ChannelClosed."""
+    raise ChannelClosed("the agent is gone")
 
 
 def _exit_later() -> None:

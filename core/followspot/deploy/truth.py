@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
+import time
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,6 +23,7 @@ from followspot.accuracy import (
     score_persons,
     truth_of,
 )
+from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.messages import Array
 from followspot.people import PoseTruth
@@ -27,25 +32,30 @@ from followspot.ports import ports
 from followspot.room import Room
 from followspot.stage import Context
 
+T = TypeVar("T")
 TRACKS = "tracks.csv"
 """The tracks within a run's output folder, by the default of `sinks.csv`."""
 POSES = "poses.csv"
 """The poses of persons, by the default of `sinks.csv_poses`."""
 
 
-def room_truth(plan: Plan, frames: int | None = None) -> TruthTable | PoseTruthTable | None:
+def room_truth(
+    plan: Plan, frames: int | None = None, seconds: float = math.inf
+) -> TruthTable | PoseTruthTable | None:
     """The truth of the room's first frames, or all; None where the room knows none.
 
-    Raises what the truth's source raises where it cannot be read.
+    A source that keeps a pace gives it at once. Raises what the truth's source raises where it cannot be
+    read, and FollowspotError where that takes longer than `seconds`.
     """
     use = plan.room.truth
     if use is None:
         return None
     stage = load_stage(use.uses)
-    source = stage(Context(name="truth", room=plan.room, seed=plan.seed), **use.params)
+    context = Context(name="truth", room=plan.room, seed=plan.seed, pause=_at_once)
+    source = stage(context, **use.params)
     source.setup()
     try:
-        messages = islice(source.process(), frames)
+        messages = _within(seconds, islice(source.process(), frames))
         if ports(stage).outputs[0].type is PoseTruth:
             return pose_truth_of(messages, viewpoint(plan.room))
         return truth_of(messages)
@@ -53,19 +63,39 @@ def room_truth(plan: Plan, frames: int | None = None) -> TruthTable | PoseTruthT
         source.close()
 
 
-def run_scores(plan: Plan, out: Path, frames: int) -> dict[str, TargetScore]:
-    """Scores of the tracks in a run's output folder; empty where there is no truth or there are no tracks."""
+def _at_once(_seconds: float) -> bool:
+    """The pace of a source whose messages are read for a table."""
+    return True
+
+
+def _within(seconds: float, messages: Iterable[T]) -> Iterator[T]:
+    """The messages. Raises FollowspotError where they take longer."""
+    deadline = time.monotonic() + seconds
+    for read, message in enumerate(messages):
+        if time.monotonic() > deadline:
+            raise FollowspotError(f"the truth of {read} frames took {seconds:g} s, and more were to come")
+        yield message
+
+
+def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> dict[str, TargetScore]:
+    """Scores of the tracks in a run's output folder; empty where there is no truth or there are no tracks.
+
+    Raises as :func:`room_truth`.
+    """
     if not (out / TRACKS).exists():
         return {}
-    truth = room_truth(plan, frames)
+    truth = room_truth(plan, frames, seconds)
     return score(read_tracks_csv(out / TRACKS), truth, plan.room) if isinstance(truth, TruthTable) else {}
 
 
-def run_person_scores(plan: Plan, out: Path, frames: int) -> PersonsScore | None:
-    """Scores of the poses in a run's output folder; None where there is no truth or there are no poses."""
+def run_person_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> PersonsScore | None:
+    """Scores of the poses in a run's output folder; None where there is no truth or there are no poses.
+
+    Raises as :func:`room_truth`.
+    """
     if not (out / POSES).exists():
         return None
-    truth = room_truth(plan, frames)
+    truth = room_truth(plan, frames, seconds)
     return poses_score(plan.room, out, truth) if isinstance(truth, PoseTruthTable) else None
 
 

@@ -18,6 +18,7 @@ from followspot.runtime.firing import InputPort, Join
 from followspot.runtime.inlet import UNCHANGED, HeldInlet, Inlet
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.outlet import Outlet
+from followspot.runtime.pace import Pace
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.runtime.worker import Worker
@@ -73,6 +74,7 @@ class _Builder:
         self.inlets: dict[int, Inlet] = {}
         self.writers: list[tuple[PortWriter, int]] = []
         self.cells: list[Cell] = []
+        self.pace = Pace()
 
     def build(self) -> Worker:
         """Inlets first, then the cells that join them, then the calls that wake them."""
@@ -82,7 +84,7 @@ class _Builder:
         for rank, stage in enumerate(self.mine):
             self.cells.append(self._cell(rank, stage))
         remote = [inlet for inlet in self.inlets.values() if inlet.reader is not None]
-        worker = Worker(self.cells, remote, self.writers)
+        worker = Worker(self.cells, remote, self.writers, self.pace)
         ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
         for number, inlet in self.inlets.items():
             edge = self.plan.edges[number]
@@ -132,6 +134,7 @@ class _Builder:
             seed=self.plan.seed,
             warn=warn,
             loan=partial(_loan, tuple(outlets.values())),
+            pause=self.pace.wait_aside if stage.live else self.pace.wait,
         )
         build = partial(self.wiring.classes[stage.name], context, **stage.params)
         if self.wiring.ports[stage.name].source:

@@ -290,7 +290,7 @@ class Cell:
 
     def _restart(self) -> None:
         """Build the stage anew after a wait; it carries on from the old one's state where it has one."""
-        time.sleep(FIRST_BACK_OFF * 2**self.count.restarts)
+        self.stage.context.pause(FIRST_BACK_OFF * 2**self.count.restarts)
         self.count.restarts += 1
         state = self.stage.state()
         self.stage.close()

@@ -21,6 +21,7 @@ from operator import attrgetter
 from followspot.errors import FollowspotError
 from followspot.runtime.cell import Cell, StageError
 from followspot.runtime.inlet import Inlet
+from followspot.runtime.pace import Pace
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.runtime.team import teams
 from followspot.transport.edge import PortReader, PortWriter
@@ -58,17 +59,23 @@ class Progress:
 class Worker:
     """Runs the cells of one process.
 
-    cells: by rank; readers: inlets fed by other workers; writers: with the rank of the cell that owns each.
+    cells: by rank; readers: inlets fed by other workers; writers: with the rank of the cell that owns each;
+    pace: by which the sources wait.
     """
 
     def __init__(
-        self, cells: Sequence[Cell], readers: Sequence[Inlet], writers: Sequence[tuple[PortWriter, int]]
+        self,
+        cells: Sequence[Cell],
+        readers: Sequence[Inlet],
+        writers: Sequence[tuple[PortWriter, int]],
+        pace: Pace,
     ) -> None:
         self.cells = tuple(cells)
         self.sources = tuple(cell for cell in cells if isinstance(cell, SourceCell))
         self.live = tuple(cell for cell in self.sources if isinstance(cell, LiveCell))
         self.readers = tuple(readers)
         self.writers = tuple(writers)
+        self.pace = pace
         self.regroup()
         self._ready: list[int] = []
         self._marked = [False] * len(cells)
@@ -154,6 +161,7 @@ class Worker:
     def stop(self) -> None:
         """End all sources; what is in flight is still finished. Safe in signal handlers and threads."""
         self._stopping = True
+        self.pace.end()
         self.ring()
 
     def ring(self) -> None:

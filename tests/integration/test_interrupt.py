@@ -1,0 +1,86 @@
+"""Ctrl-C ends a run that keeps a slow pace at once: neither its sources nor its summary wait on."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from running import COMMAND, STAGES, Finished, finish, run, start, wait_until, write_graph
+
+from followspot.deploy.truth import room_truth
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+
+GRAPHS = Path(__file__).parents[2] / "graphs"
+FPS = 0.001
+"""Frames are 1000 s apart: longer than any test waits."""
+TELL = """
+from followspot import Stage
+from followspot.tracking import Frame
+
+class Tell(Stage):
+    def process(self, frame: Frame) -> None:
+        (self.context.out / "came").write_text("yes")
+"""
+
+
+def interrupted(process: subprocess.Popen[str], came: Path) -> Finished:
+    """The end of a run after Ctrl-C, which comes when its first frame has gone through."""
+    wait_until(lambda: process.poll() is not None or (came.exists() and came.stat().st_size > 0), 60.0)
+    process.send_signal(signal.SIGINT)
+    return finish(process, came.parent)  # gives up long before the second frame is due
+
+
+def slow(folder: Path, name: str) -> Path:
+    """A shipped room that plays in real time, at a frame in 1000 s."""
+    before, fps, after = (GRAPHS / "rooms" / name).read_text().partition("fps: ")
+    assert fps
+    path = folder / name
+    path.write_text(f"{before}realtime: true, fps: {FPS}{after[after.index(',') :]}")
+    return path
+
+
+@pytest.mark.parametrize("placement", [(), ("--placement", "camera")], ids=["one process", "per camera"])
+def test_a_simulated_room_in_real_time_ends_before_its_second_frame_is_due(
+    tmp_path: Path, placement: tuple[str, ...]
+) -> None:
+    (tmp_path / "tell.py").write_text(TELL)
+    stages = (GRAPHS / "glowballs.yaml").read_text().partition("stages:\n")[2]
+    stages += "  tell: {uses: tell.tell, each: cameras, in: {frame: camera}}\n"
+    graph = tmp_path / "graph.yaml"
+    graph.write_text(f"graph: g\nstages:\n{stages}")
+    room, plugin = slow(tmp_path, "simulated.yaml"), tmp_path / "tell.py"
+    options = ("--room", str(room), "--plugin", str(plugin), *placement)
+    finished = interrupted(start(graph, tmp_path / "out", *options), tmp_path / "out" / "came")
+    assert finished.code == 0, finished.errors
+    assert finished.summary["stopped"]
+    assert finished.summary["frames"] <= 2
+    assert (finished.out / "tracks.csv").read_text().startswith("frame,time,object")
+
+
+def test_a_replay_in_real_time_ends_before_its_second_message_is_due(tmp_path: Path) -> None:
+    graph = write_graph(tmp_path, "a: {uses: ticks.count}\nsave: {uses: ticks.write, in: {number: a}}")
+    recording, out = tmp_path / "r.mcap", tmp_path / "again"
+    assert run(graph, "--record", str(recording)).code == 0
+    words = ["replay", recording, "--speed", "0.00001", "--plugin", STAGES, "--out", out, "--json"]
+    process = subprocess.Popen(
+        [*COMMAND, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    finished = interrupted(process, out / "ticks.csv")
+    assert finished.code == 0, finished.errors
+    assert finished.summary["stopped"]
+    assert len(finished.values()) <= 2
+
+
+def test_the_truth_of_a_room_in_real_time_is_read_at_once(tmp_path: Path) -> None:
+    plan = compile_graph(GRAPHS / "glowballs.yaml", room=slow(tmp_path, "simulated.yaml"))
+    truth = room_truth(plan, 2)
+    assert truth is not None
+
+
+def test_the_truth_of_a_run_that_was_stopped_is_given_up_when_it_takes_long(tmp_path: Path) -> None:
+    plan = compile_graph(GRAPHS / "glowballs.yaml")
+    with pytest.raises(FollowspotError, match="the truth of 0 frames took"):
+        room_truth(plan, 100, seconds=0.0)
