@@ -17,7 +17,7 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from followspot.deploy.local import LocalRun
+from followspot.deploy.launch import local_run
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.room import Room
@@ -60,7 +60,7 @@ def chain(hops: int, messages: int) -> Plan:
 
 def run_seconds(hops: int, messages: int, out: Path) -> float:
     """Duration of one run, s. Raises AssertionError where the ledger does not balance."""
-    report = LocalRun(chain(hops, messages), RunOptions(out)).execute()
+    report = local_run(chain(hops, messages), RunOptions(out)).execute()
     assert report.ok, report.errors
     return report.seconds
 

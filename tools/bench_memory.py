@@ -15,14 +15,15 @@ from typing import Any
 
 import numpy as np
 
-from followspot.deploy.local import LocalRun
 from followspot.graph.plan import Plan
 from followspot.messages import at
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
+from followspot.runtime.building import build_worker
 from followspot.runtime.cell import Cell
+from followspot.runtime.ledger import Ledger
 from followspot.runtime.source import SourceCell
-from followspot.runtime.wiring import RunOptions
+from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.stage import Context, Source, Stage
 from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
 
@@ -147,9 +148,10 @@ def measure(
     frames: at most; lead: frame sets before the clock starts; searching: no target is ever found; by_stage:
     whether each stage is clocked, which costs a microsecond or two a call.
     """
-    run = LocalRun(plan, RunOptions(out, frames))
+    ledger = Ledger(len(plan.edges))
+    worker = build_worker(Wiring(plan), plan.workers[0].name, ledger, RunOptions(out, frames))
     watch = Stopwatch(lead)
-    for stage, cell in zip(plan.stages, run.worker.cells, strict=True):
+    for stage, cell in zip(plan.stages, worker.cells, strict=True):
         if isinstance(cell, SourceCell) and stage.camera is not None:
             source = FromMemory(cell.stage.context)
             source.frames = [unsent(frame) for frame in played[stage.camera]]
@@ -162,10 +164,10 @@ def measure(
             _clocked(cell, stage.group, watch.busy)
         if stage.name == TRACKER:
             _counted(cell, watch)
-    run.worker.setup()
-    run.worker.run()
+    worker.setup()
+    worker.run()
     seconds = watch.seconds()
-    sets = max(source.yielded for source in run.worker.sources) - lead
+    sets = max(source.yielded for source in worker.sources) - lead
     stages = {name: ns / 1e6 / sets for name, ns in watch.busy.items()}
     return Cost(seconds * 1e3 / sets, stages, watch.tracked / sets)
 

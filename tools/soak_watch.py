@@ -12,11 +12,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
-from followspot.deploy.reachable import RunHere
-from followspot.deploy.status import RunStatus, run_status_from_data
+from followspot.deploy.reachable import socket_of
+from followspot.deploy.run_handle import RunHandle
+from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_from_data
 
 _PERIOD = 0.1
 """Seconds between two questions."""
@@ -75,10 +75,9 @@ class Watch:
         plan: Plan | None = None
         while not self._over.wait(_PERIOD):
             with suppress(FollowspotError, OSError, StopIteration):  # it has not begun, or has ended
-                run = RunHere("", "", self._pid, self._socket())
-                plan = plan or plan_from_data(run.ask("plan", 2.0))
-                status = run_status_from_data(run.ask("status", 2.0))
-                self._glances.append(_glance(status, plan))
+                run = RunHandle("", "", socket_of(self._socket(), "", self._pid), self._pid)
+                plan = plan or run.plan()
+                self._glances.append(_glance(run.status(), plan))
 
     def _socket(self) -> str:
         """Raises StopIteration where the run has none yet."""

@@ -22,12 +22,12 @@ from urllib.request import urlopen
 import pytest
 from browser import CHROMIUM, browser
 from hosts import Agent, near_agent
+from solo import Solo
 from websockets.sync.client import ClientConnection, connect
 
-from followspot.deploy.local import LocalRun
+from followspot.deploy.report import RunReport
 from followspot.graph.compile import compile_graph
 from followspot.runtime.ledger import EdgeCount
-from followspot.runtime.wiring import RunOptions
 from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page.taps import shown_ports, tappings
@@ -50,22 +50,21 @@ class Done:
     tracks: bytes
 
     @classmethod
-    def by(cls, run: LocalRun, out: Path) -> Done:
-        report = run.execute()
+    def by(cls, report: RunReport, out: Path) -> Done:
         assert report.ok, report.errors
         edges = tuple((edge.name, count) for edge, count in report.edges)
         return cls(edges, (out / "tracks.csv").read_bytes())
 
 
-def local_run(out: Path) -> LocalRun:
-    return LocalRun(compile_graph(GRAPH), RunOptions(out, FRAMES))
+def demo(out: Path) -> Solo:
+    return Solo(compile_graph(GRAPH), out, FRAMES)
 
 
 @pytest.fixture(scope="module")
 def unseen(tmp_path_factory: pytest.TempPathFactory) -> Done:
     """A run that nobody looks at."""
     out = tmp_path_factory.mktemp("unseen")
-    return Done.by(local_run(out), out)
+    return Done.by(demo(out).run(), out)
 
 
 @pytest.fixture
@@ -148,11 +147,11 @@ def test_previews_that_nobody_takes_change_neither_ledger_nor_tracks(
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as page:
         page.bind(str(room_for_sockets / SOCKET))
         page.listen(64)
-        run = local_run(tmp_path)
+        run = demo(tmp_path)
         run.tap(tappings(shown_ports(run.plan), room_for_sockets, rate=60.0))
         taps = [tap for cell in run.worker.cells for _, outlet in cell.outlets for tap in outlet.taps]
         assert len(taps) == 14  # six cameras, six detectors, tracks and forecasts
-        assert Done.by(run, tmp_path) == unseen
+        assert Done.by(run.run(), tmp_path) == unseen
 
 
 @pytest.mark.thorough

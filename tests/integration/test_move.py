@@ -10,8 +10,7 @@ import pytest
 from hosts import free_port, near_agent
 from running import Finished, balanced, finish, start, wait_until, write_graph
 
-from followspot.deploy.changes.change import move
-from followspot.deploy.reachable import runs_here
+from followspot.deploy.connect import run_here
 from followspot.errors import FollowspotError
 
 STAGES = """
@@ -51,7 +50,7 @@ def values(out: Path) -> list[int]:
 def refusal(run: str) -> str:
     """Why a stage cannot go to a place that is not there, with those that are: agents come in their time."""
     with pytest.raises(FollowspotError) as refused:
-        move(run, ["b"], "three")
+        run_here(run).move(["b"], "three")
     return str(refused.value)
 
 
@@ -66,20 +65,19 @@ def test_a_stage_goes_to_another_worker_and_to_a_host_that_had_no_part_with_its_
     try:
         assert wait_until(lambda: len(values(out)) > 100, PATIENCE)
         assert wait_until(lambda: "workers and hosts: one, pc-right, two" in refusal(name), PATIENCE)
-        report = move(name, ["b"], "two")
+        report = run_here(name).move(["b"], "two")
         assert (report.stages, report.worker, report.anew) == (("b",), "two", ("one", "two"))
         assert wait_until(lambda: len(values(out)) > 10, PATIENCE)
         assert values(out)[0] > 100, "it counts on"
-        report = move(name, ["b"], "pc-right")
+        report = run_here(name).move(["b"], "pc-right")
         assert (report.worker, report.host, report.anew) == (
             "pc-right",
             "pc-right",
             ("one", "pc-right", "two"),
         )
         assert wait_until(lambda: values(out)[:1] > [110] and len(values(out)) > 10, PATIENCE), "it counts on"
-        (run,) = runs_here(name)
-        clocks = run.ask("status")["clocks"]
-        assert {host: clock["reference"] for host, clock in clocks.items()} == {"": "pc-right"}
+        clocks = run_here(name).status().clocks
+        assert {host: clock.reference for host, clock in clocks.items()} == {"": "pc-right"}
         process.send_signal(signal.SIGINT)
         finished = finish(process, out)
     finally:
@@ -105,7 +103,7 @@ def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path)
     process = start(write_graph(tmp_path, FAR_STAGES), out, *placement, *connect)
     try:
         assert wait_until(lambda: len(values(out)) > 50, PATIENCE)
-        report = move(str(process.pid), ["b"], "pc-right")
+        report = run_here(str(process.pid)).move(["b"], "pc-right")
         assert (report.worker, report.host) == ("right", "pc-right")
         assert wait_until(lambda: values(out)[:1] > [50] and len(values(out)) > 10, PATIENCE), "it counts on"
         process.send_signal(signal.SIGINT)

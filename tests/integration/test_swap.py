@@ -20,7 +20,7 @@ import zenoh
 from hosts import near_agent
 from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
 
-from followspot.deploy.changes.change import change
+from followspot.deploy.connect import run_here
 from followspot.errors import FollowspotError
 
 PATIENCE = 90.0
@@ -100,9 +100,9 @@ def going(folder: Path, stages: str, workers: int) -> Iterator[Going]:
 @pytest.mark.parametrize("workers", [1, 2])
 def test_a_replay_that_is_changed_loses_nothing(tmp_path: Path, workers: int) -> None:
     with going(tmp_path, REPLAY, workers) as run:
-        change(run.name, ["b.term=1000"])
+        run_here(run.name).change(["b.term=1000"])
         run.grows()
-        report = change(run.name, ["b=ticks.swapped"])
+        report = run_here(run.name).change(["b=ticks.swapped"])
         finished = finish(run.process, run.out)
     assert finished.code == 0, finished.errors
     assert [stage.uses for stage in report.stages] == ["ticks.swapped"]
@@ -132,14 +132,16 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
     with going(tmp_path, LIVE, 2) as run:
         for words, why in REFUSED:
             with pytest.raises(FollowspotError) as raised:
-                change(run.name, words)
+                run_here(run.name).change(words)
             assert why in str(raised.value)
-        assert change(run.name, ["save.path=ticks.csv", "b=ticks.tally"]).stages == (), "it is so already"
+        assert run_here(run.name).change(["save.path=ticks.csv", "b=ticks.tally"]).stages == (), (
+            "it is so already"
+        )
         run.grows()
         for file in ("ticks.csv", "kept.csv"):
             before = run.values(file)
             assert before == list(range(1, len(before) + 1)), "all went on as it was"
-        change(run.name, ["b.step=1000", "c.step=1000"])
+        run_here(run.name).change(["b.step=1000", "c.step=1000"])
         for file in ("ticks.csv", "kept.csv"):
             run.reaches(2000, file)
             steps = [later - sooner for sooner, later in pairwise(run.values(file))]
@@ -150,7 +152,7 @@ def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_
         assert wait_until(lambda: worker not in run.workers() and len(run.workers()) == 2)
         run.grows()
         assert run.step() == 1000, "who comes back is the successor"
-        change(run.name, ["b.step=7", "b.forgetful=true"], fresh=True)
+        run_here(run.name).change(["b.step=7", "b.forgetful=true"], fresh=True)
         assert wait_until(lambda: run.step() == 7)
         assert run.values().count(7) == 2, "it began without a state"
         finished = run.stopped()

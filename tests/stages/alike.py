@@ -10,6 +10,8 @@ from followspot import Field, Latest, Message, Source, Stage, StageParams, at
 
 PERIOD = 10_000_000
 """Nanoseconds between two notes."""
+SLOW = 0.2
+"""Seconds that a note takes at a gate that is not open."""
 PATIENCE = 5.0
 """Seconds after which a silent source gives up; no test that passes takes that long."""
 
@@ -96,19 +98,19 @@ class Triple(Double):
 
 
 class Gate(Stage):
-    """Holds one note until it is opened."""
+    """Lets notes pass one by one, slowly, from one of them on until it is opened."""
 
     class Params(StageParams):
-        at: int = Field(0, description="number of the note", unit="1")
+        at: int = Field(0, description="number of the first that is slow", unit="1")
 
     params: Params
     reached: ClassVar[threading.Event]
     open: ClassVar[threading.Event]
 
     def process(self, note: Note) -> Note:
-        if note.header.seq == self.params.at:
+        if note.header.seq >= self.params.at:
             self.reached.set()
-            self.open.wait(PATIENCE)
+            self.open.wait(SLOW)
         return note
 
 

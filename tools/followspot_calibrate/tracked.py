@@ -16,7 +16,7 @@ from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.accuracy.rows import read_rows
 from followspot.cli.progress import ProgressBar
 from followspot.deploy.launch import run_plan
-from followspot.deploy.local import OnProgress
+from followspot.deploy.progress import OnProgress
 from followspot.deploy.truth import TRACKS
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.compile import compile_graph

@@ -20,7 +20,7 @@ from followspot.accuracy import (
 from followspot.accuracy.targets.figures import jerk_cost
 from followspot.accuracy.targets.scoring import trajectory
 from followspot.deploy.launch import run_plan
-from followspot.deploy.local import OnProgress
+from followspot.deploy.progress import OnProgress
 from followspot.deploy.report import RunReport
 from followspot.deploy.truth import POSES, TRACKS, poses_score
 from followspot.errors import FollowspotError

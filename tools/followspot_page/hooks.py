@@ -75,9 +75,9 @@ def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
 
 
 def _dashboard(args: argparse.Namespace) -> int:
+    from followspot.deploy.connect import run_here
     from followspot_page.asked import order_of
     from followspot_page.showing import shown
-    from followspot_watch.runs import run_here
 
     with shown(order_of(args, run_here(args.run).pid)) as page:
         print(f"the page is at {page.url}", file=sys.stderr, flush=True)

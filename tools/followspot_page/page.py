@@ -9,8 +9,7 @@ from typing import Any
 
 from starlette.websockets import WebSocket
 
-from followspot.deploy.changes.changed import Changed
-from followspot.deploy.reachable import RunHere
+from followspot.deploy.run_handle import RunHandle
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
@@ -26,8 +25,6 @@ from followspot_page.scene import scene
 from followspot_watch.picture_of_run import RunPicture
 
 MAX_BROWSERS = 16
-_PATIENCE = 60.0
-"""Seconds that a change may take: a stage is built beside the one that works."""
 
 
 class Page:
@@ -36,7 +33,7 @@ class Page:
     def __init__(self, plan: Plan, gate: Gate, folder: Path) -> None:
         """folder: of the page, for sockets."""
         self.plan = plan
-        self.ask: RunHere | None = None
+        self.ask: RunHandle | None = None
         """The run that may be changed from here; None where the page only shows."""
         self.gate = gate
         self.far: FarPreviews | None = None
@@ -76,7 +73,7 @@ class Page:
             "ports": recordable(self.plan) if self.ask else [],
         }
 
-    async def allow_changes(self, run: RunHere) -> None:
+    async def allow_changes(self, run: RunHandle) -> None:
         """Let browsers ask for changes, as soon as it is known which there can be."""
         await asyncio.to_thread(forms, self.plan)  # imports every stage that could take another's place
         self.ask = run
@@ -93,9 +90,8 @@ class Page:
             return await self.button.stop()
         return await self._change(self.ask, words_of(asked, self.plan))
 
-    async def _change(self, run: RunHere, words: list[str]) -> str:
-        given = {"words": words, "folder": str(Path.cwd())}
-        answer = Changed.from_data(await asyncio.to_thread(run.ask, "change", _PATIENCE, **given))
+    async def _change(self, run: RunHandle, words: list[str]) -> str:
+        answer = await asyncio.to_thread(run.change, words)
         self.show(await plan_of(run))
         return "; ".join(stage.text for stage in answer.stages) or "it is so already"
 

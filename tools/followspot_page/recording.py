@@ -14,7 +14,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.reachable import RunHere
+from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.runtime.tapping import Tapping
@@ -25,8 +25,6 @@ from followspot_record.ports import chosen, output_ports
 TAP = "recording.tap"
 _BEGINNING, _ENDING = 30.0, 8.0
 """Seconds that a recorder may take to open its file, and to complete it."""
-_PATIENCE = 10.0
-"""Seconds that a run may take to answer."""
 
 Tell = Callable[[dict[str, Any]], Any]
 """Gets how a recording is: state (on, over, failed), file, bytes, messages, lost, seconds, error."""
@@ -45,7 +43,7 @@ class RecordButton:
         self._process: asyncio.subprocess.Process | None = None
         self._telling: asyncio.Task[None] | None = None
 
-    async def start(self, run: RunHere, plan: Plan, words: str) -> str:
+    async def start(self, run: RunHandle, plan: Plan, words: str) -> str:
         """Record the ports that the words name, all where there are none; what was done.
 
         Raises FollowspotError.
@@ -55,13 +53,17 @@ class RecordButton:
         if self._process is not None:
             raise FollowspotError("it is recorded already")
         names = chosen(words or None, output_ports(plan), "record")
-        where = await asyncio.to_thread(run.ask, "where", _PATIENCE)
-        path = Path(where["out"]) / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
+        around = await asyncio.to_thread(run.surroundings)
+        if around.out is None:
+            raise FollowspotError("recordings are written on the operator's host; start them there")
+        path = around.out / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
         listen = self._folder / f"recorder-{next(self._numbers)}"
         far = _far(plan, run.run, names)
-        begun = await self._begin(Order(plan, names, path, listen, far, where["network"]))
-        taps = [asdict(Tapping(name, TAP, _params(name, None if name in far else listen))) for name in names]
-        await asyncio.to_thread(run.ask, "tap", _PATIENCE, taps=taps)
+        begun = await self._begin(
+            Order(plan, names, path, listen, far, asdict(around.network) if around.network else None)
+        )
+        taps = [Tapping(name, TAP, _params(name, None if name in far else listen)) for name in names]
+        await asyncio.to_thread(run.tap, taps)
         self._tell(begun)
         return f"recording {len(names)} ports to {begun['file']}"
 

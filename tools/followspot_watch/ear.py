@@ -13,8 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError, did_you_mean
-from followspot.graph.plan import Plan
 from followspot.messages import InvalidMessage, Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
@@ -23,7 +23,6 @@ from followspot.transport.bell import Bell
 from followspot.wire import unpack
 from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET, read
-from followspot_watch.runs import Look
 
 _BUFFER = 1 << 18
 _WAITING = 4096
@@ -42,12 +41,13 @@ class HeardPort:
     host: str
 
 
-def chosen(word: str | None, plan: Plan, *, near: bool) -> list[HeardPort]:
+def chosen(word: str | None, run: RunHandle) -> list[HeardPort]:
     """The ports that a word names, all where it is None. Raises FollowspotError where there is none.
 
-    color/cam0.out is called color, color/cam0 and color.out, too. near: whether the operator's own host is
-    this one; else its ports cannot be heard.
+    color/cam0.out is called color, color/cam0 and color.out, too. Ports on the operator's own host can be
+    heard there only.
     """
+    plan, near = run.plan(), run.surroundings().out is not None
     hosts = {worker.name: worker.host for worker in plan.workers}
     known = [
         HeardPort(f"{stage.name}.{port.name}", port.type, hosts[stage.worker])
@@ -146,7 +146,7 @@ class Ear:
 
 
 @contextmanager
-def listening(look: Look, heard: Sequence[HeardPort], uses: str, **params: Any) -> Iterator[Ear]:
+def listening(run: RunHandle, heard: Sequence[HeardPort], uses: str, **params: Any) -> Iterator[Ear]:
     """Put a sink at each port and hear what they tell. Raises FollowspotError.
 
     uses: the sink, which takes the parameters `folder` and `port`; params: others of it.
@@ -157,27 +157,29 @@ def listening(look: Look, heard: Sequence[HeardPort], uses: str, **params: Any) 
         make_gate(folder).watched = True
         door.bind(str(folder / SOCKET))
         door.listen(len(heard))
-        ear = Ear(heard, door, look.over)
+        ear = Ear(heard, door, run.over)
         stack.callback(ear.close)
         far = {port.name: port.host for port in heard if port.host}
         if far:
-            _listen_afar(stack, ear, look, far, uses)
+            _listen_afar(stack, ear, run, far, uses)
         places = {port.name: {} if port.host else {"folder": str(folder)} for port in heard}
-        look.tap([Tapping(n, uses, {**params, **place, "port": n}) for n, place in places.items()])
+        run.tap([Tapping(n, uses, {**params, **place, "port": n}) for n, place in places.items()])
         yield ear
 
 
-def _listen_afar(stack: ExitStack, ear: Ear, look: Look, far: Mapping[str, str], uses: str) -> None:
+def _listen_afar(stack: ExitStack, ear: Ear, run: RunHandle, far: Mapping[str, str], uses: str) -> None:
     """Subscribe to what sinks tell on other hosts; far: host of each port."""
     from followspot.transport.keys import look_key
     from followspot.transport.zenoh_post import looking
     from followspot.transport.zenoh_session import connected
     from followspot.transport.zenoh_terms import undeclare
 
-    session = connected(look.network())
+    network = run.surroundings().network
+    assert network is not None  # ports on other hosts were found through it
+    session = connected(network)
     stack.callback(session.close)
     subscribers = [
-        looking(session, look_key(look.run, host, port, uses), ear.taker(port)) for port, host in far.items()
+        looking(session, look_key(run.run, host, port, uses), ear.taker(port)) for port, host in far.items()
     ]
     stack.callback(undeclare, subscribers)
 

@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from followspot.cli.agent_options import network_of
+from followspot.deploy.connect import connected_run
 from followspot.messages import Array, Message
+from followspot.plugins.registry import use_plugin_files
 from followspot.tracking import Frame
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.picture import Picture
 from followspot_watch.ear import Ear, chosen, listening
-from followspot_watch.runs import looking
 
 SINK = "dashboard.echo"
 _PERIOD = 0.5
@@ -27,12 +28,13 @@ _ROWS = 6
 
 def echo(args: argparse.Namespace) -> int:
     """Print messages as they come, until enough came, the run ends, or Ctrl-C. Returns the exit code."""
-    with looking(args.run, network_of(args, LOOPBACK, AGENT), args.plugin_files) as look:
+    use_plugin_files(args.plugin_files)
+    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
         heard = [
             replace(port, type=Picture if port.type is Frame else port.type)
-            for port in chosen(args.port, look.plan, near=look.near)
+            for port in chosen(args.port, run)
         ]
-        with listening(look, heard, SINK) as ear, suppress(KeyboardInterrupt):
+        with listening(run, heard, SINK) as ear, suppress(KeyboardInterrupt):
             _print(ear, args)
     return 0
 

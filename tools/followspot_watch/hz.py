@@ -13,14 +13,16 @@ from typing import Any
 
 from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
+from followspot.deploy.connect import connected_run
+from followspot.deploy.run_handle import RunHandle
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.ear import Ear, HeardPort, chosen, listening
-from followspot_watch.runs import PATIENCE, Look, looking
 from followspot_watch.screen import screenful
 
 SINK = "dashboard.meter"
@@ -54,11 +56,11 @@ class Pace:
 def hz(args: argparse.Namespace) -> int:
     """Measure for so many seconds and print; on a terminal until the run ends or Ctrl-C. Returns the code."""
     once = args.json or not sys.stdout.isatty()
-    with looking(args.run, network_of(args, LOOPBACK, AGENT), args.plugin_files) as look:
-        heard = chosen(args.port, look.plan, near=look.near)
-        measured = Measured(look, heard)
+    use_plugin_files(args.plugin_files)
+    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+        measured = Measured(run, chosen(args.port, run))
         try:
-            with listening(look, measured.ports, SINK, window=args.seconds) as ear:
+            with listening(run, measured.ports, SINK, window=args.seconds) as ear:
                 _measure(ear, measured, args.seconds if once else None)
         except KeyboardInterrupt:
             if not once:
@@ -71,9 +73,10 @@ def hz(args: argparse.Namespace) -> int:
 class Measured:
     """What was told of the ports so far."""
 
-    def __init__(self, look: Look, heard: Sequence[HeardPort]) -> None:
+    def __init__(self, run: RunHandle, heard: Sequence[HeardPort]) -> None:
         self.ports = [replace(port, type=Rhythm) for port in heard]
-        self._look = look
+        self._run = run
+        self._plan = run.plan()
         self._dropped: Mapping[str, int] = {}
         self._told: dict[str, tuple[Rhythm, float]] = {}
         self._since = time.monotonic()
@@ -91,7 +94,7 @@ class Measured:
         """One a port, in the order of the graph."""
         now = time.monotonic()
         with suppress(FollowspotError):  # it has ended, and the last counts stand
-            self._dropped = dropped(self._look.plan, self._look.status(PATIENCE))
+            self._dropped = dropped(self._plan, self._run.status())
         found = []
         for port in self.ports:
             rhythm, at = self._told.get(port.name, (None, self._since))

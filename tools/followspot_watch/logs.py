@@ -11,11 +11,12 @@ from itertools import islice
 from pathlib import Path
 
 from followspot.cli.agent_options import network_of
+from followspot.deploy.connect import connected_run
 from followspot.deploy.log.file import read_log
 from followspot.deploy.log.record import LEVELS, LogRecord
+from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError, InputError
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
-from followspot_watch.runs import Look, looking
 
 _PERIOD = 0.3
 """Seconds between two questions for more."""
@@ -30,9 +31,9 @@ def logs(args: argparse.Namespace) -> int:
             raise FollowspotError(f"{args.run} is the folder of a run; -f follows a run that goes on")
         _print(read_log(Path(args.run)), wanted, show)
         return 0
-    with looking(args.run, network_of(args, LOOPBACK, AGENT)) as look:
+    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
         try:
-            _print(_records(look, follow=args.follow), wanted, show)
+            _print(_records(run, follow=args.follow), wanted, show)
         except KeyboardInterrupt:
             return 0
     return 0
@@ -51,14 +52,14 @@ def _as_json(record: LogRecord) -> str:
     return json.dumps(record.to_data())
 
 
-def _records(look: Look, *, follow: bool) -> Iterator[LogRecord]:
+def _records(run: RunHandle, *, follow: bool) -> Iterator[LogRecord]:
     """All there are, and then, where they are followed, those that come until the run is over."""
-    out = look.out() if follow else None
+    out = run.surroundings().out if follow else None
     last = -1
     while True:
-        over = follow and look.over()
+        over = follow and run.over()
         try:
-            page = look.log(last)
+            page = run.log(last)
         except FollowspotError:
             if out is None:
                 raise

@@ -13,12 +13,12 @@ from typing import Any
 from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.deploy.clocks.status import LIMIT_MS
-from followspot.deploy.reachable import NoAnswer
+from followspot.deploy.connect import connected_run
+from followspot.deploy.run_handle import NoAnswer, RunHandle
 from followspot.errors import FollowspotError
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.runs import PATIENCE, Look, looking
 from followspot_watch.screen import BAD, screenful
 
 _FIRST = 1.0
@@ -30,15 +30,15 @@ BAD_STATES = ("old", "absent")
 
 def top(args: argparse.Namespace) -> int:
     """Show the run until it ends, or once where the output is no terminal. Returns the exit code."""
-    with looking(args.run, network_of(args, LOOPBACK, AGENT)) as look:
-        picture = RunPicture(look.plan)
-        picture.take(look.status(PATIENCE))
+    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+        picture = RunPicture(run.plan())
+        picture.take(run.status())
         pause, once = _FIRST, args.json or not sys.stdout.isatty()
         try:
             while True:
                 time.sleep(pause)
-                _renew(picture, look, None if once else args.every)
-                data = {"run": look.run, "graph": look.plan.graph, **picture.data()}
+                _renew(picture, run, None if once else args.every)
+                data = {"run": run.run, "graph": run.graph, **picture.data()}
                 if args.json:
                     print(json.dumps({name: value for name, value in data.items() if name != "type"}))
                 else:
@@ -55,13 +55,13 @@ def top(args: argparse.Namespace) -> int:
             return 0
 
 
-def _renew(picture: RunPicture, look: Look, patience: float | None) -> None:
-    """The newest status; where none comes within `patience`, s, the last one is shown as what it is: old."""
-    if patience is None:
-        picture.take(look.status(PATIENCE))
+def _renew(picture: RunPicture, run: RunHandle, timeout: float | None) -> None:
+    """The newest status; if none comes within `timeout`, s, the last one is shown as what it is: old."""
+    if timeout is None:
+        picture.take(run.status())
         return
     with suppress(NoAnswer):
-        picture.take(look.status(patience))
+        picture.take(run.status(timeout))
 
 
 def text(data: dict[str, Any]) -> str:

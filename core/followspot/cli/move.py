@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
@@ -25,7 +26,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.changes.change import move
+    from followspot.deploy.connect import connected_run
     from followspot.errors import InputError, Mistake
     from followspot.plugins.registry import use_plugin_files
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
@@ -34,9 +35,10 @@ def _run(args: argparse.Namespace) -> int:
         raise InputError([Mistake(None, "what is to go where?", "for example: camera/cam3 pc-right")])
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     *wanted, stage, place = args.words
-    moved = move(wanted[0] if wanted else None, [stage], place, network=network_of(args, LOOPBACK, AGENT))
+    with connected_run(wanted[0] if wanted else None, network_of(args, LOOPBACK, AGENT)) as run:
+        moved = run.move([stage], place)
     if args.json:
-        print(json.dumps(moved.to_data()))
+        print(json.dumps(asdict(moved)))
     else:
         print(
             f"run {moved.run[:8]} of {moved.graph}\n  {moved.text if moved.stages else 'it is there already'}"

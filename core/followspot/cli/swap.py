@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
@@ -27,7 +28,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.changes.change import change
+    from followspot.deploy.connect import connected_run
     from followspot.errors import InputError, Mistake
     from followspot.plugins.registry import use_plugin_files
     from followspot.transport.zenoh_network import AGENT, LOOPBACK
@@ -37,9 +38,10 @@ def _run(args: argparse.Namespace) -> int:
     wanted, words = (args.words[0], args.words[1:]) if named else (None, args.words)
     if not words:
         raise InputError([Mistake(None, "nothing is to be changed", "for example: fuse=balls.mean")])
-    changed = change(wanted, words, fresh=args.fresh, network=network_of(args, LOOPBACK, AGENT))
+    with connected_run(wanted, network_of(args, LOOPBACK, AGENT)) as run:
+        changed = run.change(words, fresh=args.fresh)
     if args.json:
-        print(json.dumps(changed.to_data()))
+        print(json.dumps(asdict(changed)))
         return 0
     lines = [f"  {stage.text}" for stage in changed.stages] or ["  nothing: it is so already"]
     print("\n".join([f"run {changed.run[:8]} of {changed.graph}", *lines]))

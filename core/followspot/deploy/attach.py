@@ -6,15 +6,19 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from followspot.deploy.coordinator import Coordinator, order_of
+from followspot.deploy.dispatch import Request
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import RunOrder, order_from_data
-from followspot.deploy.local import OnProgress
+from followspot.deploy.progress import OnProgress
 from followspot.deploy.reach import Agents, await_named, operating, reached
 from followspot.deploy.report import RunReport
 from followspot.deploy.requests import Asker, agents
-from followspot.errors import FollowspotError
+from followspot.deploy.run_handle import RunHandle
+from followspot.deploy.run_requests import Surroundings, run_dispatcher
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -118,6 +122,19 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
                     every.close()
         finally:
             _let_go(coordinator)
+
+
+def handle_of(attachment: Attachment, network: Network) -> RunHandle:
+    """The run that is looked at, as one of another operator; network: leads to its agents."""
+    dispatcher = run_dispatcher(attachment.coordinator, Surroundings(network=network))
+
+    def ask(request: Request, timeout: float) -> Any:
+        try:
+            return dispatcher.dispatch(request)
+        except InputError as error:  # one answer, wherever the run is
+            raise FollowspotError(str(error)) from None
+
+    return RunHandle(attachment.found.run, attachment.found.graph, ask)
 
 
 def _let_go(coordinator: Coordinator) -> None:

@@ -12,6 +12,7 @@ import socket
 import threading
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 MAX_LINE = 64 << 20
@@ -76,6 +77,11 @@ class Channel:
         self.socket.close()
         while self._descriptors:
             os.close(self._descriptors.popleft())
+
+    def shut(self) -> None:
+        """Let both ends find the channel closed; safe from any thread."""
+        with suppress(OSError):
+            self.socket.shutdown(socket.SHUT_RDWR)
 
     def _more(self) -> bytes:
         try:

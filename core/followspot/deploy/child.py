@@ -51,10 +51,14 @@ GRACE = 3.0
 
 
 class Child:
-    """The life of one worker process."""
+    """The life of one worker.
 
-    def __init__(self, channel: Channel) -> None:
+    in_process: whether it is a thread of its host's process, which it leaves alone.
+    """
+
+    def __init__(self, channel: Channel, *, in_process: bool = False) -> None:
         self.channel = channel
+        self._in_process = in_process
         self.log = LogCollector("")
         self.warnings = Warnings(lambda stage, text: self.log.say("warning", stage, text))
         self.worker: Worker | None = None
@@ -100,6 +104,7 @@ class Child:
             self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
         self._tell_log()
         if self.worker is not None:
+            self._tell_stages(self.worker)
             report = worker_report(name, self.worker, self.warnings, error)
             self.channel.send("done", report=report.to_data())
         else:
@@ -156,7 +161,8 @@ class Child:
         self.worker.watch(self.channel.fileno(), self._listen)
         self.worker.pace.hear(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
-        signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
+        if not self._in_process:
+            signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
         threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
         try:
             self.worker.run()
@@ -169,7 +175,7 @@ class Child:
         try:
             orders = self.channel.arrived()
         except ChannelClosed:
-            threading.Thread(target=_exit_later, daemon=True).start()
+            self._leave_soon()
             if self.restart:  # another one will take its place, so its streams are not over
                 self.worker.between_firings(_leave)
             self.worker.stop()
@@ -248,7 +254,13 @@ class Child:
                 if turn % _STAGES_EVERY == 0:
                     self._tell_stages(self.worker)
             except ChannelClosed:
-                _exit_later()
+                self._leave_soon()
+                return
+
+    def _leave_soon(self) -> None:
+        """The agent is gone: outputs are completed within the grace, or not at all."""
+        if not self._in_process:
+            threading.Thread(target=_exit_later, daemon=True).start()
 
     def tell_crash(self) -> None:
         """The exception that is being handled ends the worker: its traceback is its last word."""
@@ -282,7 +294,7 @@ def _exit_later() -> None:
 def _shared_words(fd: int, edges: int) -> memoryview:
     import mmap
 
-    return memoryview(mmap.mmap(fd, max(1, edges * COLUMNS * 8))).cast("q")
+    return memoryview(mmap.mmap(fd, max(1, edges) * COLUMNS * 8)).cast("q")
 
 
 def main() -> int:

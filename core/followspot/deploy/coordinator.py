@@ -14,10 +14,10 @@ from followspot.deploy.changes.move import move_hosts
 from followspot.deploy.changes.on_hosts import change_hosts
 from followspot.deploy.clocks.host import reference
 from followspot.deploy.host import Host, HostLost, Others, RunOrder, WorkerStatus
-from followspot.deploy.local import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.log.merged import MergedLog
 from followspot.deploy.log.record import Level, LogPage
 from followspot.deploy.log.run_log import OnLog
+from followspot.deploy.progress import PROGRESS_PERIOD, OnProgress
 from followspot.deploy.report import RunReport
 from followspot.deploy.status import RunStatus
 from followspot.deploy.whole import Whole

@@ -13,7 +13,7 @@ from followspot.deploy.links import uses_zenoh
 from followspot.deploy.log.record import LogRecord
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.rings import RingEnd, Rings
-from followspot.deploy.worker_process import WorkerProcess
+from followspot.deploy.worker_process import Start, WorkerProcess, start_process
 from followspot.graph.change import with_stages
 from followspot.graph.move import host_workers
 from followspot.graph.plan import Plan, PlannedStage
@@ -26,7 +26,7 @@ class Crew:
     """Starts workers, introduces them to each other, hears them; whether to start one is not its business.
 
     host: whose workers; ledger: descriptor of the memory that all count in; network, hub: see `HostRun`;
-    log: takes what workers say.
+    log: takes what workers say; start: how a worker is started.
     """
 
     def __init__(
@@ -37,6 +37,7 @@ class Crew:
         network: Network,
         hub: Sequence[str],
         log: RunLog,
+        start: Start = start_process,
     ) -> None:
         self.order = order
         self.plan: Plan = plan_from_data(order.plan)
@@ -51,6 +52,7 @@ class Crew:
         self._network = network
         self._hub = tuple(hub)
         self._log = log
+        self._start = start
         self._selector = selectors.DefaultSelector()
         self._rings = Rings(self.plan, set(self.names()))
         for name in order.over:
@@ -67,7 +69,7 @@ class Crew:
 
         correction: what to add to its clocks, ns; again: whether others may be at work already.
         """
-        worker = self.workers[name] = WorkerProcess(name, incarnation)
+        worker = self.workers[name] = WorkerProcess(name, incarnation, self._start)
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:
             self._rings.renew(name)

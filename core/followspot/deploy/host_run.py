@@ -21,7 +21,7 @@ from followspot.deploy.host import HostStatus, RunOrder
 from followspot.deploy.log.record import Level
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.supervisor import Supervisor
-from followspot.deploy.worker_process import WorkerProcess
+from followspot.deploy.worker_process import Start, WorkerProcess, start_process
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -50,12 +50,16 @@ class HostRun:
         network: Network = Network(),
         hub: Sequence[str] = (),
         clock: HostClock | None = None,
+        start: Start = start_process,
     ) -> None:
-        """clock: of this host, compared with that of others where there are any."""
+        """clock: of this host, compared with that of others where there are any; start: of a worker."""
         self.name = name
         self.network = network
         self.hub = tuple(hub)
         self.clock = HostClock() if clock is None else clock
+        self._start = start
+        self._memory: int | None = None
+        """Descriptor of the ledger's memory."""
         self.ledger = Ledger(0)
         self.out = ""
         self.log = RunLog()
@@ -87,10 +91,11 @@ class HostRun:
         self.out = str(Path(order.out or ".").resolve())
         plan = plan_from_data(order.plan)
         edges = len(plan.edges)
-        size = max(1, edges * COLUMNS * 8)
-        memory = _memory(ledger, size)
+        size = max(1, edges) * COLUMNS * 8
+        memory = self._memory = _memory(ledger, size)
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
-        self.crew = Crew(self.name, replace(order, out=self.out), memory, self.network, self.hub, self.log)
+        order = replace(order, out=self.out)
+        self.crew = Crew(self.name, order, memory, self.network, self.hub, self.log, self._start)
         self.supervisor = Supervisor(self.crew, self.clock, self._tell)
         self._follow_clock()
         self.supervisor.prepare()
@@ -112,6 +117,8 @@ class HostRun:
         if self._change.in_the_way_of(order):
             raise FollowspotError("another change is under way; try again when it is done")
         change = HostChange(order, self.plan, self.name)
+        if self.status().all("over"):
+            raise FollowspotError("the run has ended")
         for name in change.parts:
             if self.workers[name].phase != "running":
                 raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
@@ -167,6 +174,9 @@ class HostRun:
         self.clock.close()
         if hasattr(self, "crew"):
             self.crew.close()
+        if self._memory is not None:
+            os.close(self._memory)
+            self._memory = None
 
     def _follow_clock(self) -> None:
         """Go by the clock of the reference, which may only have come with a move."""

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import signal
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import FrameType
-from typing import Any, Protocol
+from typing import Protocol
 
 from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.host_run import HostRun
-from followspot.deploy.local import LocalRun, OnProgress
 from followspot.deploy.log.run_log import OnLog
+from followspot.deploy.progress import OnProgress
 from followspot.deploy.reachable import reachable
 from followspot.deploy.report import RunReport
+from followspot.deploy.run_requests import Surroundings, run_dispatcher
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
-from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions
 from followspot.transport.zenoh_network import Network
 
@@ -55,56 +53,31 @@ def run_plan(
         from followspot.deploy.reach import reached
 
         with reached(plan, network, media) as (hosts, others):
-            around = Surroundings(options.out, network)
-            return _changeable(Coordinator(plan, hosts, order, on_log, others), on_progress, around)
-    if len(plan.workers) == 1:
-        return _changeable(LocalRun(plan, options, on_log), on_progress, Surroundings(options.out))
-    coordinator = Coordinator(plan, [HostRun("")], order, on_log)
-    return _changeable(coordinator, on_progress, Surroundings(options.out))
+            around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
+            return _reachable(Coordinator(plan, hosts, order, on_log, others), on_progress, around)
+    return _reachable(
+        local_run(plan, options, on_log, restart=order.restart),
+        on_progress,
+        Surroundings(options.out.resolve()),
+    )
 
 
-@dataclass(frozen=True)
-class Surroundings:
-    """Of a run: its folder here, and the network of its other hosts, where it has any."""
+def local_run(
+    plan: Plan, options: RunOptions, on_log: OnLog | None = None, *, restart: bool = False
+) -> Coordinator:
+    """A run on this host alone: one worker is a thread of this process, several are processes."""
+    if len(plan.workers) > 1:
+        return Coordinator(plan, [HostRun("")], order_of(plan, options, restart=restart), on_log)
+    from followspot.deploy.worker_thread import WorkerThread
 
-    out: Path
-    network: Network | None = None
-
-    def to_data(self) -> dict[str, Any]:
-        """JSON types; the network is that of one more session beside those of the run."""
-        network = self.network and asdict(self.network.for_worker(self.network.connect))
-        return {"out": str(self.out.resolve()), "network": network}
+    host = HostRun("", start=WorkerThread)
+    return Coordinator(plan, [host], order_of(plan, options, restart=False), on_log)
 
 
-def _changeable(
-    run: Coordinator | LocalRun, on_progress: OnProgress | None, around: Surroundings
-) -> RunReport:
+def _reachable(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:
     """Execute; meanwhile other processes of the user can find the run, look at it and change it."""
-
-    def change(words: list[str], folder: str, fresh: bool = False) -> dict[str, Any]:
-        return run.change([str(word) for word in words], Path(folder), fresh=bool(fresh)).to_data()
-
-    def move(stages: list[str], place: str) -> dict[str, Any]:
-        return run.move([str(stage) for stage in stages], str(place)).to_data()
-
-    with reachable(
-        run.name, run.plan.graph, {**_looking(run), "where": around.to_data, "change": change, "move": move}
-    ):
+    with reachable(run.name, run.plan.graph, run_dispatcher(run, surroundings)):
         return interruptible(run, on_progress)
-
-
-def _looking(run: Coordinator | LocalRun) -> dict[str, Any]:
-    """What those who look on can ask for."""
-
-    def tap(taps: list[dict[str, Any]]) -> None:
-        run.tap([Tapping(str(t["port"]), str(t["uses"]), dict(t["params"])) for t in taps])
-
-    return {
-        "plan": lambda: plan_to_data(run.plan),
-        "status": lambda: run.status().to_data(),
-        "log": lambda after: run.records(int(after)).to_data(),
-        "tap": tap,
-    }
 
 
 def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:

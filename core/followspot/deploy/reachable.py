@@ -1,4 +1,4 @@
-"""How other processes of the same user find a run on this machine: a socket that knows a few verbs.
+"""Carrier between processes of one user on this machine: how others find a run here and ask it.
 
 One line of JSON there, one back. The socket has an abstract name: no file, so a kill leaves nothing behind.
 Both sides look whose process the other one is, so nobody else gets in or answers in a run's place.
@@ -12,13 +12,14 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
 from struct import Struct
 from typing import Any
 
+from followspot.deploy.dispatch import Dispatcher, Request, answer_from_wire, to_wire
+from followspot.deploy.run_handle import Ask, NoAnswer, RunHandle
 from followspot.errors import FollowspotError
 
 MAX_REQUEST = 1 << 20
@@ -32,53 +33,19 @@ _TELLING = 8
 _PEER = Struct("3i")
 """Process, user and group at the other end."""
 
-
-class NoAnswer(FollowspotError):
-    """The run's process is there, but does not answer in time: it is suspended, or very busy."""
-
-
-Verbs = Mapping[str, Callable[..., Any]]
-"""What can be asked: functions of JSON types that return JSON types; each call has a thread of its own."""
-
-
-@dataclass(frozen=True)
-class RunHere:
-    """A run on this machine, its process, and the name of its socket; graph: "" where it does not answer."""
-
-    run: str
-    graph: str
-    pid: int
-    socket: str
-
-    @property
-    def label(self) -> str:
-        """For lists of runs."""
-        silent = f" of process {self.pid}, which does not answer"
-        return f"{self.graph} ({self.run[:8]})" if self.graph else self.run[:8] + silent
-
-    def silent(self) -> NoAnswer:
-        """The error of one that does not answer."""
-        return NoAnswer(f"the run {self.run[:8]} does not answer: {_why_silent(self.pid)}")
-
-    def ask(self, verb: str, timeout: float | None = None, **data: Any) -> Any:
-        """Its answer. Raises FollowspotError where it refuses, or ends meanwhile.
-
-        timeout: time to answer, s, None for as long as it takes; NoAnswer is raised after it.
-        """
-        try:
-            return _asked(self.socket, verb, timeout, **data)
-        except TimeoutError:
-            raise self.silent() from None
-        except OSError as error:
-            raise FollowspotError(f"the run {self.run[:8]} does not answer: {error}") from None
+_DESCRIBE = {"verb": "describe"}
+"""Asks whose socket it is; answered by the carrier itself."""
 
 
 @contextmanager
-def reachable(run: str, graph: str, verbs: Verbs) -> Iterator[None]:
-    """While the block runs, other processes can ask this one. Where they cannot, standard error says why."""
-    about = {"describe": lambda: {"run": run, "graph": graph, "pid": os.getpid()}}
+def reachable(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[None]:
+    """While the block runs, other processes can ask this one; each request has a thread of its own.
+
+    If they cannot, standard error says why.
+    """
+    about = {"run": run, "graph": graph, "pid": os.getpid()}
     try:
-        server = _Server(f"{_own()}{os.getpid()}-{run[:16]}", {**about, **verbs})
+        server = _Server(f"{_own()}{os.getpid()}-{run[:16]}", about, dispatcher)
     except OSError as error:
         sys.stderr.write(f"followspot: nobody can change this run: {error}\n")
         yield
@@ -89,7 +56,7 @@ def reachable(run: str, graph: str, verbs: Verbs) -> Iterator[None]:
         server.close()
 
 
-def runs_here(wanted: str | None = None) -> list[RunHere]:
+def runs_here(wanted: str | None = None) -> list[RunHandle]:
     """The user's runs on this machine, in the order of their names.
 
     wanted: a process id or the beginning of a run's name: where there is such a run, no other is asked.
@@ -107,22 +74,40 @@ def runs_here(wanted: str | None = None) -> list[RunHere]:
     return found
 
 
-def _found(name: str) -> RunHere:
+def _found(name: str) -> RunHandle:
     """The run with a socket of this name."""
+    pid, _, run = name.removeprefix(_own()).partition("-")
     try:
-        about = _asked(name, "describe", _PATIENCE)
+        about = _asked(name, _DESCRIBE, _PATIENCE)
     except TimeoutError:
-        pid, _, run = name.removeprefix(_own()).partition("-")
-        return RunHere(run, "", int(pid), name)
-    return RunHere(str(about["run"]), str(about["graph"]), int(about["pid"]), name)
+        return RunHandle(run, "", socket_of(name, run, int(pid)), int(pid))
+    run = str(about["run"])
+    return RunHandle(run, str(about["graph"]), socket_of(name, run, int(pid)), int(pid))
+
+
+def socket_of(name: str, run: str, pid: int) -> Ask:
+    """Asks the run behind a socket of this name. run, pid: its own name and process, for errors."""
+
+    def ask(request: Request, timeout: float) -> Any:
+        try:
+            return answer_from_wire(type(request), _asked(name, to_wire(request), timeout))
+        except TimeoutError:
+            raise NoAnswer(f"the run {run[:8]} does not answer: {_why_silent(pid)}") from None
+        except OSError as error:
+            raise FollowspotError(f"the run {run[:8]} does not answer: {error}") from None
+        except ValueError as error:
+            raise FollowspotError(f"the run {run[:8]} answers what is not understood: {error}") from None
+
+    return ask
 
 
 class _Server:
     """Answers on a socket of this name, one thread a question."""
 
-    def __init__(self, name: str, verbs: Verbs) -> None:
-        """Raises OSError."""
-        self._verbs = verbs
+    def __init__(self, name: str, about: dict[str, Any], dispatcher: Dispatcher) -> None:
+        """about: answers who this is. Raises OSError."""
+        self._about = about
+        self._dispatcher = dispatcher
         self._asking: dict[threading.Thread, socket.socket] = {}
         self._socket = socket.socket(socket.AF_UNIX)
         try:
@@ -172,18 +157,20 @@ class _Server:
     def _said(self, line: bytes) -> dict[str, Any]:
         try:
             request = json.loads(line)
-            return {"answer": self._verbs[request.pop("verb")](**request)}
+            return {
+                "answer": self._about if request == _DESCRIBE else self._dispatcher.dispatch_wire(request)
+            }
         except (FollowspotError, ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
             return {"refused": str(error) or type(error).__name__}
 
 
-def _asked(name: str, verb: str, timeout: float | None, **data: Any) -> Any:
+def _asked(name: str, request: dict[str, Any], timeout: float) -> Any:
     with socket.socket(socket.AF_UNIX) as ours:
         ours.settimeout(timeout)
         ours.connect(f"\0{name}")
         if not _same_user(ours):
             raise PermissionError("it is a process of somebody else")
-        ours.sendall(json.dumps({"verb": verb, **data}).encode() + b"\n")
+        ours.sendall(json.dumps(request).encode() + b"\n")
         try:
             said = json.loads(_line(ours, _MAX_ANSWER))
         except ValueError as error:

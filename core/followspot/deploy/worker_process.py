@@ -1,4 +1,4 @@
-"""One worker's process as its host sees it."""
+"""One worker as its host sees it: a process of its own, or a thread of this one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ import socket
 import subprocess
 import sys
 import time
-from typing import Any
+from collections.abc import Callable
+from typing import Any, Protocol
 
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.host import WorkerPhase, WorkerStatus
@@ -18,21 +19,47 @@ _PATIENCE = 5.0
 """Seconds that a worker that has reported may take to exit."""
 
 
+class Process(Protocol):
+    """What a worker runs in, as `subprocess.Popen` has it."""
+
+    @property
+    def pid(self) -> int:
+        """Number of the process."""
+
+    def poll(self) -> int | None:
+        """The exit code; None while the worker lives."""
+
+    def wait(self, timeout: float | None = None) -> int:
+        """The exit code, once there is one. Raises subprocess.TimeoutExpired."""
+
+    def kill(self) -> None:
+        """End it at once."""
+
+
+Start = Callable[[socket.socket], Process]
+"""Starts a worker that speaks on this end of its control channel."""
+
+
+def start_process(end: socket.socket) -> Process:
+    """Start a worker in a process of its own. Raises OSError."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "followspot.deploy.child", str(end.fileno())],
+        pass_fds=[end.fileno()],
+        stdin=subprocess.DEVNULL,
+    )
+
+
 class WorkerProcess:
-    """A process that was started, and what it has told since.
+    """A worker that was started, and what it has told since.
 
     incarnation: how often the worker had been started before.
     """
 
-    def __init__(self, name: str, incarnation: int) -> None:
-        """Start the process; it waits for its plan. Raises OSError."""
+    def __init__(self, name: str, incarnation: int, start: Start = start_process) -> None:
+        """Start the worker; it waits for its plan. Raises OSError."""
         ours, theirs = socket.socketpair()
         with theirs:
-            self.process = subprocess.Popen(
-                [sys.executable, "-m", "followspot.deploy.child", str(theirs.fileno())],
-                pass_fds=[theirs.fileno()],
-                stdin=subprocess.DEVNULL,
-            )
+            self.process = start(theirs)
         self.name = name
         self.incarnation = incarnation
         self.channel = Channel(ours)

@@ -6,13 +6,11 @@ goes first never changes a result, for a firing depends on the streams alone.
 
 from __future__ import annotations
 
-import os
 import select
 import sys
 import time
 from collections import deque
 from collections.abc import Callable, Container, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from heapq import heappop, heappush
@@ -24,6 +22,7 @@ from followspot.runtime.inlet import Inlet
 from followspot.runtime.pace import Pace
 from followspot.runtime.source import LiveCell, SourceCell
 from followspot.runtime.team import teams
+from followspot.transport.bell import Bell
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import END
 
@@ -83,7 +82,7 @@ class Worker:
         self._errands: deque[Callable[[], None]] = deque()
         self._poll = select.poll()
         self._watched: dict[int, Callable[[], bool]] = {}
-        self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._bell = Bell()
         self._connect()
 
     def mark(self, rank: int) -> None:
@@ -166,7 +165,7 @@ class Worker:
 
     def ring(self) -> None:
         """Wake the worker from another thread."""
-        os.eventfd_write(self._bell, 1)
+        self._bell.ring()
 
     def setup(self) -> None:
         """Set all stages up, in order. Raises StageError."""
@@ -208,6 +207,7 @@ class Worker:
         for inlet in self.readers:
             if inlet.reader is not None:
                 inlet.reader.close()
+        self._bell.close()
         return problems
 
     def progress(self) -> Progress:
@@ -223,7 +223,7 @@ class Worker:
         return max(known, default=None)
 
     def _connect(self) -> None:
-        self.watch(self._bell, self._answer_bell)
+        self.watch(self._bell.fileno(), self._answer_bell)
         for inlet in self.readers:
             assert inlet.reader is not None
             self.watch(inlet.reader.fileno(), inlet.poll)
@@ -278,7 +278,7 @@ class Worker:
         if self._credit_came():
             return
         deadlines = [c.overdue_at for c in self.cells if c.overdue_at is not None and not c.done]
-        if not deadlines and len(self._watched) == 1 and not self.live:
+        if not (deadlines or self.readers or self.writers or self.live):
             raise StuckError(self._why_stuck())
         if not deadlines:
             self._receive(_NAP_MS)
@@ -311,8 +311,7 @@ class Worker:
             self._poll.unregister(fd)
 
     def _answer_bell(self) -> bool:
-        with suppress(BlockingIOError):
-            os.eventfd_read(self._bell)
+        self._bell.hush()
         return False
 
     def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:

@@ -155,5 +155,5 @@ def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp
     crews = [Crew("", plan), Crew("pc-left", plan), Crew("pc-right", plan, unable="b")]
     with pytest.raises(FollowspotError, match="worker right cannot begin at its new place"):
         move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
-    assert [crew.began for crew in crews] == [[], ["left"], ["right", "right"]]
+    assert [crew.began for crew in crews] == [["main", "main"], ["left"], ["right", "right"]]
     assert {worker.phase for crew in crews for worker in crew.workers.values()} == {"running"}

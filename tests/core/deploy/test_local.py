@@ -1,14 +1,11 @@
-"""A run in this very process."""
+"""A run of one worker: a thread of this process."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
-from followspot.deploy.local import LocalRun
+from followspot.deploy.launch import local_run
 from followspot.graph.compile import compile_graph
-from followspot.runtime.cell import StageError
 from followspot.runtime.wiring import RunOptions
 
 STUBBORN = """
@@ -33,5 +30,5 @@ def test_a_stage_that_cannot_be_built_is_named(tmp_path: Path) -> None:
     graph = tmp_path / "graph.yaml"
     graph.write_text("graph: g\nstages: {beat: {uses: drum.stubborn}}\n")
     plan = compile_graph(graph, plugin_files=[tmp_path / "drum.py"])
-    with pytest.raises(StageError, match=r"stage beat failed: ValueError: the model is missing"):
-        LocalRun(plan, RunOptions(tmp_path))
+    report = local_run(plan, RunOptions(tmp_path)).execute()
+    assert "stage beat failed: ValueError: the model is missing" in report.errors[0]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from followspot import Header, Message, at
-from followspot.deploy.local import LocalRun
+from followspot.deploy.launch import local_run
 from followspot.deploy.report import RunReport
 from followspot.graph.compile import compile_graph
 from followspot.messages import InvalidMessage, stamped
@@ -55,7 +55,7 @@ def execute(folder: Path, text: str, *overrides: str) -> tuple[RunReport, list[t
     plan = compile_graph(path, plugin_files=[WRONG], overrides=overrides)
     collected = sys.modules[load_stage("wrong.collect").__module__].Collect.got
     collected.clear()
-    report = LocalRun(plan, RunOptions(folder)).execute()
+    report = local_run(plan, RunOptions(folder)).execute()
     return report, sorted(collected)
 
 

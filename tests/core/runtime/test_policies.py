@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.deploy.local import LocalRun
+from followspot.deploy.launch import local_run
 from followspot.deploy.report import RunReport
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, Message, stamped
@@ -36,7 +36,7 @@ def execute(folder: Path, source: str, edges: str) -> tuple[RunReport, list[int]
         "  save: {uses: ticks.write, in: {number: {from: b, policy: drop_oldest, depth: 3}}}\n"
     )
     plan = compile_graph(path, plugin_files=[TICKS], edges=edges)  # type: ignore[arg-type]
-    report = LocalRun(plan, RunOptions(folder)).execute()
+    report = local_run(plan, RunOptions(folder)).execute()
     return report, [int(line.split(",")[2]) for line in (folder / "ticks.csv").read_text().splitlines()]
 
 
@@ -82,7 +82,7 @@ def test_a_camera_that_falls_silent_does_not_hold_up_those_whose_results_it_only
         "  save: {uses: ticks.write, in: {number: fast}}\n"
     )
     plan = compile_graph(tmp_path / "graph.yaml", plugin_files=[TICKS], edges=edges)  # type: ignore[arg-type]
-    run = LocalRun(plan, RunOptions(tmp_path))
+    run = local_run(plan, RunOptions(tmp_path))
     looks = iter(range(50))
 
     def stop(progress: Progress, expected: int | None) -> None:

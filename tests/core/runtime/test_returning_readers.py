@@ -9,6 +9,7 @@ from followspot import Context, Message, Source, Stage, at
 from followspot.runtime.firing import Join
 from followspot.runtime.ledger import Ledger
 from followspot.runtime.outlet import Outlet
+from followspot.runtime.pace import Pace
 from followspot.runtime.source import SourceCell
 from followspot.runtime.worker import Worker
 from followspot.transport.token import END, Settled, Token
@@ -40,7 +41,7 @@ def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it
         while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
             time.sleep(0.005)
         cell = SourceCell("count", 0, lambda: Count(Context()), Join((), window=0, slack=0), {"out": outlet})
-        worker = Worker([cell], [], [(writer, 0)])
+        worker = Worker([cell], [], [(writer, 0)], Pace())
         worker.setup()
         thread = threading.Thread(target=worker.run, daemon=True)
         thread.start()

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from followspot.deploy.local import LocalRun
+from followspot.deploy.launch import local_run
 from followspot.graph.compile import compile_graph
 from followspot.messages import MAX_SEQ, MAX_TIME, Message, at
 from followspot.runtime.wiring import RunOptions
@@ -21,7 +21,7 @@ def run(folder: Path, stage: str, time: int, seq: int = 0) -> tuple[str, ...]:
         "  b: {uses: far_times.last, in: {tick: a}}\n"
     )
     plan = compile_graph(folder / "g.yaml", plugin_files=[FAR])
-    return LocalRun(plan, RunOptions(folder)).execute().errors
+    return local_run(plan, RunOptions(folder)).execute().errors
 
 
 @pytest.mark.parametrize("stage", ["at", "stamped"])

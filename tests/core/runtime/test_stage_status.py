@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from followspot.deploy.local import LocalRun
+from solo import Solo
+
+from followspot.deploy.launch import local_run
 from followspot.deploy.status import run_status_from_data
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
 from followspot.messages import Message
-from followspot.runtime.stage_status import StageStatus, paths_now, stages_now
+from followspot.runtime.stage_status import StageStatus, stages_now
 from followspot.runtime.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -32,25 +34,25 @@ stages:
 """
 
 
-def local_run(folder: Path, graph: str = GRAPH, edges: EdgeChoice = "auto") -> LocalRun:
+def solo(folder: Path, graph: str = GRAPH, edges: EdgeChoice = "auto") -> Solo:
     path = folder / "count.yaml"
     path.write_text(graph)
-    return LocalRun(compile_graph(path, plugin_files=[STAGES], edges=edges), RunOptions(folder))
+    return Solo(compile_graph(path, plugin_files=[STAGES], edges=edges), folder)
 
 
-def stages(run: LocalRun) -> dict[str, StageStatus]:
+def stages(run: Solo) -> dict[str, StageStatus]:
     return {stage.stage: stage for stage in stages_now(run.worker, run.warnings.last)}
 
 
 def test_a_stage_says_for_whom_it_waits(tmp_path: Path) -> None:
-    found = stages(local_run(tmp_path))
+    found = stages(solo(tmp_path))
     assert found["half"].state == "getting"
     assert found["half"].on == ("count.out -> half.number",)
     assert found["count"].state == "processing"
 
 
 def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
-    run = local_run(tmp_path)
+    run = solo(tmp_path)
     run.worker.setup()
     count, half, _ = run.worker.cells
     while count.has_room():
@@ -62,7 +64,7 @@ def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
 
 
 def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> None:
-    run = local_run(tmp_path, edges="ring")
+    run = solo(tmp_path, edges="ring")
     run.worker.setup()
     count = run.worker.cells[0]
     while count.has_room():
@@ -73,7 +75,7 @@ def test_a_stage_says_which_edge_to_another_worker_blocks_it(tmp_path: Path) -> 
 
 
 def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
-    run = local_run(tmp_path, FEEDBACK)
+    run = solo(tmp_path, FEEDBACK)
     run.worker.setup()
     first = run.worker.cells[1]
     for _ in range(2):
@@ -87,7 +89,7 @@ def test_a_stage_says_that_it_waits_for_feedback(tmp_path: Path) -> None:
 
 
 def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: Path) -> None:
-    run = local_run(tmp_path)
+    run = solo(tmp_path)
     run.worker.setup()
     half = run.worker.cells[1]
     seen: list[str] = []
@@ -105,7 +107,9 @@ def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: P
 
 
 def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:
-    run = local_run(tmp_path)
+    path = tmp_path / "count.yaml"
+    path.write_text(GRAPH)
+    run = local_run(compile_graph(path, plugin_files=[STAGES]), RunOptions(tmp_path))
     report = run.execute()
     status = run_status_from_data(run.status().to_data())  # as those who look on get it
     found = {stage.stage: stage for stage in status.workers[0].stages}
@@ -117,4 +121,4 @@ def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:
     assert set(ages) == {edge.name for edge in run.plan.edges}
     assert all(0 < age.p50_ms <= age.p95_ms for age in ages.values() if age.p50_ms and age.p95_ms)
     assert not any(age.p50_ms is None or age.error for age in ages.values())
-    assert [(path.origin, path.sink) for path in paths_now(run.worker)] == [("count", "write")]
+    assert [(path.origin, path.sink) for path in status.workers[0].paths] == [("count", "write")]

@@ -10,11 +10,15 @@ from types import ModuleType
 
 import pytest
 
-from followspot.deploy.local import LocalRun
+from followspot.deploy.coordinator import Coordinator
+from followspot.deploy.host_run import HostRun
+from followspot.deploy.launch import local_run
+from followspot.deploy.worker_thread import WorkerThread
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
 from followspot.runtime.wiring import RunOptions
+from followspot.runtime.worker import Worker
 
 ALIKE = Path(__file__).parents[2] / "stages" / "alike.py"
 PAIR = """
@@ -28,11 +32,23 @@ q: {uses: alike.collect, in: {note: y}}
 """
 
 
-def changed_at_the_gate(folder: Path, change: Callable[[LocalRun], object]) -> tuple[LocalRun, ModuleType]:
-    """A whole run, changed from another thread while its 50th note is held."""
+def worker_of(run: Coordinator) -> Worker:
+    """The worker of a run in this process, while it is there."""
+    (host,) = run.hosts
+    assert isinstance(host, HostRun)
+    process = host.workers["main"].process
+    assert isinstance(process, WorkerThread)
+    assert process.child.worker is not None
+    return process.child.worker
+
+
+def changed_at_the_gate(
+    folder: Path, change: Callable[[Coordinator], object]
+) -> tuple[Coordinator, ModuleType]:
+    """A whole run, changed from another thread while its notes pass slowly from the 50th on."""
     path = folder / "graph.yaml"
     path.write_text("graph: g\nstages:\n" + "".join(f"  {line}\n" for line in PAIR.strip().splitlines()))
-    run = LocalRun(compile_graph(path, plugin_files=[ALIKE]), RunOptions(folder))
+    run = local_run(compile_graph(path, plugin_files=[ALIKE]), RunOptions(folder))
     module = sys.modules[load_stage("alike.double").__module__]
     module.Double.sizes.clear()
     module.Collect.got.clear()
@@ -41,13 +57,6 @@ def changed_at_the_gate(folder: Path, change: Callable[[LocalRun], object]) -> t
 
     def meddle() -> None:
         assert module.Gate.reached.wait(20)
-        between = run.worker.between_firings
-
-        def noted(errand: Callable[[], None]) -> None:
-            between(errand)
-            module.Gate.open.set()
-
-        run.worker.between_firings = noted  # type: ignore[method-assign]
         try:
             change(run)
         except BaseException as error:
@@ -71,11 +80,11 @@ def test_stages_that_are_no_longer_alike_work_alone_and_nothing_is_lost(tmp_path
 
 
 def test_a_change_that_fails_leaves_every_stage_as_it_was(tmp_path: Path) -> None:
-    def refused(run: LocalRun) -> None:
-        before = [cell.stage for cell in run.worker.cells]
+    def refused(run: Coordinator) -> None:
+        before = [cell.stage for cell in worker_of(run).cells]
         with pytest.raises(FollowspotError, match="cannot be built: ValueError: no tripling"):
             run.change(["x.at=7", "y=alike.triple"], Path())
-        assert [cell.stage for cell in run.worker.cells] == before
+        assert [cell.stage for cell in worker_of(run).cells] == before
 
     run, module = changed_at_the_gate(tmp_path, refused)
     assert sorted(module.Collect.got) == sorted([(name, n, 2 * n) for name in "pq" for n in range(200)])

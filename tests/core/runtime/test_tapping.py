@@ -7,13 +7,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from solo import Solo
 
 from followspot import Message, Stage
-from followspot.deploy.local import LocalRun
 from followspot.graph.compile import compile_graph
 from followspot.runtime import tapping
 from followspot.runtime.tapping import Tap, Tapping
-from followspot.runtime.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
 GRAPH = """\
@@ -41,32 +40,32 @@ class Seen(Stage):
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> LocalRun:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Solo:
     path = tmp_path / "count.yaml"
     path.write_text(GRAPH)
-    made = LocalRun(compile_graph(path, plugin_files=[STAGES]), RunOptions(tmp_path))
+    made = Solo(compile_graph(path, plugin_files=[STAGES]), tmp_path)
     monkeypatch.setattr(tapping, "load_stage", lambda name: Seen)
     for name, value in (("seen", []), ("closed", []), ("raises", None)):
         monkeypatch.setattr(Seen, name, value)
     return made
 
 
-def test_a_tap_sees_every_message_and_stands_in_no_ledger(run: LocalRun) -> None:
+def test_a_tap_sees_every_message_and_stands_in_no_ledger(run: Solo) -> None:
     run.tap([Tapping("count.out", "seen", {}), Tapping("elsewhere.out", "seen", {})])
-    report = run.execute()
+    report = run.run()
     assert Seen.seen == list(range(30))
     assert report.ok
     assert [edge.name for edge, _ in report.edges] == ["count.out -> write.number"]
 
 
-def test_the_same_tap_is_made_once(run: LocalRun) -> None:
+def test_the_same_tap_is_made_once(run: Solo) -> None:
     for _ in range(3):
         run.tap([Tapping("count.out", "seen", {})])
-    run.execute()
+    run.run()
     assert len(Seen.seen) == 30
 
 
-def test_taps_that_come_at_once_are_all_made(run: LocalRun, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_taps_that_come_at_once_are_all_made(run: Solo, monkeypatch: pytest.MonkeyPatch) -> None:
     """While one is made, another thread makes one, too."""
     both: list[threading.Thread] = []
 
@@ -80,18 +79,18 @@ def test_taps_that_come_at_once_are_all_made(run: LocalRun, monkeypatch: pytest.
 
     monkeypatch.setattr(tapping, "Tap", Slow)
     run.tap([Tapping("count.out", "seen", {})])
-    run.execute()
+    run.run()
     assert sorted(Seen.seen) == sorted([*range(30), *range(30)])
     assert Seen.closed == ["count", "count"]
 
 
 @pytest.mark.parametrize(("error", "warnings"), [(ZeroDivisionError, 1), (EOFError, 0)])
 def test_a_tap_that_fails_is_taken_away_and_the_graph_goes_on(
-    run: LocalRun, monkeypatch: pytest.MonkeyPatch, error: type[Exception], warnings: int
+    run: Solo, monkeypatch: pytest.MonkeyPatch, error: type[Exception], warnings: int
 ) -> None:
     monkeypatch.setattr(Seen, "raises", error)
     run.tap([Tapping("count.out", "seen", {})])
-    report = run.execute()
+    report = run.run()
     assert report.ok
     assert report.frames == 30
     assert len(Seen.seen) == 5

@@ -8,12 +8,11 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from solo import Solo
 
-from followspot.deploy.local import LocalRun
 from followspot.deploy.report import RunReport
 from followspot.graph.compile import compile_graph
 from followspot.plugins.registry import load_stage
-from followspot.runtime.wiring import RunOptions
 
 ALIKE = Path(__file__).parents[2] / "stages" / "alike.py"
 THREE = """
@@ -34,7 +33,7 @@ EXPECTED = sorted(
 )
 
 
-def stages(folder: Path, text: str, *overrides: str) -> tuple[LocalRun, ModuleType]:
+def stages(folder: Path, text: str, *overrides: str) -> tuple[Solo, ModuleType]:
     """A run of a graph of these stages that has not begun, and their module."""
     path = folder / "graph.yaml"
     path.write_text("graph: g\nstages:\n" + "".join(f"  {line}\n" for line in text.strip().splitlines()))
@@ -43,7 +42,7 @@ def stages(folder: Path, text: str, *overrides: str) -> tuple[LocalRun, ModuleTy
     module.Double.sizes.clear()
     module.Collect.got.clear()
     module.Heard.spoken = threading.Event()
-    return LocalRun(plan, RunOptions(folder)), module
+    return Solo(plan, folder), module
 
 
 def execute(
@@ -51,7 +50,7 @@ def execute(
 ) -> tuple[RunReport, list[int], list[tuple[str, int, int]]]:
     """The report of a run, how many stages worked together each time, and what was collected."""
     run, module = stages(folder, text, *overrides)
-    return run.execute(), module.Double.sizes, sorted(module.Collect.got)
+    return run.run(), module.Double.sizes, sorted(module.Collect.got)
 
 
 def fired(report: RunReport) -> dict[str, int]:

@@ -9,7 +9,7 @@ import re
 import socket
 import urllib.error
 import urllib.request
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from threading import Event
@@ -21,8 +21,18 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
+from followspot.deploy.changes.changed import Changed, ChangedStage
+from followspot.deploy.dispatch import Dispatcher
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.reachable import reachable
+from followspot.deploy.run_requests import (
+    ChangeStages,
+    GetPlan,
+    GetStatus,
+    GetSurroundings,
+    PlaceTaps,
+    Surroundings,
+)
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
@@ -69,29 +79,30 @@ class Shown:
         self.recorded: dict[str, Any] = {}
         self.pid = 0
 
-    def tap(self, taps: list[dict[str, Any]]) -> None:
+    def tap(self, request: PlaceTaps) -> None:
         """Previews first, then recordings."""
         if self.tapped.is_set():
-            self.recorded = {tap["port"]: tap["params"] for tap in taps}
+            self.recorded = {tap.port: dict(tap.params) for tap in request.taps}
             return
-        self.folder = Path(taps[0]["params"]["folder"])
+        self.folder = Path(request.taps[0].params["folder"])
         self.tapped.set()
 
-    def verbs(self) -> dict[str, Callable[..., Any]]:
-        return {
-            "plan": lambda: plan_to_data(self.plan),
-            "status": lambda: self.status.to_data(),
-            "tap": self.tap,
-            "where": lambda: {"out": str(self.out), "network": None},
-            "change": self.change,
-        }
+    def dispatcher(self) -> Dispatcher:
+        return Dispatcher(
+            {
+                GetPlan: lambda _: plan_to_data(self.plan),
+                GetStatus: lambda _: self.status,
+                PlaceTaps: self.tap,
+                GetSurroundings: lambda _: Surroundings(self.out),
+                ChangeStages: self.change,
+            }
+        )
 
-    def change(self, words: list[str], folder: str) -> dict[str, Any]:
-        if words == ["fuse.steps=-1"]:
+    def change(self, request: ChangeStages) -> Changed:
+        if request.words == ("fuse.steps=-1",):
             raise FollowspotError("steps must be at least 1")
-        self.asked.append(words)
-        done = {"stage": words[0], "before": "", "uses": "", "params": {}}
-        return {"run": "it", "graph": "glowballs", "stages": [done]}
+        self.asked.append(list(request.words))
+        return Changed("it", "glowballs", (ChangedStage(request.words[0], "", "", {}),))
 
     def serve(self, url: str) -> None:
         """The page is at this address."""
@@ -118,7 +129,7 @@ class Shown:
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
     made = Shown(compile_graph(GRAPH), tmp_path_factory.mktemp("run"))
     name = f"{os.getpid():x}page"
-    with reachable(name, made.plan.graph, made.verbs()), shown(PageOrder(os.getpid())) as served:
+    with reachable(name, made.plan.graph, made.dispatcher()), shown(PageOrder(os.getpid())) as served:
         made.pid = served.pid
         made.serve(served.url)
         yield made

@@ -10,11 +10,13 @@ from pathlib import Path
 import pytest
 
 from followspot.cli.main import main
+from followspot.deploy.dispatch import Dispatcher
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.log.file import LogFile
-from followspot.deploy.log.record import LogRecord
+from followspot.deploy.log.record import LogPage, LogRecord
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.reachable import reachable
+from followspot.deploy.run_requests import GetLog, GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
@@ -37,23 +39,26 @@ def run(tmp_path: Path) -> Iterator[str]:
     kept.add(*SAID)
     plan = plan_to_data(compile_graph(GRAPH))
 
-    def log(after: int) -> object:
+    def log(request: GetLog) -> LogPage:
+        after = request.after
         if after == len(SAID):
             kept.add(LogRecord(5, "error", "a last word"))
             raise FollowspotError("the run has ended")
         page = kept.after(after)
         if not page.records:
             kept.add(LogRecord(4, "info", "at last"))
-        return page.to_data()
+        return page
 
     running = RunStatus((WorkerStatus("main", "running"),), (), 0, None)
-    verbs = {
-        "plan": lambda: plan,
-        "status": running.to_data,
-        "log": log,
-        "where": lambda: {"out": str(tmp_path), "network": None},
-    }
-    with reachable(NAME, "glowballs", verbs):
+    dispatcher = Dispatcher(
+        {
+            GetPlan: lambda _: plan,
+            GetStatus: lambda _: running,
+            GetLog: log,
+            GetSurroundings: lambda _: Surroundings(tmp_path),
+        }
+    )
+    with reachable(NAME, "glowballs", dispatcher):
         yield NAME
 
 

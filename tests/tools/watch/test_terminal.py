@@ -15,16 +15,20 @@ import numpy as np
 import pytest
 
 from followspot.cli.main import build_parser
+from followspot.deploy.dispatch import Dispatcher
 from followspot.deploy.host import WorkerStatus
 from followspot.deploy.reachable import reachable
+from followspot.deploy.run_requests import GetPlan, GetStatus, GetSurroundings, PlaceTaps, Surroundings
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
 from followspot.plugins.registry import load_stage
 from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.runtime.tapping import Tapping
 from followspot.stage import Context
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot_dashboard.line import Line
@@ -51,29 +55,39 @@ def run() -> Iterator[str]:
     )
     status = RunStatus((worker,), tuple(counts), 7, 100, ("a worker is back",))
 
-    tapped: list[dict[str, Any]] = []
+    tapped: list[Tapping] = []
 
-    def tap(taps: list[dict[str, Any]]) -> None:
-        tapped[:] = taps
-        for wanted in taps:
-            tell(**wanted)
+    def tap(request: PlaceTaps) -> None:
+        tapped[:] = request.taps
+        for wanted in request.taps:
+            tell(wanted)
 
-    def status_now() -> Any:
+    def status_now(_: GetStatus) -> RunStatus:
         """It is over when what it was asked for has been told."""
         over = replace(status, workers=(replace(worker, phase="over"),))
-        return (over if tapped else status).to_data()
+        return over if tapped else status
 
-    verbs: dict[str, Callable[..., Any]] = {
-        "plan": lambda: plan_to_data(plan),
-        "status": status_now,
-        "tap": tap,
-    }
-    with reachable(NAME, plan.graph, verbs):
+    with reachable(NAME, plan.graph, answering(plan, status_now, tap)):
         yield NAME
 
 
-def tell(port: str, uses: str, params: dict[str, Any]) -> None:
+def answering(
+    plan: Plan, status: Callable[[GetStatus], RunStatus], tap: Callable[[PlaceTaps], None]
+) -> Dispatcher:
+    """What a run on this machine answers."""
+    return Dispatcher(
+        {
+            GetPlan: lambda _: plan_to_data(plan),
+            GetStatus: status,
+            PlaceTaps: tap,
+            GetSurroundings: lambda _: Surroundings(Path("/nowhere")),
+        }
+    )
+
+
+def tell(wanted: Tapping) -> None:
     """What a tap tells of two messages; of a source, nothing to a meter."""
+    port, uses, params = wanted.port, wanted.uses, wanted.params
     if uses == "dashboard.meter" and not port.startswith("camera/"):
         meter = load_stage(uses)(Context(), **params)
         meter.monotonic_ns = lambda: 1  # all at once
@@ -166,16 +180,11 @@ def test_the_time_of_hz_begins_with_the_first_measurement(capsys: pytest.Capture
     plan, status = compile_graph(GRAPH), RunStatus((WorkerStatus("main", "running"),), (), 0, None)
     begun: list[threading.Timer] = []
 
-    def tap(taps: list[dict[str, Any]]) -> None:
-        begun.append(threading.Timer(0.5, lambda: [tell(**wanted) for wanted in taps]))
+    def tap(request: PlaceTaps) -> None:
+        begun.append(threading.Timer(0.5, lambda: [tell(wanted) for wanted in request.taps]))
         begun[0].start()
 
-    verbs: dict[str, Callable[..., Any]] = {
-        "plan": lambda: plan_to_data(plan),
-        "status": status.to_data,
-        "tap": tap,
-    }
-    with reachable(f"late{NAME}", plan.graph, verbs):
+    with reachable(f"late{NAME}", plan.graph, answering(plan, lambda _: status, tap)):
         assert said("hz", "track", "--run", f"late{NAME}", "--seconds", "0.1", "--json") == 0
     begun[0].join()
     found = {pace["port"]: pace for pace in json.loads(capsys.readouterr().out)}

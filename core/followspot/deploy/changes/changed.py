@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.graph.change import with_stages
@@ -35,15 +35,6 @@ class Changed:
     graph: str
     stages: tuple[ChangedStage, ...]
 
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        return asdict(self)
-
-    @staticmethod
-    def from_data(data: dict[str, Any]) -> Changed:
-        """From JSON types. Raises KeyError, TypeError."""
-        return Changed(data["run"], data["graph"], tuple(ChangedStage(**stage) for stage in data["stages"]))
-
 
 @dataclass(frozen=True)
 class Moved:
@@ -62,10 +53,6 @@ class Moved:
         place = f"worker {self.worker}" + (f" on {self.host}" if self.host else "")
         return f"{', '.join(self.stages)}: to {place}; workers that began anew: {', '.join(self.anew)}"
 
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        return asdict(self)
-
     @staticmethod
     def of(run: str, old: Plan, new: Plan) -> Moved:
         """What differs between two plans."""
@@ -77,11 +64,6 @@ class Moved:
         worker = gone[0].worker
         names = tuple(stage.name for stage in gone)
         return Moved(run, old.graph, names, worker, hosts[worker], tuple(sorted(anew(old, new) & set(hosts))))
-
-    @staticmethod
-    def from_data(data: dict[str, Any]) -> Moved:
-        """From JSON types. Raises KeyError, TypeError."""
-        return Moved(**{**data, "stages": tuple(data["stages"]), "anew": tuple(data["anew"])})
 
 
 def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:

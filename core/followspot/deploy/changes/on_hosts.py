@@ -67,12 +67,6 @@ class _Change:
         deadline = time.monotonic() + _PATIENCE
         waiting = list(self.hosts)
         while waiting:
-            for host in waiting:
-                found = host.status().change
-                if found.id == self.id and found.phase == "failed":
-                    raise FollowspotError(found.error)
-                if host.status().all("over"):
-                    raise FollowspotError("the run has ended")
             waiting = [host for host in waiting if not self._reached(host, phase)]
             if waiting and time.monotonic() > deadline:
                 raise FollowspotError(f"the change was not made within {_PATIENCE:.0f} s")
@@ -85,8 +79,14 @@ class _Change:
                 host.change(self._order(host, "give_up"))
 
     def _reached(self, host: Host, phase: ChangePhase) -> bool:
-        found = host.status().change
-        return found.id == self.id and found.phase == phase
+        """Whether the host has done the step. Raises FollowspotError where it cannot."""
+        status = host.status()
+        if status.change.id == self.id and status.change.phase == "failed":
+            raise FollowspotError(status.change.error)
+        reached = status.change.id == self.id and status.change.phase == phase
+        if not reached and status.all("over"):
+            raise FollowspotError("the run has ended")
+        return reached
 
     def _order(self, host: Host, step: Step) -> ChangeOrder:
         return ChangeOrder(self.id, step, self.parts[host.name], self.fresh)

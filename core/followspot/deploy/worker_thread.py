@@ -1,0 +1,52 @@
+"""A worker in a thread of this process: no start-up cost, and a debugger sees every stage."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import threading
+
+from followspot.deploy.channel import Channel, ChannelClosed
+from followspot.deploy.child import Child
+from followspot.deploy.log.collector import collecting
+
+
+class WorkerThread:
+    """`Process` that is a thread. It cannot be killed: it ends when its control channel is closed."""
+
+    def __init__(self, end: socket.socket) -> None:
+        self.child = Child(Channel(end.dup()), in_process=True)
+        self.pid = os.getpid()
+        self._exit_code: int | None = None
+        self._thread = threading.Thread(target=self._live, name="worker", daemon=True)
+        self._thread.start()
+
+    def poll(self) -> int | None:
+        """0 once the worker has ended well, 1 once it has ended otherwise; None while it lives."""
+        return self._exit_code
+
+    def wait(self, timeout: float | None = None) -> int:
+        """The exit code. Raises subprocess.TimeoutExpired."""
+        self._thread.join(timeout)
+        if self._exit_code is None:
+            raise subprocess.TimeoutExpired("worker", timeout or 0.0)
+        return self._exit_code
+
+    def kill(self) -> None:
+        """Close the control channel: the worker finds it closed between two firings, and ends."""
+        self.child.channel.shut()
+
+    def _live(self) -> None:
+        code = 1
+        try:
+            with collecting(self.child.log):
+                self.child.live()
+            code = 0
+        except ChannelClosed:
+            pass
+        except Exception:
+            self.child.tell_crash()
+        finally:
+            self.child.channel.close()
+            self._exit_code = code
