@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import pydantic
+
 from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.dispatch import Request
 from followspot.deploy.far_host import FarHost
@@ -60,17 +62,34 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
 
 def found(asker: Asker) -> list[Found]:
     """All runs of all agents in reach, the newest of each agent last."""
-    parts: dict[str, dict[str, Mapping[str, object]]] = {}
+    parts: dict[str, dict[str, _Part]] = {}
     for agent in sorted(agents(asker.session)):
-        for part in asker.ask(agent, "runs"):
-            parts.setdefault(part["run"], {})[agent] = part
+        for part in _parts(agent, asker.ask(agent, "runs")):
+            parts.setdefault(part.run, {})[agent] = part
     return [_found(run, hosts) for run, hosts in parts.items()]
 
 
-def _found(run: str, hosts: Mapping[str, Mapping[str, object]]) -> Found:
+@dataclass(frozen=True)
+class _Part:
+    """What an agent says of a run that it has a part in."""
+
+    run: str
+    graph: str
+    over: bool
+
+
+def _parts(agent: str, data: object) -> Sequence[_Part]:
+    """Raises FollowspotError where they are none."""
+    try:
+        return pydantic.TypeAdapter(list[_Part]).validate_python(data)
+    except pydantic.ValidationError as error:
+        raise FollowspotError(f"host {agent}: its runs are none: {error.errors()[0]['msg']}") from None
+
+
+def _found(run: str, hosts: Mapping[str, _Part]) -> Found:
     """A run from what each of its hosts says of it."""
-    graph, *_ = (str(part["graph"]) for part in hosts.values())
-    return Found(run, graph, tuple(hosts), all(part["over"] for part in hosts.values()))
+    graph, *_ = (part.graph for part in hosts.values())
+    return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
 
 
 def chosen(runs: Sequence[Found], wanted: str | None) -> Found:
@@ -149,9 +168,12 @@ def _whole(orders: Mapping[str, RunOrder]) -> Plan:
     plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
     first = next(iter(plans.values()))
     place = {worker.name: worker.host for worker in first.workers}
-    own = [stage for name, plan in plans.items() for stage in plan.stages if place[stage.worker] == name]
+    own = [stage for name, plan in plans.items() for stage in plan.stages if place.get(stage.worker) == name]
     return with_stages(first, own)
 
 
 def _order(asker: Asker, host: str, run: str) -> RunOrder:
-    return replace(order_from_data(asker.ask(host, "order", run=run)), incarnations={})
+    try:
+        return replace(order_from_data(asker.ask(host, "order", run=run)), incarnations={})
+    except pydantic.ValidationError as error:
+        raise FollowspotError(f"host {host}: its order is none: {error.errors()[0]['msg']}") from None

@@ -19,6 +19,8 @@ MAX_LINE = 64 << 20
 """Longest message, bytes; a plan with a room of a thousand cameras is smaller."""
 MAX_DESCRIPTORS = 8
 """Most file descriptors that travel with one message."""
+MAX_WAITING = 1024
+"""Most that wait for the messages that they came with: ends of all the rings of a worker."""
 
 
 class ChannelClosed(ConnectionError):
@@ -28,10 +30,14 @@ class ChannelClosed(ConnectionError):
 class Channel:
     """One end. Sending is safe from any thread; receiving is for one."""
 
-    def __init__(self, end: socket.socket) -> None:
+    def __init__(self, end: socket.socket, *, takes_descriptors: bool = True) -> None:
+        """takes_descriptors: whether the other process may send any; else they are closed unseen."""
         self.socket = end
+        self._most = MAX_DESCRIPTORS if takes_descriptors else 0
         self._lock = threading.Lock()
-        self._pending = b""
+        self._pending = bytearray()
+        self._searched = 0
+        """Bytes of what is pending in which there is no end of a line."""
         self._descriptors: deque[int] = deque()
 
     def fileno(self) -> int:
@@ -50,7 +56,7 @@ class Channel:
 
     def receive(self) -> dict[str, Any]:
         """The next message; waits for it. Raises ChannelClosed, ValueError."""
-        while b"\n" not in self._pending:
+        while not self._has_line():
             self._pending += self._more()
         return self._cut()
 
@@ -58,7 +64,7 @@ class Channel:
         """Whether there is something to `receive` within this time."""
         poll = select.poll()
         poll.register(self.socket, select.POLLIN)
-        return b"\n" in self._pending or bool(poll.poll(seconds * 1e3))
+        return self._has_line() or bool(poll.poll(seconds * 1e3))
 
     def arrived(self) -> list[dict[str, Any]]:
         """Call when readable: what is complete by now. Raises ChannelClosed, ValueError."""
@@ -68,7 +74,7 @@ class Channel:
     def buffered(self) -> list[dict[str, Any]]:
         """What came along with messages received before; `fileno` does not tell of it. Raises ValueError."""
         messages = []
-        while b"\n" in self._pending:
+        while self._has_line():
             messages.append(self._cut())
         return messages
 
@@ -86,23 +92,40 @@ class Channel:
     def _more(self) -> bytes:
         try:
             data, descriptors, _, _ = socket.recv_fds(
-                self.socket, 1 << 16, MAX_DESCRIPTORS, socket.MSG_CMSG_CLOEXEC
+                self.socket, 1 << 16, self._most, socket.MSG_CMSG_CLOEXEC
             )
         except OSError as error:
             raise ChannelClosed(str(error)) from error
         self._descriptors.extend(descriptors)
         if not data:
             raise ChannelClosed("the other process has ended")
+        if len(self._descriptors) > MAX_WAITING:
+            raise ValueError(f"more than {MAX_WAITING} descriptors without a message")
         if len(self._pending) + len(data) > MAX_LINE:
             raise ValueError(f"a control message is longer than {MAX_LINE} bytes")
         return data
 
     def _cut(self) -> dict[str, Any]:
         """The first message; its `descriptors` are those that came with it, in their order."""
-        line, _, self._pending = self._pending.partition(b"\n")
-        message = json.loads(line)
-        if not isinstance(message, dict) or "kind" not in message:
+        end = self._pending.index(b"\n", self._searched)
+        line = bytes(self._pending[:end])
+        del self._pending[: end + 1]
+        self._searched = 0
+        try:
+            message = json.loads(line)
+        except RecursionError:
+            raise ValueError("a control message is nested too deeply") from None
+        if not isinstance(message, dict) or not isinstance(message.get("kind"), str):
             raise ValueError("a control message is not an object with a kind")
-        count = min(int(message.get("descriptors", 0)), len(self._descriptors))
+        count = message.get("descriptors", 0)
+        if type(count) is not int or not 0 <= count <= len(self._descriptors):
+            raise ValueError(f"a control message without its {str(count)[:80]} descriptors")
         message["descriptors"] = [self._descriptors.popleft() for _ in range(count)]
         return message
+
+    def _has_line(self) -> bool:
+        """Whether a message is complete; looks only at what came since it was not."""
+        found = self._pending.find(b"\n", self._searched) >= 0
+        if not found:
+            self._searched = len(self._pending)
+        return found

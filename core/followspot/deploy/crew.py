@@ -10,9 +10,9 @@ from typing import Any
 from followspot.deploy.changes.order import ChangeStatus
 from followspot.deploy.host import RunOrder
 from followspot.deploy.links import uses_zenoh
-from followspot.deploy.log.record import LogRecord
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.rings import RingEnd, Rings
+from followspot.deploy.said import Change, Log, State
 from followspot.deploy.worker_process import Start, WorkerProcess, start_process
 from followspot.graph.change import with_stages
 from followspot.graph.move import host_workers
@@ -176,12 +176,13 @@ class Crew:
 
     def _listen(self, worker: WorkerProcess) -> None:
         channel = worker.channel.fileno()
-        for message in worker.listen():
-            if message["kind"] == "state":
-                self.states[message["stage"]] = message["state"]
-            elif message["kind"] == "change":
-                self._answers.append((worker.name, ChangeStatus(**message["status"])))
-            elif message["kind"] == "log":
-                self._log.add(*(LogRecord(**record) for record in message["records"]))
+        for word in worker.listen():
+            match word:
+                case State(stage, state):
+                    self.states[stage] = state
+                case Change(status):
+                    self._answers.append((worker.name, status))
+                case Log(records):
+                    self._log.add(*records)
         if not worker.open:
             self._selector.unregister(channel)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+import pydantic
 import zenoh
 
 from followspot.deploy.changes.move_order import MoveOrder
@@ -26,10 +28,15 @@ from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.runtime.tapping import Tapping
 
+_T = TypeVar("_T")
 _PERIOD = 0.2
 """Seconds between two questions for the status."""
 _MARGIN = 4
 """How many restarts of a worker may have been missed when its agent died."""
+_MOST_WORKERS = 1000
+"""Workers that ended here and are named no more, which are still remembered."""
+_MOST_NEWS = 400
+"""Lines of news from before the agent was started anew."""
 _PREPARING = 30.0
 """Seconds that an agent may take to start its workers."""
 
@@ -55,6 +62,8 @@ class FarHost:
         self._status = HostStatus((), ())
         self._heard = self._taken = time.monotonic()
         """When the host answered last, and when it did so with the status that is kept, s."""
+        self._refused = ""
+        """Why what it last said was refused, "" where it was not."""
         self._pulse = Pulse()
         self._news = threading.Event()
         self._over = threading.Event()
@@ -127,7 +136,7 @@ class FarHost:
         self._news.wait(timeout)
         self._news.clear()
         if self._pulse.silent({self.name: self._heard}, time.monotonic()):
-            raise HostLost(f"host {self.name} does not answer")
+            raise HostLost(f"host {self.name} does not answer{self._refused}")
 
     def status(self) -> HostStatus:
         """The newest status, with its age."""
@@ -159,11 +168,12 @@ class FarHost:
             return
 
     def _refresh(self) -> None:
-        status = status_from_data(self._ask("status", SILENCE, run=self.run))
+        status = self._read(status_from_data, self._ask("status", SILENCE, run=self.run))
         self._heard = taken = time.monotonic()
         self._fetch_log(status.logged)  # first, for nobody asks for it once all is seen to be over
         here = {worker.name for worker in status.workers}
-        ended = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
+        over = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
+        ended = islice(over, _MOST_WORKERS)
         workers, news = (*status.workers, *ended), (*self._before, *status.news)
         self._status, self._taken = replace(status, workers=workers, news=news), taken
         self._news.set()
@@ -172,9 +182,21 @@ class FarHost:
         """What was logged there since; an agent that was started anew counts anew."""
         self._logged = min(self._logged, newest)
         if newest > self._logged:
-            page = page_from_data(self._ask("log", run=self.run, after=self._logged))
+            page = self._read(page_from_data, self._ask("log", run=self.run, after=self._logged))
             self._logged = page.last
             self.log.add(*(replace(record, host=self.name) for record in page.records))
+
+    def _read(self, read: Callable[[Any], _T], data: Any) -> _T:
+        """What a host says of itself, checked. Raises ValueError; who finds the host silent learns why."""
+        try:
+            found = read(data)
+        except pydantic.ValidationError as error:
+            first = error.errors()[0]
+            where = ".".join(map(str, first["loc"]))
+            self._refused = f" in a way that can be believed: {where}: {first['msg']}"[:300]
+            raise
+        self._refused = ""
+        return found
 
     def _keep_asking(self) -> None:
         while not self._over.wait(_PERIOD):
@@ -196,7 +218,7 @@ class FarHost:
         if order is None or not order.restart or self._ask("knows", run=self.run):
             return
         incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
-        self._before = (*self._status.news, "the agent was started anew")
+        self._before = (*self._status.news, "the agent was started anew")[-_MOST_NEWS:]
         self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
         self._ask("start", run=self.run)
         if self._taps:

@@ -18,6 +18,7 @@ from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
+from followspot.ranges import Count, Incarnation, Last, Nanoseconds
 from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.runtime.tapping import Tapping
 
@@ -41,11 +42,11 @@ class RunOrder:
 
     run: str
     plan: dict[str, Any]
-    frames: int | None = None
+    frames: Count | None = None
     out: str | None = None
     restart: bool = False
     detached: bool = False
-    incarnations: dict[str, int] = field(default_factory=dict)
+    incarnations: dict[str, Incarnation] = field(default_factory=dict)
     over: tuple[str, ...] = ()
     reference: str = ""
 
@@ -67,11 +68,11 @@ class WorkerStatus:
 
     name: str
     phase: WorkerPhase
-    fired: int = 0
-    time: int = -1
+    fired: Count = 0
+    time: Nanoseconds = -1
     """Newest capture time that a source sent, ns; -1 before the first."""
-    expected: int | None = None
-    restarts: int = 0
+    expected: Count | None = None
+    restarts: Incarnation = 0
     report: WorkerReport | None = None
     stages: tuple[StageStatus, ...] = ()
     paths: tuple[PathStatus, ...] = ()
@@ -90,12 +91,12 @@ class HostStatus:
     """
 
     workers: tuple[WorkerStatus, ...]
-    counts: tuple[int, ...]
+    counts: tuple[Count, ...]
     news: tuple[str, ...] = ()
     out: str = ""
     change: ChangeStatus = ChangeStatus()
     clock: ClockStatus = ClockStatus()
-    logged: int = -1
+    logged: Last = -1
     age_s: Age | None = None
 
     def all(self, *phases: WorkerPhase) -> bool:

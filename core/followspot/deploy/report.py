@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.graph.plan import Plan, PlannedEdge
+from followspot.ranges import Count, Figure
 from followspot.runtime.latency import PathLatency
 from followspot.runtime.ledger import COLUMNS, EdgeCount, Ledger
 from followspot.runtime.worker import Worker
@@ -23,10 +24,10 @@ class StageReport:
     """What one stage did in a run."""
 
     stage: str
-    fired: int
-    skipped: int
-    restarts: int
-    busy_ms: float
+    fired: Count
+    skipped: Count
+    restarts: Count
+    busy_ms: Figure
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class WorkerReport:
     """
 
     worker: str
-    frames: int
+    frames: Count
     stages: tuple[StageReport, ...] = ()
     paths: tuple[PathLatency, ...] = ()
     warnings: tuple[str, ...] = ()
@@ -47,18 +48,6 @@ class WorkerReport:
     def to_data(self) -> dict[str, Any]:
         """JSON types."""
         return asdict(self)
-
-    @staticmethod
-    def from_data(data: dict[str, Any]) -> WorkerReport:
-        """From JSON types, as another worker sent them. Raises TypeError, KeyError."""
-        return WorkerReport(
-            data["worker"],
-            data["frames"],
-            tuple(StageReport(**stage) for stage in data["stages"]),
-            tuple(PathLatency(**path) for path in data["paths"]),
-            tuple(data["warnings"]),
-            data["error"],
-        )
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,13 @@ from followspot.errors import FollowspotError
 from followspot.transport.keys import agent_key, request_key
 from followspot.transport.zenoh_network import Own
 
+MAX_ANSWER = 4 << 20
+"""Longest answer, bytes."""
+MAX_PART = MAX_REQUEST
+"""Longest answer that tells what goes back in a request: the order of a run, the states of its stages."""
+_WHOLE = frozenset({"order", "states"})
+MAX_REASON = 20_000
+"""Longest reason of a refusal, characters: a report of many mistakes."""
 MAX_WAITING = 256
 """Most requests that wait for an answer; more are refused."""
 MAX_WAITING_BYTES = 4 * MAX_REQUEST
@@ -34,16 +41,31 @@ class Asker:
     own: Own
 
     def ask(self, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-        """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses."""
+        """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses.
+
+        Whatever a host sends that is no answer is a FollowspotError, too.
+        """
         asked = Asked(agent, verb, *self.own)
         for reply in self.session.get(request_key(*asked), payload=seal(asked, data), timeout=timeout):
             if reply.ok is None:
                 continue
-            answer = json.loads(reply.ok.payload.to_bytes())
-            if "refused" in answer:
-                raise FollowspotError(f"host {agent}: {answer['refused']}")
-            return answer["answer"]
+            return _answer(agent, reply.ok.payload, MAX_PART if verb in _WHOLE else MAX_ANSWER)
         raise HostLost(f"host {agent} does not answer")
+
+
+def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
+    """most: bytes. Raises FollowspotError where it is a refusal, or no answer at all."""
+    if len(payload) > most:
+        raise FollowspotError(f"host {agent}: its answer has {len(payload)} bytes, {most} are allowed")
+    try:
+        said = json.loads(payload.to_bytes())
+    except (ValueError, RecursionError) as error:
+        raise FollowspotError(f"host {agent}: its answer is not JSON: {str(error)[:200]}") from None
+    if not isinstance(said, dict) or not said.keys() & {"answer", "refused"}:
+        raise FollowspotError(f"host {agent}: its answer is none: {str(said)[:200]}")
+    if "refused" in said:
+        raise FollowspotError(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
+    return said["answer"]
 
 
 def agents(session: zenoh.Session, timeout: float = 1.0) -> set[str]:
@@ -112,7 +134,7 @@ class Answers:
         data = self.admission.admit(asked, payload)
         try:
             return self._verbs[asked.verb](**data)
-        except (FollowspotError, ValueError, TypeError, KeyError, OSError, RecursionError) as error:
+        except Exception as error:  # whatever a request makes of this, the runs here go on
             raise Refused("content", str(error) or type(error).__name__) from error
 
     def _arrived(self, query: zenoh.Query) -> None:

@@ -11,6 +11,7 @@ import pydantic
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import Age, WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
+from followspot.ranges import Count
 from followspot.runtime.ledger import COLUMNS, EdgeCount, tally
 
 OLD = 1.0
@@ -36,9 +37,9 @@ class RunStatus:
     """
 
     workers: tuple[WorkerStatus, ...]
-    counts: tuple[int, ...]
-    fired: int
-    expected: int | None
+    counts: tuple[Count, ...]
+    fired: Count
+    expected: Count | None
     news: tuple[str, ...] = ()
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
     hosts: tuple[SeenHost, ...] = ()

@@ -12,8 +12,10 @@ from typing import Any, Protocol
 
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.host import WorkerPhase, WorkerStatus
+from followspot.deploy.log.record import MAX_TEXT
 from followspot.deploy.report import WorkerReport
-from followspot.runtime.stage_status import PathStatus, StageStatus, stage_status_from_data
+from followspot.deploy.said import Done, Failed, Listening, Progress, Ready, Said, Stages, said
+from followspot.runtime.stage_status import PathStatus, StageStatus
 
 _PATIENCE = 5.0
 """Seconds that a worker that has reported may take to exit."""
@@ -62,7 +64,7 @@ class WorkerProcess:
             self.process = start(theirs)
         self.name = name
         self.incarnation = incarnation
-        self.channel = Channel(ours)
+        self.channel = Channel(ours, takes_descriptors=False)
         self.open = True
         """Whether the channel still is."""
         self.phase: WorkerPhase = "starting"
@@ -89,34 +91,43 @@ class WorkerProcess:
         except ChannelClosed:
             return
 
-    def listen(self) -> list[dict[str, Any]]:
-        """What has arrived; call when the channel is readable. Closes it where the worker is gone."""
+    def listen(self) -> list[Said]:
+        """What has arrived; call when the channel is readable.
+
+        Closes it where the worker is gone, or says what no worker says: then it is killed, too.
+        """
         try:
-            messages = self.channel.arrived()
-        except (ChannelClosed, ValueError):
-            self.open = False
-            self.channel.close()
+            words = [said(message) for message in self.channel.arrived()]
+        except ChannelClosed:
+            self._hang_up()
+            return []
+        except ValueError as error:
+            self.kill(f"it said what no worker says: {str(error)[:MAX_TEXT]}")
+            self._hang_up()
             return []
         self.heard = time.monotonic()
-        for message in messages:
-            self._hear(message)
-        return messages
+        for word in words:
+            self._hear(word)
+        return words
 
-    def _hear(self, message: dict[str, Any]) -> None:
-        kind = message["kind"]
-        if kind == "progress":
-            self.fired, self.time = message["fired"], message["time"]
-        elif kind == "stages":
-            self.stages = tuple(stage_status_from_data(stage) for stage in message["stages"])
-            self.paths = tuple(PathStatus(**path) for path in message["paths"])
-        elif kind == "ready":
-            self.phase, self.expected = "ready", message["expected"]
-        elif kind == "listening":
-            self.locators = message["locators"]
-        elif kind == "done":
-            self.report = WorkerReport.from_data(message["report"])
-        elif kind == "failed":
-            self.report = WorkerReport(self.name, 0, error=message["error"])
+    def _hang_up(self) -> None:
+        self.open = False
+        self.channel.close()
+
+    def _hear(self, word: Said) -> None:
+        match word:
+            case Progress(fired, moment):
+                self.fired, self.time = fired, moment
+            case Stages(stages, paths):
+                self.stages, self.paths = stages, paths
+            case Ready(expected):
+                self.phase, self.expected = "ready", expected
+            case Listening(locators):
+                self.locators = list(locators)
+            case Done(report):
+                self.report = report
+            case Failed(error):
+                self.report = WorkerReport(self.name, 0, error=error)
 
     def status(self) -> WorkerStatus:
         """As data."""
@@ -153,5 +164,4 @@ class WorkerProcess:
             self.process.kill()
             self.process.wait()
         if self.open:
-            self.open = False
-            self.channel.close()
+            self._hang_up()

@@ -10,16 +10,23 @@ from typing import cast
 from followspot.document import Node
 from followspot.errors import Mistake, Place
 from followspot.form import Form, is_name, kind_of
-from followspot.graph.plan import EdgeCodec, EdgePolicy, ErrorPolicy, PlannedEdge, PlannedStage
+from followspot.graph.plan import (
+    MAX_DELAY,
+    MAX_DEPTH,
+    EdgeCodec,
+    EdgePolicy,
+    ErrorPolicy,
+    PlannedEdge,
+    PlannedStage,
+)
 from followspot.graph.selector import Selector, read_selector
+from followspot.ranges import MAX_WAIT
 
 ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
 """Keys of a stage; parameters stand below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
 _EDGE_POLICIES = ("block", "drop_oldest", "latest")
-_MAX_DELAY = 1000
-_MAX_DEPTH = 10_000
 _FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
 
 
@@ -69,8 +76,8 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         )
     form = Form(node, f'stage "{name}"', ENVELOPE, mistakes)
     each = form.get("each")
-    tolerance = form.number("tolerance", least=0.0)
-    deadline = form.number("deadline", least=0.0)
+    tolerance = form.number("tolerance", least=0.0, most=MAX_WAIT)
+    deadline = form.number("deadline", least=0.0, most=MAX_WAIT)
     return StageDeclaration(
         name=name,
         place=node.key,
@@ -103,7 +110,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         delay = _delay(form)
         codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
         policy = _policy(form, delay, mistakes)
-        depth = form.whole("depth", least=1, most=_MAX_DEPTH) or (1 if policy == "latest" else depth)
+        depth = form.whole("depth", least=1, most=MAX_DEPTH) or (1 if policy == "latest" else depth)
     if origin is None:
         return None
     named = _FEED.fullmatch(origin.value) if isinstance(origin.value, str) else None
@@ -118,7 +125,7 @@ def _delay(form: Form) -> int:
     """Firings back; 1 for a wrong value, with which a cycle is no further mistake."""
     if "delay" not in form.entries:
         return 0
-    delay = form.whole("delay", least=0, most=_MAX_DELAY)
+    delay = form.whole("delay", least=0, most=MAX_DELAY)
     return 1 if delay is None else delay
 
 

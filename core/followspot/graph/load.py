@@ -11,6 +11,7 @@ from followspot.errors import InputError, Mistake, Place
 from followspot.form import Form, kind_of
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import apply_to_stages, apply_to_vars, read_override
+from followspot.graph.plan import MAX_SEED
 from followspot.graph.variables import substitute
 from followspot.room import Room
 from followspot.room_form import room_of
@@ -18,7 +19,6 @@ from followspot.room_form import room_of
 MAX_FILES = 100
 """Most files that one graph may include."""
 MAX_STAGES = 1000
-_MAX_SEED = (1 << 63) - 1
 _KEYS = ("graph", "room", "include", "vars", "seed", "stages")
 
 
@@ -75,7 +75,7 @@ def _gather(path: Path, text: _Text, above: tuple[Path, ...], mistakes: list[Mis
     for node in _includes(form):
         _include(path, node, text, (*above, path.resolve()), mistakes)
     text.name = form.text("graph") or text.name
-    seed = form.whole("seed", least=0, most=_MAX_SEED)
+    seed = form.whole("seed", least=0, most=MAX_SEED)
     text.seed = text.seed if seed is None else seed
     text.room = form.get("room") or text.room
     text.values.update(form.mapping("vars"))

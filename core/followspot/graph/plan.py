@@ -4,14 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+from pydantic import Field
+
+from followspot.ranges import Wait
 from followspot.room import Room
 
 EdgeKind = Literal["reference", "ring", "zenoh"]
 EdgeCodec = Literal["raw", "lossless", "jpeg"]
 ErrorPolicy = Literal["fail", "skip", "restart"]
 EdgePolicy = Literal["block", "drop_oldest", "latest"]
+MAX_DELAY = 1000
+MAX_DEPTH = 10_000
+MAX_SEED = (1 << 63) - 1
 AHEAD = 2
 """Messages on their way to the reader of an edge that drops; the others wait where they can be dropped."""
 
@@ -31,9 +37,9 @@ class PlannedStage:
     worker: str
     live: bool
     on_error: ErrorPolicy = "fail"
-    tolerance: float = 0.004
+    tolerance: Wait = 0.004
     """Largest difference in capture time within one join, s."""
-    deadline: float = 0.1
+    deadline: Wait = 0.1
     """Longest time, s, that a live join waits for those missing, on top of what joins upstream of it wait.
 
     It counts from a message's entering the graph.
@@ -49,9 +55,9 @@ class PlannedEdge:
     to_stage: str
     to_port: str
     kind: EdgeKind
-    delay: int = 0
+    delay: Annotated[int, Field(ge=0, le=MAX_DELAY)] = 0
     """Feedback: deliver the message of this many firings ago; 0 for a forward edge."""
-    depth: int = 8
+    depth: Annotated[int, Field(ge=1, le=MAX_DEPTH)] = 8
     """Most messages in flight."""
     codec: EdgeCodec = "raw"
     """How arrays travel on an edge over Zenoh."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Any
+from typing import Annotated, Any
 
 import pydantic
 
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.plan import MAX_SEED, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.room_file import from_data, to_data
 
 VERSION = 1
@@ -30,7 +30,7 @@ class _Data(pydantic.BaseModel):
     stages: tuple[PlannedStage, ...]
     edges: tuple[PlannedEdge, ...]
     workers: tuple[PlannedWorker, ...]
-    seed: int
+    seed: Annotated[int, pydantic.Field(ge=0, le=MAX_SEED)]
     plugin_files: tuple[str, ...]
     notes: tuple[str, ...]
 

@@ -24,6 +24,10 @@ from followspot.transport.token import ABSENT, END
 _capture_time = attrgetter("time")
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
+MOST_PATHS = 64
+"""Sources whose latency to a sink is measured apart; whoever sends names without end fills no memory."""
+OTHERS = "others"
+"""Stands for the sources beyond those."""
 FIRST_BACK_OFF = 0.1
 """Wait before the first restart, s; it doubles each time."""
 
@@ -303,7 +307,8 @@ class Cell:
         origin = header.source.partition("/")[0]
         path = self.paths.get(origin)
         if path is None:
-            path = self.paths[origin] = LatencyHistogram()
+            origin = origin if len(self.paths) < MOST_PATHS else OTHERS
+            path = self.paths.setdefault(origin, LatencyHistogram())
         path.add(now - header.entered, header.source, header.seq)
 
     @staticmethod

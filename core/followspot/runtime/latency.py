@@ -7,6 +7,8 @@ from bisect import bisect_left
 from dataclasses import dataclass
 from itertools import accumulate
 
+from followspot.ranges import Count, Figure
+
 _GROWTH = math.log(1.02)
 _BINS = 1400
 """1 ns x 1.02^1400 is about 18 minutes; a bin is 2 % wide."""
@@ -18,10 +20,10 @@ class PathLatency:
 
     origin: str
     sink: str
-    count: int
-    p50_ms: float
-    p95_ms: float
-    worst_ms: float
+    count: Count
+    p50_ms: Figure
+    p95_ms: Figure
+    worst_ms: Figure
     worst_id: str
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
+from followspot.ranges import Count, Figure
 from followspot.runtime.cell import Cell
 from followspot.runtime.clock import Clock
 from followspot.runtime.inlet import Inlet
@@ -29,8 +30,8 @@ class EdgeAge:
     """
 
     name: str
-    p50_ms: float | None
-    p95_ms: float | None
+    p50_ms: Figure | None
+    p95_ms: Figure | None
     error: str = ""
 
 
@@ -44,10 +45,10 @@ class StageStatus:
     stage: str
     state: StageState
     on: tuple[str, ...] = ()
-    fired: int = 0
-    skipped: int = 0
-    restarts: int = 0
-    busy_ms: float = 0.0
+    fired: Count = 0
+    skipped: Count = 0
+    restarts: Count = 0
+    busy_ms: Figure = 0.0
     error: str = ""
     edges: tuple[EdgeAge, ...] = ()
 
@@ -58,14 +59,8 @@ class PathStatus:
 
     origin: str
     sink: str
-    p50_ms: float
-    p95_ms: float
-
-
-def stage_status_from_data(data: Mapping[str, Any]) -> StageStatus:
-    """From JSON types, as `dataclasses.asdict` gave them."""
-    edges = tuple(EdgeAge(**edge) for edge in data["edges"])
-    return StageStatus(**{**data, "on": tuple(data["on"]), "edges": edges})
+    p50_ms: Figure
+    p95_ms: Figure
 
 
 def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:

@@ -283,7 +283,8 @@ class Worker:
         if not deadlines:
             self._receive(_NAP_MS)
             return
-        self._receive(max(0, int((min(deadlines) - time.monotonic()) * 1000) + 1))
+        left_ms = (min(deadlines) - time.monotonic()) * 1000
+        self._receive(int(min(max(left_ms, 0), _NAP_MS)) + 1)
         for cell in self.cells:
             if cell.overdue_at is not None and cell.overdue_at <= time.monotonic():
                 self.mark(cell.rank)

@@ -17,6 +17,9 @@ from followspot.transport.token import Settled, is_bound
 from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, pack_head, padded, unpack_head
 
 MAX_NDIM = 8
+MAX_SOURCE = 1000
+"""Longest name of a source, characters."""
+_INT64 = 1 << 63
 MAX_PACKED = MAX_BYTES + 2 * MAX_HEAD
 """Largest packed token, bytes: the arrays, their padding, and the head."""
 
@@ -90,6 +93,8 @@ class Codec:
                 value = tuple(value)
             elif type(value) is not kind:
                 raise InvalidMessage(f"{name} is a {type(value).__name__}, declared {kind}")
+            elif type(value) is int and not -_INT64 <= value < _INT64:
+                raise InvalidMessage(f"{name} is {value}, which is no number of 64 bits")
             values[name] = value
         return values
 
@@ -169,6 +174,10 @@ def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
     header = Header(source, seq, time, entered)
     if type(source) is not str or not type(seq) is type(time) is type(entered) is int:
         raise InvalidMessage(f"the header {str(header)[:80]} is not a name and three numbers")
+    if len(source) > MAX_SOURCE:
+        raise InvalidMessage(
+            f"the header names a source of {len(source)} characters, {MAX_SOURCE} are allowed"
+        )
     return in_range(header)
 
 

@@ -76,7 +76,11 @@ ENVELOPE = [
         "fail, restart",
     ),
     Broken(
-        "graph", "uses: toy.pair,", "uses: toy.pair, tolerance: ¦-1,", "tolerance cannot be -1", "not below 0"
+        "graph",
+        "uses: toy.pair,",
+        "uses: toy.pair, tolerance: ¦-1,",
+        "tolerance cannot be -1",
+        "from 0 to 3600",
     ),
     Broken("graph", "uses: toy.pair,", "uses: toy.pair, deadline: ¦soon,", 'deadline cannot be "soon"'),
     Broken("graph", "uses: toy.pair,", "uses: ¦12,", "uses is text, not 12", "quote"),

@@ -157,6 +157,8 @@ def with_row(index: int, row: object) -> list[object]:
 
 WRONG_HEADS: dict[str, tuple[dict[str, object], str]] = {
     "another type": ({"_0": "Frame"}, "expected Blobs"),
+    "number beyond 64 bits": ({"_2": 2**64 - 1}, "header"),
+    "source of a novel's length": ({"_1": "a" * 1001}, "1001 characters"),
     "source is a number": ({"_1": 5}, "header"),
     "sequence is text": ({"_2": "7"}, "header"),
     "time is a fraction": ({"_3": 0.5}, "header"),

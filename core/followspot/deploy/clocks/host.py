@@ -10,6 +10,7 @@ from followspot.deploy.clocks.filter import ClockFilter, Exchange
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.messages import MAX_TIME
 
 if TYPE_CHECKING:
     from followspot.deploy.requests import Asker
@@ -19,6 +20,8 @@ _PERIOD = 1.0
 _FIRST = 8
 """Questions before a run begins."""
 _TIMEOUT = 1.0
+_LATEST = MAX_TIME - (1 << 55)
+"""Reading of a clock, ns, up to which it is believed: a year below the end of the range of capture times."""
 _NOTICEABLE = 20_000
 """ns by which a correction must change to be worth telling."""
 
@@ -87,13 +90,20 @@ class HostClock:
         wall, sent = time.time_ns() + self.known, time.monotonic_ns()
         try:
             read = asker.ask(self._reference, "clock", _TIMEOUT)
-            captured, steady = int(read["captured"]), int(read["steady"])
+            captured, steady = _moment(read["captured"]), _moment(read["steady"])
         except (FollowspotError, zenoh.ZError, KeyError, TypeError, ValueError):
             return False
         round_trip = time.monotonic_ns() - sent
         half = round_trip // 2
         self._filter.add(Exchange(captured - (wall + half), steady - (sent + half), round_trip))
         return True
+
+
+def _moment(read: object) -> int:
+    """What a clock elsewhere reads, ns. Raises ValueError where no clock of a computer can read so."""
+    if type(read) is not int or not 0 <= read <= _LATEST:
+        raise ValueError(f"a clock that reads {str(read)[:80]}")
+    return read
 
 
 def read_clock(known: int) -> dict[str, int]:

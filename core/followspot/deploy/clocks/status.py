@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from followspot.ranges import Count, Figure
+
 LIMIT_MS = 5.0
 """Offset, ms, from which on users are told to set their clocks."""
 
@@ -17,9 +19,9 @@ class ClockStatus:
     """
 
     reference: str = ""
-    offset_ms: float = 0.0
-    round_trip_ms: float = 0.0
-    exchanges: int = 0
+    offset_ms: Figure = 0.0
+    round_trip_ms: Figure = 0.0
+    exchanges: Count = 0
 
     @property
     def warning(self) -> str:

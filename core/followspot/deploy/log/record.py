@@ -9,12 +9,16 @@ from typing import Annotated, Any, Literal
 
 import pydantic
 
+from followspot.ranges import Last, Nanoseconds
+
 Level = Literal["info", "warning", "error"]
 LEVELS: tuple[Level, ...] = ("info", "warning", "error")
 """The mildest first."""
 MAX_TEXT = 4000
 """Longest text, characters."""
-_MAX_NAME = 200
+PAGE = 500
+"""Most records of one page."""
+_MAX_NAME = 300
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class LogRecord:
     time: ns since 1970 by the clock of its host; stage: or the name of a Python logger that is no stage's.
     """
 
-    time: int
+    time: Nanoseconds
     level: Level
     text: Annotated[str, pydantic.Field(max_length=MAX_TEXT)]
     host: Annotated[str, pydantic.Field(max_length=_MAX_NAME)] = ""
@@ -40,8 +44,8 @@ class LogRecord:
 class LogPage:
     """Records in the order in which they came, and the number of the last; -1 before the first."""
 
-    records: tuple[LogRecord, ...] = ()
-    last: int = -1
+    records: Annotated[tuple[LogRecord, ...], pydantic.Field(max_length=PAGE)] = ()
+    last: Last = -1
 
     def to_data(self) -> dict[str, Any]:
         """JSON types."""

@@ -8,12 +8,10 @@ from collections.abc import Callable
 from itertools import islice
 from threading import Lock
 
-from followspot.deploy.log.record import MAX_TEXT, Level, LogPage, LogRecord
+from followspot.deploy.log.record import MAX_TEXT, PAGE, Level, LogPage, LogRecord
 
 KEPT = 2000
 """Records kept."""
-_PAGE = 500
-"""Most records of one page."""
 
 OnLog = Callable[[LogRecord], None]
 """Called with every record, in the order in which they come."""
@@ -50,5 +48,5 @@ class RunLog:
         with self._guard:
             first = self.last + 1 - len(self._kept)
             start = max(0, number + 1 - first)
-            found = tuple(islice(self._kept, start, start + _PAGE))
+            found = tuple(islice(self._kept, start, start + PAGE))
             return LogPage(found, first + start + len(found) - 1)

@@ -20,6 +20,8 @@ from followspot.transport.keys import OPERATOR
 FORMAT = 2
 MAX_REQUEST = 16 << 20
 """Longest request, bytes."""
+_MAX_QUESTION = 4096
+"""Longest of those who are no operators, bytes: what they may ask has no arguments."""
 WINDOW = 120.0
 """Seconds by which the clocks of two hosts may differ; each request is remembered for as long."""
 MAX_REMEMBERED = 1 << 16
@@ -95,14 +97,15 @@ class Admission:
             raise Refused("verb", f"there is no {asked.verb[:80]!r}; known: {', '.join(sorted(self._verbs))}")
         if asked.role != OPERATOR and asked.verb not in _FOR_ALL:
             raise Refused("role", f"{asked.role[:80]} {asked.name[:80]} may not {asked.verb}; operators may")
-        found = _opened(payload)
+        found = _opened(payload, MAX_REQUEST if asked.role == OPERATOR else _MAX_QUESTION)
         if asked.agent != self._agent or found["asked"] != list(asked):
             raise Refused(
                 "address",
                 f"the request is addressed {'/'.join(found['asked'])[:200]!r}, "
                 f"and came to {self._agent} as {'/'.join(asked)[:200]!r}",
             )
-        self._remember(found["id"], float(found["time"]))
+        if asked.verb not in _FOR_ALL:  # to hear the clock again harms nobody, to fill the memory would
+            self._remember(found["id"], float(found["time"]))
         return dict(found["data"])
 
     def count(self, who: str, error: Refused) -> None:
@@ -131,10 +134,10 @@ class Admission:
         self._seen[name] = sent + WINDOW
 
 
-def _opened(payload: bytes) -> dict[str, Any]:
-    """The envelope, checked. Raises Refused."""
-    if len(payload) > MAX_REQUEST:
-        raise Refused("size", f"a request of {len(payload)} bytes, at most {MAX_REQUEST} allowed")
+def _opened(payload: bytes, most: int) -> dict[str, Any]:
+    """The envelope, checked; most: bytes. Raises Refused."""
+    if len(payload) > most:
+        raise Refused("size", f"a request of {len(payload)} bytes, at most {most} allowed")
     try:
         found = json.loads(payload)
     except (ValueError, RecursionError) as error:
