@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from followspot.deploy.status import is_old, is_unheard
 from followspot.graph.plan import PlannedEdge
 from followspot.messages import Message
 from followspot.room import Room
@@ -14,15 +16,33 @@ from followspot.tracking import STATES, Tracks
 from followspot_watch.picture_of_run import RunPicture
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
+SILENCE = 2.0
+"""Seconds without a message that tells of targets after which their states are old."""
 _OUTCOMES = ("away", "delivered", *LOSSES, "in_flight")
 
 
 class Targets:
-    """Which targets are tracked, after the newest messages that tell."""
+    """Which targets are tracked, after the newest messages that tell.
 
-    def __init__(self, room: Room) -> None:
+    monotonic: a clock, s.
+    """
+
+    def __init__(self, room: Room, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.names = tuple(room.targets)
-        self.state: dict[str, str] = {}
+        self._state: dict[str, str] = {}
+        self._clock = monotonic
+        self._taken = monotonic()
+
+    @property
+    def age_s(self) -> float | None:
+        """Seconds since a message told of targets; None where none ever did."""
+        return self._clock() - self._taken if self._state else None
+
+    @property
+    def state(self) -> Mapping[str, str]:
+        """Of each target, "old" where nothing was told of it lately."""
+        old = (self.age_s or 0.0) > SILENCE
+        return dict.fromkeys(self._state, "old") if old else self._state
 
     def take(self, message: Message) -> None:
         """A message; those that tell nothing of targets are passed over."""
@@ -30,7 +50,7 @@ class Targets:
             return
         known = [(int(t), STATES[s]) for t, s in zip(message.target, message.state, strict=True)]
         found = {self.names[target]: state for target, state in known if target < len(self.names)}
-        self.state = dict.fromkeys(self.names, "lost") | found
+        self._state, self._taken = dict.fromkeys(self.names, "lost") | found, self._clock()
 
 
 def text(run: RunPicture, targets: Targets, browsers: int) -> str:
@@ -38,7 +58,8 @@ def text(run: RunPicture, targets: Targets, browsers: int) -> str:
     figures = [
         Figure("page_browsers", "gauge", "Browsers that look on.", [({}, browsers)]),
         Figure("target_state", "gauge", "1 for the state that a target is in.", _states(targets)),
-        *(figure for part in (_whole, _edges, _stages, _workers) for figure in part(run)),
+        Figure("target_age_seconds", "gauge", "Since targets were last told of.", _known({}, targets.age_s)),
+        *(figure for part in (_whole, _hosts, _edges, _stages, _workers) for figure in part(run)),
     ]
     return "".join(figure.text() for figure in figures)
 
@@ -63,6 +84,16 @@ class Figure:
 def _whole(run: RunPicture) -> Iterator[Figure]:
     fired = run.status.fired if run.status else 0
     yield Figure("frames_total", "counter", "Frames that came to the end of the graph.", [({}, fired)])
+    yield Figure("status_age_seconds", "gauge", "Since the run answered last.", [({}, run.age_s)])
+    yield Figure("faults", "gauge", "What is absent or was not heard lately.", [({}, len(run.faults()))])
+
+
+def _hosts(run: RunPicture) -> Iterator[Figure]:
+    hosts = run.status.hosts if run.status else ()
+    absent = [({"host": host.name}, host.absent) for host in hosts]
+    ages = [sample for host in hosts for sample in _known({"host": host.name}, host.age_s)]
+    yield Figure("host_absent", "gauge", "1 where a host does not answer.", absent)
+    yield Figure("host_age_seconds", "gauge", "Since a host was last heard.", ages)
 
 
 def _edges(run: RunPicture) -> Iterator[Figure]:
@@ -80,7 +111,8 @@ def _edges(run: RunPicture) -> Iterator[Figure]:
     ends_of = {edge.name: _ends(edge) for edge, _ in run.edges()}
     ages = [
         ({**ends_of[age.name], "quantile": quantile}, ms / 1000.0)
-        for _, stage in run.stages()
+        for worker, stage in run.stages()
+        if not is_unheard(worker)
         for age in stage.edges
         for quantile, ms in (("0.5", age.p50_ms), ("0.95", age.p95_ms))
         if ms is not None and age.name in ends_of
@@ -101,14 +133,18 @@ def _stages(run: RunPicture) -> Iterator[Figure]:
 def _workers(run: RunPicture) -> Iterator[Figure]:
     workers = [({"worker": worker.name}, worker) for worker in run.workers()]
     restarts = [(name, worker.restarts) for name, worker in workers]
-    running = [(name, worker.phase == "running") for name, worker in workers]
+    running = [(name, worker.phase == "running" and not is_old(worker)) for name, worker in workers]
+    ages = [sample for name, worker in workers for sample in _known(name, worker.age_s)]
     latency = [
         ({"from": path.origin, "to": path.sink, "quantile": quantile}, ms / 1000.0)
-        for path in run.paths()
+        for worker in run.workers()
+        if not is_unheard(worker)
+        for path in worker.paths
         for quantile, ms in (("0.5", path.p50_ms), ("0.95", path.p95_ms))
     ]
     yield Figure("worker_restarts_total", "counter", "How often a worker was started again.", restarts)
-    yield Figure("worker_running", "gauge", "1 where a worker runs.", running)
+    yield Figure("worker_running", "gauge", "1 where a worker runs and was heard lately.", running)
+    yield Figure("worker_age_seconds", "gauge", "Since a worker was last heard.", ages)
     yield Figure("path_latency_seconds", "gauge", "From a source to a sink, since the start.", latency)
 
 
@@ -116,8 +152,13 @@ def _states(targets: Targets) -> list[tuple[Mapping[str, str], float]]:
     return [
         ({"target": name, "state": state}, state == now)
         for name, now in targets.state.items()
-        for state in STATES
+        for state in (*STATES, "old")
     ]
+
+
+def _known(labels: Mapping[str, str], value: float | None) -> list[tuple[Mapping[str, str], float]]:
+    """A sample, where its value is known."""
+    return [] if value is None else [(labels, value)]
 
 
 def _ends(edge: PlannedEdge) -> Mapping[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from contextlib import suppress
 from dataclasses import replace
 from typing import Any
@@ -12,12 +13,14 @@ import numpy as np
 
 from followspot.cli.agent_options import network_of
 from followspot.deploy.connect import connected_run
+from followspot.deploy.run_handle import RunHandle
 from followspot.messages import Array, Message
 from followspot.plugins.registry import use_plugin_files
 from followspot.tracking import Frame
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.picture import Picture
 from followspot_watch.ear import Ear, chosen, listening
+from followspot_watch.picture_of_run import RunPicture
 
 SINK = "dashboard.echo"
 _PERIOD = 0.5
@@ -35,15 +38,37 @@ def echo(args: argparse.Namespace) -> int:
             for port in chosen(args.port, run)
         ]
         with listening(run, heard, SINK) as ear, suppress(KeyboardInterrupt):
-            _print(ear, args)
+            _print(ear, args, Warner(run))
     return 0
 
 
-def _print(ear: Ear, args: argparse.Namespace) -> None:
-    left = args.number
+class Warner:
+    """Says on standard error why nothing comes, where something is absent or was not heard lately."""
+
+    def __init__(self, run: RunHandle) -> None:
+        self._run = run
+        self._picture = RunPicture(run.plan())
+        self._said = False
+
+    def warn(self) -> None:
+        """Nothing came for a while; what is wrong is told once."""
+        self._picture.renew(lambda: self._run.status(_PERIOD))
+        faults = self._picture.faults()
+        if bool(faults) != self._said:
+            self._said = bool(faults)
+            for line in faults or ["all is heard again"]:
+                print(f"followspot: {line}", file=sys.stderr, flush=True)
+
+
+def _print(ear: Ear, args: argparse.Namespace, warner: Warner) -> None:
+    left, came = args.number, True
     for heard in ear.heard(_PERIOD):
         if heard is None:
+            if not came:
+                warner.warn()
+            came = False
             continue
+        came = True
         print(json.dumps(data(*heard)) if args.json else text(*heard), flush=True)
         left -= 1
         if left == 0:

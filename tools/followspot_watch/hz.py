@@ -6,8 +6,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,17 +14,18 @@ from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.deploy.connect import connected_run
 from followspot.deploy.run_handle import RunHandle
-from followspot.deploy.status import RunStatus
-from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
+from followspot.deploy.status import is_unheard
 from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.ear import Ear, HeardPort, chosen, listening
-from followspot_watch.screen import screenful
+from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.screen import BAD, marked, screenful
 
 SINK = "dashboard.meter"
+SILENCE = 2.0
+"""Seconds without a word after which a port is said to be silent."""
 _PERIOD = 0.5
 """Seconds between two tables on a terminal."""
 _BEGINNING = 5.0
@@ -37,20 +37,29 @@ class Pace:
     """One port.
 
     silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all edges from
-    it since the run began, those that no reader was there for included.
+    it since the run began, those that no reader was there for included; unheard: "absent" or "old" where
+    nothing is heard of its stage either.
     """
 
     port: str
-    rhythm: Rhythm | None
+    measured: Rhythm | None
     silent_s: float
     dropped: int
+    unheard: str = ""
+
+    @property
+    def rhythm(self) -> Rhythm | None:
+        """What was measured; not where nothing has come for far longer than between two messages."""
+        usual = 0.0 if self.measured is None else self.measured.worst_ms / 1000.0
+        return None if self.unheard or self.silent_s > max(SILENCE, 3.0 * usual) else self.measured
 
     def data(self) -> dict[str, Any]:
-        """JSON types; null where nothing was sent while it was looked at."""
+        """JSON types; null where nothing was sent while it was looked at, or nothing lately."""
         names = [name for name, _ in Rhythm.scalars]
         known = {name: getattr(self.rhythm, name) if self.rhythm else None for name in names}
         rounded = {n: round(v, 3) if isinstance(v, float) else v for n, v in known.items()}
-        return {"port": self.port, **rounded, "silent_s": round(self.silent_s, 1), "dropped": self.dropped}
+        state = {"silent_s": round(self.silent_s, 1), "unheard": self.unheard}
+        return {"port": self.port, **rounded, **state, "dropped": self.dropped}
 
 
 def hz(args: argparse.Namespace) -> int:
@@ -66,7 +75,7 @@ def hz(args: argparse.Namespace) -> int:
             if not once:
                 return 0
         paces = measured.paces()
-    print(json.dumps([pace.data() for pace in paces]) if args.json else text(paces))
+    print(json.dumps([pace.data() for pace in paces]) if args.json else text(paces, measured.faults()))
     return 0
 
 
@@ -76,8 +85,8 @@ class Measured:
     def __init__(self, run: RunHandle, heard: Sequence[HeardPort]) -> None:
         self.ports = [replace(port, type=Rhythm) for port in heard]
         self._run = run
-        self._plan = run.plan()
-        self._dropped: Mapping[str, int] = {}
+        self._picture = RunPicture(run.plan())
+        self._picture.take(run.status())
         self._told: dict[str, tuple[Rhythm, float]] = {}
         self._since = time.monotonic()
 
@@ -93,33 +102,41 @@ class Measured:
     def paces(self) -> list[Pace]:
         """One a port, in the order of the graph."""
         now = time.monotonic()
-        with suppress(FollowspotError):  # it has ended, and the last counts stand
-            self._dropped = dropped(self._plan, self._run.status())
+        self._picture.renew(lambda: self._run.status(_PERIOD))
+        unheard = {s.stage: s.state for worker, s in self._picture.stages() if is_unheard(worker)}
+        lost = dropped(self._picture)
         found = []
         for port in self.ports:
             rhythm, at = self._told.get(port.name, (None, self._since))
-            found.append(Pace(port.name, rhythm, now - at, self._dropped.get(port.name, 0)))
+            stage = port.name.rpartition(".")[0]
+            found.append(Pace(port.name, rhythm, now - at, lost.get(port.name, 0), unheard.get(stage, "")))
         return found
 
+    def faults(self) -> Sequence[str]:
+        """What is absent or was not heard lately, a line each."""
+        return self._picture.faults()
 
-def dropped(plan: Plan, status: RunStatus) -> dict[str, int]:
+
+def dropped(picture: RunPicture) -> dict[str, int]:
     """Messages of each port that did not arrive, whatever the reason, summed over its edges."""
     found: dict[str, int] = {}
-    for edge, count in status.edges(plan):
+    for edge, count in picture.edges():
         port = f"{edge.from_stage}.{edge.from_port}"
         found[port] = found.get(port, 0) + sum(getattr(count, name) for name in ("away", *LOSSES))
     return found
 
 
-def text(paces: Sequence[Pace]) -> str:
-    """A table; a port that sent nothing has none but its losses."""
+def text(paces: Sequence[Pace], faults: Sequence[str] = ()) -> str:
+    """What is wrong, and a table; a port that sent nothing has none but its losses."""
     head = ("port", "per second", "mean ms", "jitter ms", "p95 ms", "worst ms", "messages", "dropped", "")
-    return table(head, [_row(pace) for pace in paces])
+    rows = marked(table(head, [_row(pace) for pace in paces]), [bool(pace.unheard) for pace in paces])
+    return "\n".join([*(f"{BAD} {line}" for line in faults), rows])
 
 
 def _row(pace: Pace) -> tuple[str, ...]:
     r = pace.rhythm
-    silent = f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= 2.0 else ""
+    told = (pace.unheard, f"silent for {pace.silent_s:.0f} s" if pace.silent_s >= SILENCE else "")
+    silent = ", ".join(word for word in told if word)
     if r is None:
         return (pace.port, *("-",) * 5, "0", str(pace.dropped), silent)
     gaps = (r.mean_ms, r.jitter_ms, r.p95_ms, r.worst_ms)
@@ -144,6 +161,6 @@ def _measure(ear: Ear, measured: Measured, seconds: float | None) -> None:
                 end = time.monotonic() + seconds
             measured.take(port, message)
         elif end is None:
-            print(screenful(text(measured.paces())), flush=True)
+            print(screenful(text(measured.paces(), measured.faults())), flush=True)
         if end is not None and time.monotonic() >= end:
             return

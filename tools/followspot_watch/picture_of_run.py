@@ -10,7 +10,9 @@ from typing import Any
 
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.host import WorkerStatus
+from followspot.deploy.run_handle import NoAnswer
 from followspot.deploy.status import OLD, RunStatus, is_old, is_unheard
+from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.runtime.ledger import COUNTS, EdgeCount
 from followspot.runtime.stage_status import EdgeAge, PathStatus, StageState, StageStatus
@@ -32,6 +34,7 @@ class RunPicture:
         self._status: RunStatus | None = None
         self._clock = monotonic
         self._taken = monotonic()
+        self.ended = False
         self._past: deque[tuple[float, dict[str, float]]] = deque()
         targets = {edge.to_stage for edge in plan.edges}
         self.sources = tuple(stage.name for stage in plan.stages if stage.name not in targets)
@@ -44,10 +47,19 @@ class RunPicture:
         while len(self._past) > 2 and now - self._past[1][0] >= _WINDOW:
             self._past.popleft()
 
+    def renew(self, ask: Callable[[], RunStatus]) -> None:
+        """Take what `ask` gives; the status of a run that does not answer grows old, after the end not."""
+        try:
+            self.take(ask())
+        except NoAnswer:
+            return
+        except FollowspotError:
+            self.ended = True
+
     @property
     def age_s(self) -> float:
-        """Seconds since the run answered last, by the clock here."""
-        return self._clock() - self._taken
+        """Seconds since the run answered last, by the clock here; 0 once it has ended."""
+        return 0.0 if self.ended else self._clock() - self._taken
 
     @property
     def status(self) -> RunStatus | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 
 BAD = "!"
 """What lines begin with that tell of a fault; on a terminal they are red."""
@@ -21,6 +22,12 @@ def screenful(text: str, columns: int | None = None, lines: int | None = None) -
     if len(found) > len(shown):
         shown[-1] = f"... {len(found) - len(shown) + 1} more lines: make the window larger, or see --json"
     return _HOME_AND_CLEAR + "\n".join(_painted(line[:columns]) for line in shown)
+
+
+def marked(table: str, bad: Sequence[bool]) -> str:
+    """A table, of which the rows that are bad begin with the mark of a fault."""
+    head, *rows = table.splitlines()
+    return "\n".join([head, *(BAD + row[1:] if b else row for row, b in zip(rows, bad, strict=True))])
 
 
 def _painted(line: str) -> str:

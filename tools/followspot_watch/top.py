@@ -6,23 +6,21 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
-from contextlib import suppress
 from typing import Any
 
 from followspot.cli.agent_options import network_of
 from followspot.cli.summary import table
 from followspot.deploy.clocks.status import LIMIT_MS
 from followspot.deploy.connect import connected_run
-from followspot.deploy.run_handle import NoAnswer, RunHandle
-from followspot.errors import FollowspotError
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.screen import BAD, screenful
+from followspot_watch.screen import BAD, marked, screenful
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
+_LEAST = 0.5
+"""Seconds for the run to answer, at least."""
 _ERROR = 100
 """Characters of an error that are shown."""
 BAD_STATES = ("old", "absent")
@@ -37,7 +35,13 @@ def top(args: argparse.Namespace) -> int:
         try:
             while True:
                 time.sleep(pause)
-                _renew(picture, run, None if once else args.every)
+                if once:
+                    picture.take(run.status())
+                else:
+                    picture.renew(lambda: run.status(max(args.every, _LEAST)))
+                if picture.ended:
+                    print("the run has ended")
+                    return 0
                 data = {"run": run.run, "graph": run.graph, **picture.data()}
                 if args.json:
                     print(json.dumps({name: value for name, value in data.items() if name != "type"}))
@@ -48,20 +52,6 @@ def top(args: argparse.Namespace) -> int:
                 pause = args.every
         except KeyboardInterrupt:
             return 0
-        except FollowspotError:
-            if once:
-                raise
-            print("the run has ended")
-            return 0
-
-
-def _renew(picture: RunPicture, run: RunHandle, timeout: float | None) -> None:
-    """The newest status; if none comes within `timeout`, s, the last one is shown as what it is: old."""
-    if timeout is None:
-        picture.take(run.status())
-        return
-    with suppress(NoAnswer):
-        picture.take(run.status(timeout))
 
 
 def text(data: dict[str, Any]) -> str:
@@ -84,7 +74,7 @@ def _stages(data: dict[str, Any]) -> str:
         pace = (_rate(s), "-" if s["load"] is None else f"{100 * s['load']:.0f} %")
         counts = (str(s["fired"]), str(s["skipped"]), str(s["restarts"]))
         rows.append((s["stage"], s["worker"], _state(s), _waits(s), *pace, *counts))
-    return _marked(table(head, rows), [s["state"] in BAD_STATES for s in data["stages"]])
+    return marked(table(head, rows), [s["state"] in BAD_STATES for s in data["stages"]])
 
 
 def _edges(data: dict[str, Any]) -> str:
@@ -93,13 +83,7 @@ def _edges(data: dict[str, Any]) -> str:
         counts = (str(e[name]) for name in ("produced", "away", "sent", "in_flight", *LOSSES))
         rows.append((f"{e['from']} -> {e['to']}", e["kind"], _rate(e), *counts))
     text = table(("edge", "kind", "per second", "produced", "away", "sent", "in flight", *LOSSES), rows)
-    return _marked(text, [e["old"] for e in data["edges"]])
-
-
-def _marked(text: str, bad: Sequence[bool]) -> str:
-    """A table whose rows that are bad begin with a mark."""
-    head, *rows = text.splitlines()
-    return "\n".join([head, *(BAD + row[1:] if b else row for row, b in zip(rows, bad, strict=True))])
+    return marked(text, [e["old"] for e in data["edges"]])
 
 
 def _state(stage: dict[str, Any]) -> str:
@@ -126,7 +110,7 @@ def _paths(data: dict[str, Any]) -> str:
     rows = [
         (f"{p['origin']} -> {p['sink']}", f"{p['p50_ms']:.2f}", f"{p['p95_ms']:.2f}") for p in data["paths"]
     ]
-    return _marked(table(("path", "p50 ms", "p95 ms"), rows), [p["old"] for p in data["paths"]])
+    return marked(table(("path", "p50 ms", "p95 ms"), rows), [p["old"] for p in data["paths"]])
 
 
 def _waits(stage: dict[str, Any]) -> str:
