@@ -129,7 +129,8 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
         asker = Asker(session, network.own)
         run = chosen(found(asker), wanted)
         orders = {name: _order(asker, name, run.run) for name in run.hosts}
-        hosts = [FarHost(asker, name, order=order) for name, order in orders.items()]
+        onlooker = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
+        hosts = [FarHost(asker, name, order=order) for name, order in onlooker.items()]
         order = orders[run.hosts[0]]
         coordinator = Coordinator(_whole(orders), hosts, order, others=Agents(asker), begun=True)
         try:

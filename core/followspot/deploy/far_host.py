@@ -37,6 +37,8 @@ _MOST_WORKERS = 1000
 """Workers that ended here and are named no more, which are still remembered."""
 _MOST_NEWS = 400
 """Lines of news from before the agent was started anew."""
+_FORGOTTEN = 5.0
+"""Seconds for an operator to begin the run again with an agent that was started anew."""
 _PREPARING = 30.0
 """Seconds that an agent may take to start its workers."""
 
@@ -212,10 +214,20 @@ class FarHost:
                 except FollowspotError:
                     self._take_up_again()
 
+    def _forgotten(self) -> None:
+        """The run is not begun again from here: it has ended, unless whoever operates it does so."""
+        if time.monotonic() - self._heard > _FORGOTTEN:
+            workers = tuple(replace(worker, phase="over") for worker in self._status.workers)
+            self._status = replace(self._status, workers=workers)
+            self._news.set()
+
     def _take_up_again(self) -> None:
         """The agent was started anew and knows nothing of the run: let it do its part again."""
         order = self.order
-        if order is None or not order.restart or self._ask("knows", run=self.run):
+        if order is None or self._ask("knows", run=self.run):
+            return
+        if not order.restart:
+            self._forgotten()
             return
         incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
         self._before = (*self._status.news, "the agent was started anew")[-_MOST_NEWS:]

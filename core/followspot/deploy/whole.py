@@ -81,7 +81,7 @@ class Whole:
         """At the end, workers in the order of the plan. silent: hosts that do not answer, and why."""
         found = {worker.name: worker for worker in self.workers()}
         reports = [
-            _report(found.get(w.name), silent.get(w.host, "it did not end in time"), w.name)
+            _report(found.get(w.name), silent.get(w.host, "nothing is known of how it ended"), w.name)
             for w in self.plan.workers
         ]
         return merge(

@@ -1,0 +1,149 @@
+"""What is absent or old is told as such by `top`, `hz` and `echo`, with its age."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from followspot.deploy.dispatch import Request
+from followspot.deploy.host import WorkerStatus
+from followspot.deploy.run_handle import NoAnswer, RunHandle
+from followspot.deploy.run_requests import GetPlan, GetStatus
+from followspot.deploy.status import RunStatus, SeenHost
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.ship import plan_to_data
+from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot_dashboard.meter import Rhythm
+from followspot_watch import hz
+from followspot_watch.ear import HeardPort
+from followspot_watch.echo import Warner
+from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.screen import screenful
+from followspot_watch.top import text
+
+PLAN = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml", placement="stage")
+FUSE = WorkerStatus(
+    "fuse", "running", 7, stages=(StageStatus("fuse", "processing", fired=6, busy_ms=9.0),), age_s=0.1
+)
+SAVE = WorkerStatus("save", "running", 7, paths=(PathStatus("camera", "save", 1.5, 9.0),), age_s=0.1)
+COUNTS = (0,) * (COLUMNS * len(PLAN.edges))
+WELL = RunStatus((FUSE, SAVE), COUNTS, 7, None, hosts=(SeenHost("pc-left", 0.1, absent=False),))
+GONE = replace(
+    WELL,
+    workers=(replace(FUSE, phase="absent", age_s=12.3, host="pc-left"), SAVE),
+    hosts=(SeenHost("pc-left", 12.3, absent=True),),
+)
+
+
+def picture(*statuses: RunStatus, later: float = 0.0) -> RunPicture:
+    """After these statuses, a second apart, and some time, s."""
+    now = [0.0]
+    made = RunPicture(PLAN, lambda: now[0])
+    for status in statuses:
+        made.take(status)
+        now[0] += 1.0
+    now[0] += later - 1.0
+    return made
+
+
+def stage(made: RunPicture, name: str = "fuse") -> dict[str, object]:
+    return next(stage for stage in made.data()["stages"] if stage["stage"] == name)
+
+
+def run(status: Callable[[], RunStatus]) -> RunHandle:
+    """A run that answers with its plan and this status."""
+
+    def ask(request: Request, timeout: float) -> Any:
+        if isinstance(request, GetPlan):
+            return plan_to_data(PLAN)
+        assert isinstance(request, GetStatus)
+        return status()
+
+    return RunHandle("run", PLAN.graph, ask)
+
+
+def test_a_stage_whose_worker_is_absent_is_absent_and_nobody_knows_its_rate() -> None:
+    well, gone = stage(picture(WELL, WELL)), stage(picture(WELL, GONE))
+    assert (well["state"], well["age_s"], well["rate"], well["load"]) == ("processing", None, 0.0, 0.0)
+    assert (gone["state"], gone["age_s"], gone["rate"], gone["load"]) == ("absent", 12.3, None, None)
+    assert gone["fired"] == 6
+    assert stage(picture(GONE), "track")["state"] == "starting"  # of which nobody has heard yet
+
+
+def test_what_a_run_that_does_not_answer_was_doing_is_old() -> None:
+    made = picture(WELL, later=1.5)
+    assert made.faults() == ("the run has not answered for 2 s",)
+    assert (stage(made)["state"], stage(made)["age_s"]) == ("old", 1.6)
+    assert {path["old"] for path in made.data()["paths"]} == {True}
+    assert {edge["rate"] for edge in made.data()["edges"] if edge["from"] == "fuse.out"} == {None}
+
+
+def test_the_last_status_of_a_run_that_has_ended_stays_and_of_one_that_is_silent_grows_old() -> None:
+    def silent() -> RunStatus:
+        raise NoAnswer("it is suspended")
+
+    def ended() -> RunStatus:
+        raise FollowspotError("the run does not answer")
+
+    made = picture(WELL, later=5.0)
+    made.renew(silent)
+    assert (made.age_s, made.ended) == (5.0, False)
+    made.renew(ended)
+    assert (made.age_s, made.ended, made.faults()) == (0.0, True, ())
+
+
+def test_top_marks_what_is_wrong_and_a_terminal_shows_it_red() -> None:
+    lines = text({"graph": "g", "run": "0123456789", **picture(WELL, GONE).data()}).splitlines()
+    assert lines[1] == "! host pc-left is absent: last heard 12 s ago"
+    (fuse,) = [line for line in lines if line.split()[:2] == ["!", "fuse"]]
+    assert fuse.split()[2:6] == ["fuse", "absent", "12", "s"]
+    assert any(line.startswith("! fuse.out -> ") for line in lines)
+    red = [line for line in screenful("\n".join(lines), 100, 100).splitlines() if "\x1b[1;31m" in line]
+    assert [line.partition("m")[2].removesuffix("\x1b[0m") for line in red] == [
+        line[:100] for line in lines if line.startswith("!")
+    ]
+    well = text({"graph": "g", "run": "0123456789", **picture(WELL, WELL).data()})
+    assert "!" not in well
+
+
+def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(hz, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    status = [WELL]
+    measured = hz.Measured(run(lambda: status[0]), [HeardPort("fuse.out", Rhythm, "")])
+    measured.take("fuse.out", Rhythm(100, 20.0, 50.0, 1.0, 60.0, 80.0))
+    (pace,) = measured.paces()
+    assert (pace.data()["rate"], pace.data()["unheard"]) == (20.0, "")
+    now[0] += 5.0
+    (pace,) = measured.paces()
+    assert (pace.data()["rate"], pace.data()["silent_s"]) == (None, 5.0)
+    assert "silent for 5 s" in hz.text([pace])
+    measured.take("fuse.out", Rhythm(3, 0.2, 5000.0, 0.0, 5000.0, 5000.0))  # one that rarely sends
+    now[0] += 5.0
+    assert measured.paces()[0].data()["rate"] == 0.2
+    status[0] = GONE
+    (pace,) = measured.paces()
+    assert (pace.data()["rate"], pace.data()["unheard"]) == (None, "absent")
+    lines = hz.text([pace], measured.faults()).splitlines()
+    assert lines[0] == "! host pc-left is absent: last heard 12 s ago"
+    assert lines[2].startswith("! fuse.out ")
+
+
+def test_echo_says_once_why_nothing_comes(capsys: pytest.CaptureFixture[str]) -> None:
+    status = [WELL, GONE, GONE, WELL]
+    warner = Warner(run(lambda: status.pop(0)))
+    said = []
+    for _ in range(4):
+        warner.warn()
+        said.append(capsys.readouterr().err)
+    fault = "followspot: host pc-left is absent: last heard 12 s ago\n"
+    assert said == ["", fault, "", "followspot: all is heard again\n"]
