@@ -7,47 +7,28 @@ import json
 import os
 import re
 import socket
-import urllib.error
-import urllib.request
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from threading import Event
 from typing import Any
-from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+from served import Shown, at, served, tracks
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
-from followspot.deploy.changes.changed import Changed, ChangedStage
-from followspot.deploy.dispatch import Dispatcher
 from followspot.deploy.host import WorkerStatus
-from followspot.deploy.reachable import reachable
-from followspot.deploy.run_requests import (
-    ChangeStages,
-    GetPlan,
-    GetStatus,
-    GetSurroundings,
-    PlaceTaps,
-    Surroundings,
-)
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
-from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
-from followspot.messages import Header, Message, stamped
 from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
-from followspot_dashboard.gate import WATCHED, Gate, make_gate
-from followspot_dashboard.line import Line
+from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
 from followspot_page.page import Page
-from followspot_page.showing import PageOrder, shown
 from followspot_record.embedded import plan_of_recording
 from followspot_recording.recording import Recording
 from followspot_recording.tap import RecordingTap
@@ -64,87 +45,12 @@ Sec-WebSocket-Version: 13
 JUNK = [b"", b"x", b"a\0Tracks\0junk", b"a\0Forecast\0" + bytes(70), b"a\0os\0x", b"\xff\0\xff\0\xff"]
 HELP = r"# (HELP|TYPE) followspot_\w+ .+"
 SAMPLE = r'followspot_\w+(\{(\w+="[^"]*",?)+\})? [-+.e\d]+'
-GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
-
-
-class Shown:
-    """A page that is being served, and the run that it asks, as far as it is one."""
-
-    def __init__(self, plan: Plan, out: Path) -> None:
-        self.plan = plan
-        self.status = RunStatus((), (), 0, None)
-        self.tapped = Event()
-        self.asked: list[list[str]] = []
-        self.out = out
-        self.recorded: dict[str, Any] = {}
-        self.pid = 0
-
-    def tap(self, request: PlaceTaps) -> None:
-        """Previews first, then recordings."""
-        if self.tapped.is_set():
-            self.recorded = {tap.port: dict(tap.params) for tap in request.taps}
-            return
-        self.folder = Path(request.taps[0].params["folder"])
-        self.tapped.set()
-
-    def dispatcher(self) -> Dispatcher:
-        return Dispatcher(
-            {
-                GetPlan: lambda _: plan_to_data(self.plan),
-                GetStatus: lambda _: self.status,
-                PlaceTaps: self.tap,
-                GetSurroundings: lambda _: Surroundings(self.out),
-                ChangeStages: self.change,
-            }
-        )
-
-    def change(self, request: ChangeStages) -> Changed:
-        if request.words == ("fuse.steps=-1",):
-            raise FollowspotError("steps must be at least 1")
-        self.asked.append(list(request.words))
-        return Changed("it", "glowballs", (ChangedStage(request.words[0], "", "", {}),))
-
-    def serve(self, url: str) -> None:
-        """The page is at this address."""
-        self.url = url
-        self.host = urlsplit(url).netloc
-        assert self.tapped.wait(60)
-        self.line = Line(self.folder)
-        self.gate = Gate(self.folder)
-        self.get("")
-
-    def get(self, path: str, **headers: str) -> tuple[int, str, Any]:
-        request = urllib.request.Request(self.url + path, headers=headers)
-        try:
-            with urllib.request.urlopen(request, timeout=20) as answer:
-                return answer.status, answer.read().decode(), answer.headers
-        except urllib.error.HTTPError as error:
-            return error.code, error.read().decode(), error.headers
-
-    def look(self, origin: str | None = None, **options: Any) -> ClientConnection:
-        return connect(f"ws://{self.host}/look", origin=origin, proxy=None, **options)  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Shown]:
-    made = Shown(compile_graph(GRAPH), tmp_path_factory.mktemp("run"))
-    name = f"{os.getpid():x}page"
-    with reachable(name, made.plan.graph, made.dispatcher()), shown(PageOrder(os.getpid())) as served:
-        made.pid = served.pid
-        made.serve(served.url)
+    with served(tmp_path_factory.mktemp("run")) as made:
         yield made
-
-
-def at(ms: int, message: Message) -> Message:
-    return stamped(message, Header("camera/cam0", ms, ms * 1_000_000))
-
-
-def tracks(*states: int) -> Tracks:
-    rows = len(states)
-    place = np.tile([0.5, 0.25, 1.0], (rows, 1))
-    return Tracks(
-        np.arange(rows, dtype="i4"), np.array(states, "u1"), place, np.zeros((rows, 3)), place / 100
-    )
 
 
 def things(browser: ClientConnection, kind: str) -> Iterator[dict[str, Any]]:

@@ -1,0 +1,150 @@
+"""What is absent or old looks so in a browser, within a second or two, and in the metrics."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from browser import CHROMIUM, Browser, browser
+from served import GRAPH, Shown, at, served, tracks
+
+from followspot.deploy.host import WorkerStatus
+from followspot.deploy.status import RunStatus, SeenHost
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.messages import Message
+from followspot.runtime.ledger import COLUMNS
+from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
+from followspot.tracking import Frame
+from followspot_dashboard.picture import picture_of
+from followspot_page import metrics
+from followspot_watch.picture_of_run import RunPicture
+
+
+def well(plan: Plan) -> RunStatus:
+    """All is well: the cameras on one host, the rest here."""
+    stages = [StageStatus(stage.name, "processing", fired=6) for stage in plan.stages]
+    cameras = tuple(stage for stage in stages if stage.stage.startswith("camera/"))
+    ages = (EdgeAge(plan.edges[0].name, 4.5, 9.0),)
+    rest = tuple(replace(stage, edges=ages) for stage in stages if stage not in cameras)
+    there = WorkerStatus("left", "running", 7, stages=cameras, age_s=0.1, host="pc-left")
+    here = WorkerStatus(
+        "main", "running", 7, stages=rest, paths=(PathStatus("camera", "save", 1, 2),), age_s=0.1
+    )
+    hosts = (SeenHost("pc-left", 0.1, absent=False),)
+    return RunStatus((there, here), (0,) * (COLUMNS * len(plan.edges)), 7, None, hosts=hosts)
+
+
+def gone(status: RunStatus) -> RunStatus:
+    """The same when the other host is dead."""
+    left, main = status.workers
+    hosts = (SeenHost("pc-left", 12.0, absent=True),)
+    return replace(status, workers=(replace(left, phase="absent", age_s=12.0), main), hosts=hosts)
+
+
+def color(chromium: Browser, element: str, name: str) -> str:
+    found = chromium.ask(f"getComputedStyle(document.querySelector({element!r})).{name}")
+    return str(found)
+
+
+def is_red(rgb: str) -> bool:
+    red, green, blue = (int(number) for number in re.findall(r"\d+", rgb)[:3])
+    return red > 1.5 * max(green, blue) and red > 60
+
+
+def send(page: Shown, ms: int) -> None:
+    """A picture of one camera, and where a target is."""
+    picture = picture_of(at(ms, Frame("cam1", np.zeros((24, 32, 1), "u1"))), 320)  # type: ignore[arg-type]
+    assert isinstance(picture, Message)
+    page.line.send("camera/cam1.out", picture)
+    page.line.send("track.tracks", at(ms, tracks(1)))
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Path) -> None:
+    with served(tmp_path / "run") as page, browser(tmp_path / "chromium") as chromium:
+        page.status = well(page.plan)
+        chromium.open(page.url, 1280, 800)
+        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        chromium.wait("document.querySelectorAll('figure').length === 6")
+        assert chromium.ask("document.querySelector('#faults').hidden")
+        assert chromium.ask("document.querySelectorAll('figure.absent, button.bad').length") == 0
+        send(page, 40)
+        chromium.wait("document.querySelectorAll('figure:not(.dark)').length === 1")
+
+        page.status = gone(page.status)
+        chromium.wait("document.querySelectorAll('figure.absent').length === 6")
+        assert chromium.ask("document.querySelector('#faults').innerText").startswith(
+            "host pc-left is absent: last heard 1"
+        )
+        assert chromium.ask("document.querySelector('#life').textContent") == "fault"
+        assert chromium.ask("document.title").startswith("! ")
+        assert is_red(color(chromium, "#faults", "backgroundColor"))
+        assert is_red(color(chromium, "#life", "color"))
+        assert is_red(color(chromium, "figure.absent", "outlineColor"))
+        assert is_red(color(chromium, "#groups button.bad", "backgroundColor"))
+        cards = chromium.ask(
+            "[...document.querySelectorAll('#groups button.bad .state')].map(e => e.innerText)"
+        )
+        assert [re.sub(r"\d+ s", "N s", card) for card in cards] == ["6 of 6 absent N s"]
+        chromium.wait("/these places are [0-9]+ s old/.test(document.querySelector('#legend').dataset.old)")
+
+        page.status = well(page.plan)
+        chromium.wait("document.querySelectorAll('figure.absent').length === 0")
+        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        send(page, 80)
+        chromium.wait("document.querySelectorAll('figure.old').length === 0")
+
+        os.kill(page.pid, signal.SIGSTOP)
+        chromium.wait("document.querySelector('#life').dataset.life === 'fault'")
+        assert re.match(
+            r"this page has heard nothing of the run for \d+ s",
+            chromium.ask("document.querySelector('#faults').innerText"),
+        )
+        assert chromium.ask("document.body.classList.contains('old')")
+        chromium.wait("document.querySelectorAll('figure.old').length === 1")
+        os.kill(page.pid, signal.SIGCONT)
+        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        assert chromium.errors == []
+
+
+def samples(run: RunPicture, targets: metrics.Targets) -> dict[str, float]:
+    found = re.findall(
+        r"^followspot_([a-z_]+(?:\{.*\})?) (\S+)$", metrics.text(run, targets, 0), re.MULTILINE
+    )
+    return {name: float(value) for name, value in found}
+
+
+def test_the_metrics_tell_what_is_absent_and_how_old_everything_is(tmp_path: Path) -> None:
+    plan, now = compile_graph(GRAPH), [0.0]
+    run, targets = RunPicture(plan, lambda: now[0]), metrics.Targets(plan.room, lambda: now[0])
+    assert "target_age_seconds" not in samples(run, targets)
+    run.take(well(plan))
+    targets.take(at(40, tracks(1)))
+    before = samples(run, targets)
+    assert (before["faults"], before["status_age_seconds"], before["target_age_seconds"]) == (0, 0, 0)
+    assert before['host_absent{host="pc-left"}'] == 0
+    assert before['worker_running{worker="left"}'] == before['worker_running{worker="main"}'] == 1
+    assert before['target_state{target="green",state="tracked"}'] == 1
+    assert any(name.startswith("edge_age_seconds") for name in before)
+    assert any(name.startswith("path_latency_seconds") for name in before)
+
+    run.take(gone(well(plan)))
+    dead = samples(run, targets)
+    assert (dead["faults"], dead['host_absent{host="pc-left"}']) == (1, 1)
+    assert dead['host_age_seconds{host="pc-left"}'] == dead['worker_age_seconds{worker="left"}'] == 12
+    assert (dead['worker_running{worker="left"}'], dead['worker_running{worker="main"}']) == (0, 1)
+    assert dead['stage_fired_total{stage="camera/cam0"}'] == 6  # the last that is known
+
+    now[0] += 3.0  # and now the run itself does not answer
+    silent = samples(run, targets)
+    assert (silent["faults"], silent["status_age_seconds"], silent["target_age_seconds"]) == (2, 3, 3)
+    assert silent['worker_running{worker="main"}'] == 0
+    assert silent['target_state{target="green",state="old"}'] == 1
+    assert silent['target_state{target="green",state="tracked"}'] == 0
+    assert not any(name.startswith(("edge_age_seconds", "path_latency_seconds")) for name in silent)
