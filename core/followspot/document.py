@@ -1,11 +1,12 @@
 """YAML files as trees of nodes that know their place; every mistake is reported at once.
 
 YAML 1.2 core scalars: only `true` and `false` are switches and `012` is twelve; keys are text.
-Built on the events of PyYAML's C parser. Untrusted files meet limits on bytes, depth and nodes.
+Built on the events of PyYAML's C parser. Untrusted files meet limits on bytes, depth, nodes and scalars.
 """
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -15,11 +16,21 @@ from typing import Any
 import yaml
 
 from followspot.errors import InputError, Mistake, Place
+from followspot.files import DOCUMENT, read_bytes
 
-MAX_FILE_BYTES = 1_000_000
 MAX_DEPTH = 50
 MAX_NODES = 100_000
 """Counted after aliases, so that a short file cannot unfold into a long one."""
+MAX_TEXT = 4096
+"""Longest scalar, characters; as long as a path may be."""
+_TEXT_OF_A_NODE = 100
+"""Characters of a text that count as one node."""
+MAX_DIGITS = 100
+"""Longest number, characters."""
+LARGEST_INT = (1 << 63) - 1
+"""Whole numbers fit into 64 bits."""
+_MAX_MISTAKES = 1000
+"""In the YAML itself; the rest of the text is not read."""
 
 Scalar = str | int | float | bool | None
 _STR_TAG = "tag:yaml.org,2002:str"
@@ -39,7 +50,7 @@ class Node:
     """A scalar, a sequence or a mapping, with its place.
 
     key: place of the key that leads to it, the node's own place where there is none;
-    nodes, depth: size of the tree below, itself included.
+    nodes, depth: size of the tree below, itself included; a long text counts as several nodes.
     """
 
     value: Scalar | tuple[Node, ...] | Mapping[str, Node]
@@ -49,18 +60,16 @@ class Node:
     depth: int = 1
 
 
-def read(path: str | Path) -> Node:
-    """The tree of a YAML file. Raises InputError with every mistake."""
+def read(path: str | Path, *, at: Place | None = None, remedy: str = "check the path") -> Node:
+    """The tree of a YAML file. Raises InputError with every mistake.
+
+    at, remedy: where the file is named and what to do there, for a file that cannot be read.
+    """
     file = str(path)
     try:
-        with Path(path).open("rb") as stream:
-            data = stream.read(MAX_FILE_BYTES + 1)
+        data = read_bytes(path, DOCUMENT)
     except OSError as error:
-        raise _one(Place(file, 1, 1), f"cannot read {file}: {error.strerror}", "check the path") from None
-    except ValueError:  # a NUL in the name
-        raise _one(Place(repr(file), 1, 1), "this is not a file name", "check the path") from None
-    if len(data) > MAX_FILE_BYTES:
-        raise _one(Place(file, 1, 1), f"the file is larger than {MAX_FILE_BYTES} bytes", "split the file")
+        raise _one(at or Place(file, 1, 1), f"cannot read {file}: {error.strerror}", remedy) from None
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -79,9 +88,11 @@ def parse(text: str, file: str, written: str = "") -> Node:
         builder.mistakes.append(_syntax(error, text, file))
     except yaml.reader.ReaderError as error:
         head = text.encode()[: error.position].decode("utf-8", "ignore")
-        builder.fail(_offset(file, head), "this character is not allowed in YAML", "remove it")
+        place = _offset(file, head)
+        builder.mistakes.append(Mistake(place, "this character is not allowed in YAML", "remove it"))
     except UnicodeEncodeError as error:
-        builder.fail(_offset(file, text[: error.start]), "this character is not Unicode text", "remove it")
+        place = _offset(file, text[: error.start])
+        builder.mistakes.append(Mistake(place, "this character is not Unicode text", "remove it"))
     except _TooLarge:
         pass  # noted where it was found
     if builder.mistakes:
@@ -111,14 +122,32 @@ def node_of(value: Any, place: Place) -> Node:
 
 
 def resolve(text: str) -> Scalar:
-    """The value of an unquoted scalar. Raises ValueError for a number with too many digits."""
+    """The value of an unquoted scalar. Raises ValueError, which says why, for a number that is too large."""
     if text in _WORDS:
         return _WORDS[text]
-    if _INT.fullmatch(text):
-        return int(text, {"0o": 8, "0x": 16}.get(text[:2], 10)) if text[1:2] in ("o", "x") else int(text)
-    if _FLOAT.fullmatch(text):
-        return float(text)
-    return text
+    whole = _INT.fullmatch(text)
+    if not whole and not _FLOAT.fullmatch(text):
+        return text
+    if len(text) > MAX_DIGITS:
+        raise ValueError("this number has too many digits")
+    if not whole:
+        return checked_number(float(text))
+    return checked_number(int(text, {"0o": 8, "0x": 16}.get(text[:2], 10)))
+
+
+def checked_number(value: float) -> float:
+    """The number, whole or not. Raises ValueError if it is infinite or does not fit into 64 bits."""
+    if isinstance(value, int):
+        if not fits(value):
+            raise ValueError("this whole number does not fit into 64 bits")
+    elif math.isinf(value):
+        raise ValueError("this number is too large")
+    return value
+
+
+def fits(value: int) -> bool:
+    """Whether a whole number fits into 64 bits."""
+    return -LARGEST_INT - 1 <= value <= LARGEST_INT
 
 
 class _TooLarge(Exception):
@@ -149,6 +178,8 @@ class _Builder:
 
     def fail(self, place: Place, text: str, remedy: str) -> None:
         self.mistakes.append(Mistake(place, text, remedy))
+        if len(self.mistakes) >= _MAX_MISTAKES:
+            raise _TooLarge
 
     def take(self, event: Any) -> None:
         if isinstance(event, yaml.ScalarEvent):
@@ -176,9 +207,14 @@ class _Builder:
         elif event.implicit[0] and event.tag is None:
             try:
                 value = resolve(event.value)
-            except ValueError:
-                self.fail(place, "this number has too many digits", "shorten it, or quote it as text")
-        return Node(value, place, place)
+            except ValueError as error:
+                self.fail(place, str(error), "shorten it, or quote it as text")
+                value = None
+        if isinstance(value, str) and len(value) > MAX_TEXT:
+            self.fail(place, f"this text has more than {MAX_TEXT} characters", "shorten it")
+            value = None
+        size = len(value) // _TEXT_OF_A_NODE if isinstance(value, str) else 0
+        return Node(value, place, place, 1 + size)
 
     def _alias(self, event: yaml.AliasEvent) -> None:
         place = self._place(event)
@@ -214,7 +250,8 @@ class _Builder:
                 continue
             if name == "<<":
                 for part in node.value if isinstance(node.value, tuple) else (node,):
-                    merged = {**self._merge(part, key.place), **merged}
+                    for inner, value in self._merge(part, key.place).items():
+                        merged.setdefault(inner, value)
             elif name in own:
                 first = own[name].key
                 self.fail(
@@ -242,7 +279,7 @@ class _Builder:
         if len(self.open) + node.depth > MAX_DEPTH:
             self._too_deep(node.key)
         aliased = node.key != node.place
-        self.total += node.nodes if aliased else 1
+        self.total += node.nodes if aliased or not isinstance(node.value, tuple | Mapping) else 1
         if self.total > MAX_NODES:
             self.fail(node.key, f"the file has more than {MAX_NODES} values", "split the file")
             raise _TooLarge
@@ -295,6 +332,8 @@ def _node_of(value: Any, place: Place, depth: int) -> Node:
         return Node(entries, place, place)
     if isinstance(value, list | tuple):
         return Node(tuple(_node_of(inner, place, depth - 1) for inner in value), place, place)
+    if isinstance(value, int) and not fits(value):
+        raise _one(place, "this whole number does not fit into 64 bits", "shorten it")
     if value is None or isinstance(value, str | int | float):
         return Node(value, place, place)
     raise _one(

@@ -3,9 +3,19 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from followspot.files import DOCUMENT, read_text
+
+MOST_SHOWN = 50
+"""Mistakes that are shown; how many more there are is said."""
+MOST_COMPARED = 1000
+"""Known words that a wrong one is compared with."""
+_LONGEST_WORD = 100
+_LONGEST_TEXT = 600
+_LONGEST_LINE = 160
 
 
 class FollowspotError(Exception):
@@ -30,47 +40,115 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Guess:
+    """'did you mean "x"?  NOUN: a, b, c' for a word that is none of the known ones.
+
+    It is worked out when it is shown: comparing a word with all others takes long.
+    """
+
+    word: str
+    noun: str
+    known: Collection[str] = field(compare=False)
+
+    def __str__(self) -> str:
+        names = sorted(self.known)
+        word = self.word[:_LONGEST_WORD]
+        near = difflib.get_close_matches(word, names[:MOST_COMPARED], n=1, cutoff=0.6)
+        guess = f'did you mean "{near[0]}"?  ' if near else ""
+        listing = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
+        return f"{guess}{self.noun}: {listing or 'none'}"
+
+
+@dataclass(frozen=True)
 class Mistake:
     """One mistake: where, what is wrong, and what to do."""
 
     place: Place | None
     text: str
-    remedy: str = ""
+    help: str | Guess = ""
 
-    def render(self) -> str:
-        """The mistake as help: place and text, then the line with a caret and the remedy below it."""
+    def __post_init__(self) -> None:
+        """A text may quote what the user wrote, and there may be many: only so much of it is kept."""
+        if len(self.text) > _LONGEST_TEXT:
+            object.__setattr__(self, "text", _shortened(self.text))
+
+    @property
+    def remedy(self) -> str:
+        """What to do, in words."""
+        return str(self.help)
+
+    def render(self, lines_of: Callable[[str], Sequence[str]] | None = None) -> str:
+        """The mistake as help: place and text, then the line with a caret and the remedy below it.
+
+        lines_of: gives the lines of a file.
+        """
+        text, remedy = shown(self.text), shown(self.remedy)
         if self.place is None:
-            return self.text + (f"\n    {self.remedy}" if self.remedy else "")
-        head = f"{self.place}: {self.text}"
-        source = _line(self.place)
+            return text + (f"\n    {remedy}" if remedy else "")
+        head = f"{shown(str(self.place))}: {text}"
+        source = _line(self.place, lines_of or _lines)
         if source is None:
-            return head + (f"\n    {self.remedy}" if self.remedy else "")
+            return head + (f"\n    {remedy}" if remedy else "")
         margin = f"{self.place.line:>5} | "
-        caret = " " * (self.place.column - 1) + "^" * max(1, self.place.width)
-        return f"{head}\n{margin}{source}\n{' ' * (len(margin) - 2)}| {caret} {self.remedy}".rstrip()
+        line, column = _window(source, self.place.column)
+        caret = " " * (column - 1) + "^" * max(1, min(self.place.width, len(line) - column + 1))
+        return f"{head}\n{margin}{line}\n{' ' * (len(margin) - 2)}| {caret} {remedy}".rstrip()
 
 
 class InputError(FollowspotError):
     """One or more mistakes in graph, room, placement or command line."""
 
     def __init__(self, mistakes: Sequence[Mistake]) -> None:
+        super().__init__(mistakes)
         self.mistakes = tuple(mistakes)
-        super().__init__("\n".join(m.render() for m in self.mistakes))
+
+    def __str__(self) -> str:
+        lines_of = lru_cache(maxsize=1)(_lines)  # mistakes stand together by file
+        parts = [mistake.render(lines_of) for mistake in self.mistakes[:MOST_SHOWN]]
+        more = len(self.mistakes) - MOST_SHOWN
+        if more > 0:
+            parts.append(f"and {more} more, which are shown when these are mended")
+        return "\n".join(parts)
 
 
-def did_you_mean(word: str, known: Iterable[str], noun: str) -> str:
-    """'did you mean "x"?  NOUN: a, b, c' for a word that is none of the known ones."""
-    names = sorted(known)
-    near = difflib.get_close_matches(word, names, n=1, cutoff=0.6)
-    guess = f'did you mean "{near[0]}"?  ' if near else ""
-    listing = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
-    return f"{guess}{noun}: {listing or 'none'}"
+def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:
+    """What a word that is none of the known ones may have meant."""
+    return Guess(word, noun, known)
 
 
-def _line(place: Place) -> str | None:
-    try:
-        text = place.written or Path(place.file).read_text(encoding="utf-8", errors="replace")
-    except (OSError, ValueError):
-        return None
-    lines = text.splitlines()
+def shown(text: str) -> str:
+    """A text for a terminal: without control characters, and its middle left out if it is very long."""
+    text = _shortened(text)
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode() for c in text)
+
+
+def _shortened(text: str) -> str:
+    """The text without its middle if it is very long."""
+    if len(text) <= _LONGEST_TEXT:
+        return text
+    return f"{text[: _LONGEST_TEXT // 2]} ... {text[-_LONGEST_TEXT // 4 :]}"
+
+
+def _window(line: str, column: int) -> tuple[str, int]:
+    """What is shown of a line, and where the column is in it."""
+    line = "".join(c if c.isprintable() else " " for c in line)
+    if len(line) <= _LONGEST_LINE:
+        return line, column
+    start = max(0, min(column - _LONGEST_LINE // 2, len(line) - _LONGEST_LINE))
+    return line[start : start + _LONGEST_LINE], column - start
+
+
+def _line(place: Place, lines_of: Callable[[str], Sequence[str]]) -> str | None:
+    """The line of a place; None if it cannot be read any more."""
+    lines = place.written.splitlines() if place.written else lines_of(place.file)
     return lines[place.line - 1] if 0 < place.line <= len(lines) else None
+
+
+def _lines(file: str) -> Sequence[str]:
+    """The lines of a document; none if it cannot be read."""
+    try:
+        return read_text(file, DOCUMENT, errors="replace").splitlines()
+    except OSError:
+        return ()

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from followspot.document import Node, plain
-from followspot.errors import Mistake, did_you_mean
+from followspot.errors import Guess, Mistake, did_you_mean
 from followspot.messages import Array
 
 Shape = tuple[int, ...]
+HOST = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+"""What a host may be called: one chunk of a key."""
 
 
 class Form:
@@ -35,11 +38,11 @@ class Form:
             if key not in keys:
                 self.unknown(entry, f'{noun} has no key "{key}"', key, keys, "keys")
 
-    def wrong(self, node: Node, text: str, remedy: str = "") -> None:
+    def wrong(self, node: Node, text: str, remedy: str | Guess = "") -> None:
         """Note a mistake at a value."""
         self.mistakes.append(Mistake(node.place, text, remedy))
 
-    def unknown(self, node: Node, text: str, word: str, known: Iterable[str], noun: str) -> None:
+    def unknown(self, node: Node, text: str, word: str, known: Collection[str], noun: str) -> None:
         """Note a mistake at the key of a value: a word that is none of the known ones."""
         self.mistakes.append(Mistake(node.key, text, did_you_mean(word, known, noun)))
 
@@ -65,6 +68,25 @@ class Form:
             return None
         return node.value
 
+    def title(self, key: str) -> str | None:
+        """The name of a graph or a room."""
+        found = self.text(key)
+        if found is None or is_title(found):
+            return found
+        self.wrong(
+            self.entries[key], f"{key} cannot be {kind_of(self.entries[key])}", "a short name without /"
+        )
+        return None
+
+    def host(self, key: str = "host") -> str:
+        """The name of a host, empty if it is missing."""
+        found = self.text(key)
+        if found is None or HOST.fullmatch(found):
+            return found or ""
+        remedy = "letters, digits, _, . and -, up to 64 characters"
+        self.wrong(self.entries[key], f"{key} cannot be {kind_of(self.entries[key])}", remedy)
+        return ""
+
     def number(
         self,
         key: str,
@@ -82,10 +104,9 @@ class Form:
             value = float(node.value)  # type: ignore[arg-type]  # it is a number
             if least <= value <= most and value > above:
                 return value
+        wanted = f"greater than {above:g}" if math.isfinite(above) else f"not below {least:g}"
         if math.isfinite(most):
-            wanted = f"from {least:g} to {most:g}"
-        else:
-            wanted = f"greater than {above:g}" if math.isfinite(above) else f"not below {least:g}"
+            wanted = f"{wanted}, at most {most:g}" if math.isfinite(above) else f"from {least:g} to {most:g}"
         self.wrong(node, f"{key} cannot be {kind_of(node)}", f"write a number {wanted}")
         return None
 
@@ -102,13 +123,17 @@ class Form:
             return None
         return value
 
-    def array(self, key: str, shapes: Sequence[Shape], *, required: bool = False) -> Array | None:
-        """Finite numbers in one of the shapes, as float64."""
+    def array(
+        self, key: str, shapes: Sequence[Shape], *, most: float = math.inf, required: bool = False
+    ) -> Array | None:
+        """Finite numbers in one of the shapes, as float64; most: the largest absolute value."""
         node = self.get(key, required=required)
-        return None if node is None else self.numbers(node, key, shapes)
+        return None if node is None else self.numbers(node, key, shapes, most=most)
 
-    def numbers(self, node: Node, what: str, shapes: Sequence[Shape]) -> Array | None:
-        """A node of finite numbers in one of the shapes, as float64."""
+    def numbers(
+        self, node: Node, what: str, shapes: Sequence[Shape], *, most: float = math.inf
+    ) -> Array | None:
+        """A node of finite numbers in one of the shapes, as float64; most: the largest absolute value."""
         wanted = " or ".join(" x ".join(map(str, shape)) for shape in shapes)
         if not isinstance(node.value, tuple):
             self.wrong(node, f"{what} is a list of {wanted} numbers, not {kind_of(node)}")
@@ -119,10 +144,14 @@ class Form:
             return None
         shape = _shape(node)
         if shape not in shapes:
-            found = "rows of different length" if shape is None else " x ".join(map(str, shape))
-            self.wrong(node, f"{what} has {wanted} numbers, not {found}")
+            have = "rows of different length" if shape is None else " x ".join(map(str, shape))
+            self.wrong(node, f"{what} has {wanted} numbers, not {have}")
             return None
-        return np.array(plain(node), dtype=np.float64)
+        found = np.array(plain(node), dtype=np.float64)
+        if found.size and np.abs(found).max() > most:
+            self.wrong(node, f"{what} holds a number beyond {most:g}", "check the unit")
+            return None
+        return found
 
     def mapping(self, key: str) -> Mapping[str, Node]:
         """A mapping of names to values, empty where it is missing."""
@@ -151,6 +180,11 @@ def kind_of(node: Node) -> str:
 def is_name(text: str) -> bool:
     """Whether a text may name a stage, a camera or a target: letters, digits, _ and -."""
     return bool(text) and len(text) <= 100 and all(c.isalnum() or c in "_-" for c in text)
+
+
+def is_title(text: str) -> bool:
+    """Whether a text may name a graph or a room: up to 100 characters that can be in the name of a file."""
+    return 0 < len(text) <= 100 and text.isprintable() and "/" not in text
 
 
 def _leaves(node: Node) -> Iterator[Node]:

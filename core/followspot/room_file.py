@@ -15,6 +15,7 @@ from typing import Any
 
 from followspot.document import Node, node_of, parse, plain, read, resolve
 from followspot.errors import InputError, Place
+from followspot.files import DOCUMENT, read_text
 from followspot.messages import Array
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_form import room_of
@@ -55,7 +56,7 @@ def update(
     sections = {key: data.get(key, {}) for key, value in given.items() if value is not None}
     entries = root.value if isinstance(root.value, Mapping) else {}
     wanted = {**plain(root), **sections} if isinstance(root.value, Mapping) else plain(root)
-    text = file.read_text(encoding="utf-8-sig")
+    text = read_text(file, DOCUMENT)
     # From the last line to the first, so that the lines of what is still to come stay where they are.
     for key in sorted(sections, key=lambda key: entries[key].key.line if key in entries else 0, reverse=True):
         text = _spliced(text, entries, key, dump({key: sections[key]}))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import cast
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from followspot.document import Node, plain
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, Shape, is_name
-from followspot.messages import Array
+from followspot.messages import MAX_BYTES, Array
 from followspot.room import Camera, Kind, Model, Room, StageUse, Target
 
 BINS = 16
@@ -22,7 +22,16 @@ _TOLERANCE = 1e-3
 """Largest deviation of R R^T from the identity, and of a plane's normal from unit length."""
 _ROUNDING = 1e-9
 """Deviation from a unit sum or length that is left as it is: a written room is read back bit for bit."""
-_MAX_PIXELS = 1 << 15
+_MAX_SIDE = 1 << 15
+_MAX_PIXELS = MAX_BYTES // 3
+"""A color picture must fit into a message."""
+_FAR = 1e6
+"""Largest length of anything in a room, m."""
+_MOST_FOCAL = 1e6
+"""Largest focal length and distance of the principal point, px."""
+_MOST_DISTORTION = 1e4
+_MOST_AREA = 1e9
+"""px"""
 _MAX_CLOCK_OFFSET = 1.0
 """Either way, s; clocks further apart are no matter of a fraction of a frame."""
 _CAMERA_KEYS = (
@@ -39,12 +48,12 @@ def room_of(root: Node, folder: str | None) -> Room:
     """
     mistakes: list[Mistake] = []
     form = Form(root, "a room", ("room", "cameras", "planes", "targets", "truth"), mistakes)
-    name = form.text("room") or "room"
+    name = form.title("room") or "room"
     cameras = _cameras(form, folder)
     planes = {key: _plane(form, key, node) for key, node in _named(form, "planes", MAX_PLANES).items()}
+    names = form.mapping("cameras")
     targets = {
-        key: _target(key, node, list(form.mapping("cameras")), mistakes)
-        for key, node in _named(form, "targets", MAX_TARGETS).items()
+        key: _target(key, node, names, mistakes) for key, node in _named(form, "targets", MAX_TARGETS).items()
     }
     truth = form.get("truth")
     use = None if truth is None else _stage_use(truth, "truth", folder, mistakes)
@@ -81,12 +90,12 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
     size = _size(form)
     matrix = _matrix(form)
-    distortion = form.array("distortion", _COEFFICIENTS[model])
+    distortion = form.array("distortion", _COEFFICIENTS[model], most=_MOST_DISTORTION)
     rotation = _rotation(form)
-    translation = form.array("translation", [(3,)], required=True)
+    translation = form.array("translation", [(3,)], required=True, most=_FAR)
     source = form.get("source")
     use = None if source is None else _stage_use(source, f"the source of {name}", folder, mistakes)
-    host = form.text("host") or ""
+    host = form.host()
     clock_offset = form.number("clock_offset", least=-_MAX_CLOCK_OFFSET, most=_MAX_CLOCK_OFFSET) or 0.0
     if kind is None or size is None or matrix is None or rotation is None or translation is None:
         return None
@@ -113,18 +122,19 @@ def _size(form: Form) -> tuple[int, int] | None:
     size = form.array("size", [(2,)], required=True)
     if size is None:
         return None
-    if not ((size >= 1).all() and (size <= _MAX_PIXELS).all() and (size % 1 == 0).all()):
-        form.wrong(
-            form.entries["size"],
-            "size is the width and height in whole pixels",
-            f"each from 1 to {_MAX_PIXELS}",
-        )
+    if not ((size >= 1).all() and (size <= _MAX_SIDE).all() and (size % 1 == 0).all()):
+        text = "size is the width and height in whole pixels"
+        form.wrong(form.entries["size"], text, f"each from 1 to {_MAX_SIDE}")
+        return None
+    if size.prod() > _MAX_PIXELS:
+        text = f"{size[0]:g} x {size[1]:g} pixels do not fit into a message"
+        form.wrong(form.entries["size"], text, f"at most {_MAX_PIXELS} pixels")
         return None
     return int(size[0]), int(size[1])
 
 
 def _matrix(form: Form) -> Array | None:
-    matrix = form.array("matrix", [(3, 3)], required=True)
+    matrix = form.array("matrix", [(3, 3)], required=True, most=_MOST_FOCAL)
     if matrix is None:
         return None
     if not (matrix[0, 0] > 0 and matrix[1, 1] > 0 and matrix[1, 0] == 0 and (matrix[2] == [0, 0, 1]).all()):
@@ -152,7 +162,7 @@ def _rotation(form: Form) -> Array | None:
 
 
 def _plane(form: Form, name: str, node: Node) -> Array:
-    plane = form.numbers(node, f"plane {name}", [(4,)])
+    plane = form.numbers(node, f"plane {name}", [(4,)], most=_FAR)
     if plane is None:
         return np.zeros(4)
     length = float(np.linalg.norm(plane[:3]))
@@ -165,12 +175,12 @@ def _plane(form: Form, name: str, node: Node) -> Array:
     return plane if abs(length - 1.0) < _ROUNDING else plane / length
 
 
-def _target(name: str, node: Node, cameras: Sequence[str], mistakes: list[Mistake]) -> Target:
+def _target(name: str, node: Node, cameras: Mapping[str, Node], mistakes: list[Mistake]) -> Target:
     form = Form(node, f"target {name}", ("radius", "hue_histogram", "area", "gray"), mistakes)
-    radius = form.number("radius", above=0.0, required=True)
+    radius = form.number("radius", above=0.0, most=_FAR, required=True)
     histograms = {
         camera: _histogram(form, camera, values)
-        for camera, values in _per_camera(form, "hue_histogram", (BINS,), cameras).items()
+        for camera, values in _per_camera(form, "hue_histogram", (BINS,), cameras, 1e9).items()
     }
     return Target(
         name, radius or 1.0, histograms, _ranges(form, "area", cameras), _ranges(form, "gray", cameras)
@@ -186,9 +196,9 @@ def _histogram(form: Form, camera: str, values: Array) -> Array:
     return values if abs(total - 1.0) < _ROUNDING else values / total
 
 
-def _ranges(form: Form, key: str, cameras: Sequence[str]) -> dict[str, tuple[float, float]]:
+def _ranges(form: Form, key: str, cameras: Mapping[str, Node]) -> dict[str, tuple[float, float]]:
     ranges = {}
-    for camera, (low, high) in _per_camera(form, key, (2,), cameras).items():
+    for camera, (low, high) in _per_camera(form, key, (2,), cameras, _MOST_AREA).items():
         if low > high or low < 0:
             node = form.mapping(key)[camera]
             form.wrong(node, f"{key} for {camera} cannot be [{low:g}, {high:g}]", "write [smallest, largest]")
@@ -196,12 +206,14 @@ def _ranges(form: Form, key: str, cameras: Sequence[str]) -> dict[str, tuple[flo
     return ranges
 
 
-def _per_camera(form: Form, key: str, shape: Shape, cameras: Sequence[str]) -> dict[str, Array]:
+def _per_camera(
+    form: Form, key: str, shape: Shape, cameras: Mapping[str, Node], most: float
+) -> dict[str, Array]:
     found = {}
     for camera, node in form.mapping(key).items():
         if camera not in cameras:
             form.unknown(node, f'the room has no camera "{camera}"', camera, cameras, "cameras")
-        values = form.numbers(node, f"{key} for {camera}", [shape])
+        values = form.numbers(node, f"{key} for {camera}", [shape], most=most)
         if values is not None:
             found[camera] = values
     return found

@@ -70,9 +70,11 @@ def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any
 
 
 class StageParams(pydantic.BaseModel):
-    """Base of every stage's parameters: immutable, unknown names are errors."""
+    """Base of every stage's parameters: immutable, unknown names are errors, and numbers are finite."""
 
-    model_config = pydantic.ConfigDict(frozen=True, extra="forbid", validate_default=True)
+    model_config = pydantic.ConfigDict(
+        frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
+    )
 
 
 def _no_warning(text: str) -> None:

@@ -11,8 +11,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from followspot import document
-from followspot.document import MAX_DEPTH, Node, child, node_of, parse, plain, read
+from followspot import files
+from followspot.document import LARGEST_INT, MAX_DEPTH, Node, child, node_of, parse, plain, read
 from followspot.errors import InputError, Mistake, Place
 
 
@@ -125,7 +125,7 @@ def test_an_integer_of_many_digits_is_a_mistake() -> None:
 
 def test_large_missing_and_binary_files_are_mistakes(tmp_path: Path) -> None:
     large = tmp_path / "large.yaml"
-    large.write_bytes(b"#" * (document.MAX_FILE_BYTES + 1))
+    large.write_bytes(b"#" * (files.DOCUMENT + 1))
     binary = tmp_path / "binary.yaml"
     binary.write_bytes(b"a: 1\nb: \xff\xfe\n")
     for path, said in (
@@ -145,8 +145,9 @@ def test_a_byte_order_mark_shifts_nothing(tmp_path: Path) -> None:
     assert child(read(path), "a") == Node(1, Place(str(path), 1, 4), Place(str(path), 1, 1))
 
 
+INTEGERS = st.integers(-LARGEST_INT - 1, LARGEST_INT)
 JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
+    st.none() | st.booleans() | INTEGERS | st.floats(allow_nan=False) | st.text(),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(), inner, max_size=4),
     max_leaves=20,
 )

@@ -13,10 +13,12 @@ from hypothesis import strategies as st
 from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError
+from followspot.form import HOST, is_title
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_file import from_data, load, save, to_data, update
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
+near = st.floats(-1e4, 1e4)
 names = st.text(alphabet="abcXYZ019_-", min_size=1, max_size=8)
 words = st.text(max_size=12).filter(bool)
 
@@ -38,18 +40,22 @@ def rotations(draw: st.DrawFn) -> np.ndarray:
 def cameras(draw: st.DrawFn, name: str) -> Camera:
     fx, fy, cx, cy = draw(st.tuples(*[st.floats(1e-3, 1e6)] * 4))
     model = draw(st.sampled_from(["pinhole", "fisheye"]))
-    params = draw(st.dictionaries(words, st.one_of(words, finite, st.booleans(), st.integers()), max_size=3))
+    params = draw(
+        st.dictionaries(
+            words, st.one_of(words, finite, st.booleans(), st.integers(-(2**63), 2**63 - 1)), max_size=3
+        )
+    )
     return Camera(
         name,
         draw(st.sampled_from(["color", "infrared"])),
         (draw(st.integers(1, 4000)), draw(st.integers(1, 4000))),
         np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]),
-        np.array(draw(st.tuples(*[finite] * (5 if model == "pinhole" else 4)))),
+        np.array(draw(st.tuples(*[near] * (5 if model == "pinhole" else 4)))),
         draw(rotations()),
-        np.array(draw(st.tuples(*[finite] * 3))),
+        np.array(draw(st.tuples(*[near] * 3))),
         model,
         draw(st.none() | st.just(StageUse("cameras.video", params, "elsewhere"))),
-        draw(st.just("") | words),
+        draw(st.just("") | st.from_regex(HOST, fullmatch=True)),
         draw(st.just(0.0) | st.floats(-1.0, 1.0)),
     )
 
@@ -57,7 +63,7 @@ def cameras(draw: st.DrawFn, name: str) -> Camera:
 @st.composite
 def rooms(draw: st.DrawFn) -> Room:
     found = {name: draw(cameras(name)) for name in draw(st.lists(names, max_size=3, unique=True))}
-    planes = {"floor": np.array([0.0, 0.0, 1.0, draw(finite)])} if draw(st.booleans()) else {}
+    planes = {"floor": np.array([0.0, 0.0, 1.0, draw(near)])} if draw(st.booleans()) else {}
     bins = np.array(draw(st.lists(st.floats(0.01, 1.0), min_size=16, max_size=16)))
     target = Target(
         "green",
@@ -67,7 +73,11 @@ def rooms(draw: st.DrawFn) -> Room:
         dict.fromkeys(found, (0.0, 255.0)),
     )
     return Room(
-        draw(words), found, planes, {"green": target}, draw(st.none() | st.just(StageUse("sim.truth")))
+        draw(words.filter(is_title)),
+        found,
+        planes,
+        {"green": target},
+        draw(st.none() | st.just(StageUse("sim.truth"))),
     )
 
 

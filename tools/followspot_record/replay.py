@@ -111,7 +111,7 @@ def check_sampled_cycles(plan: Plan, remedy: str) -> None:
     """Raises InputError if the result of this replay would depend on timing; remedy: where to delay it."""
     mistakes = plan_sampled_cycles(plan)
     if mistakes:
-        raise InputError([replace(m, remedy=f"{m.remedy} in {remedy}") for m in mistakes])
+        raise InputError([replace(m, help=f"{m.remedy} in {remedy}") for m in mistakes])
 
 
 def _check_live(plan: Plan) -> None:

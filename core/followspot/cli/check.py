@@ -6,7 +6,7 @@ import argparse
 import json
 
 from followspot.cli.graph_options import add_graph_options, plan_of
-from followspot.errors import InputError
+from followspot.errors import MOST_SHOWN, InputError, Mistake, shown
 from followspot.plugins.hooks import Command
 
 
@@ -21,7 +21,9 @@ def _run(args: argparse.Namespace) -> int:
     except InputError as error:
         if not args.json:
             raise
-        print(json.dumps({"ok": False, "mistakes": [_mistake(m) for m in error.mistakes]}, indent=2))
+        first = [_mistake(mistake) for mistake in error.mistakes[:MOST_SHOWN]]
+        found = {"ok": False, "mistakes": first, "more": len(error.mistakes) - len(first)}
+        print(json.dumps(found, indent=2))
         return 2
     counts = {"stages": len(plan.stages), "edges": len(plan.edges), "workers": len(plan.workers)}
     if args.json:
@@ -34,13 +36,10 @@ def _run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _mistake(mistake: object) -> dict[str, object]:
-    from followspot.errors import Mistake
-
-    assert isinstance(mistake, Mistake)
+def _mistake(mistake: Mistake) -> dict[str, object]:
     place = mistake.place
     where = {"file": place.file, "line": place.line, "column": place.column} if place else {}
-    return {**where, "text": mistake.text, "remedy": mistake.remedy}
+    return {**where, "text": shown(mistake.text), "remedy": shown(mistake.remedy)}
 
 
 COMMAND = Command(

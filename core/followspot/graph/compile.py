@@ -54,10 +54,11 @@ def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:
 
 def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
     """Each mistake once, file by file, from the top to the bottom of each."""
-    files = list(dict.fromkeys(m.place.file for m in mistakes if m.place is not None))
+    files = dict.fromkeys(m.place.file for m in mistakes if m.place is not None)
+    rank = {file: number for number, file in enumerate(files)}
 
     def position(mistake: Mistake) -> tuple[int, int, int]:
         at: Place | None = mistake.place
-        return (-1, 0, 0) if at is None else (files.index(at.file), at.line, at.column)
+        return (-1, 0, 0) if at is None else (rank[at.file], at.line, at.column)
 
     return sorted(dict.fromkeys(mistakes), key=position)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from followspot.document import Node, child
@@ -14,6 +14,7 @@ from followspot.room import Room
 ROOM_SOURCE = "room.source"
 """Stands for the source stage that the room declares for each camera."""
 MAX_INSTANCES = 10_000
+MAX_EDGES = 50_000
 _ANY_CAMERA = "?"
 """Stands for the cameras of a room that has mistakes, so that the rest of the graph is still checked."""
 
@@ -59,25 +60,32 @@ class Expanded:
 
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     """Fan out; stages that are not declared and cameras that the room lacks are noted."""
+    cameras = {name: _cameras(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
+    count = sum(map(len, cameras.values()))
+    if count > MAX_INSTANCES:
+        return _too_large(loaded, f"{count} stages", f"at most {MAX_INSTANCES}", mistakes)
     groups = {
-        name: [_instance(stage, camera, loaded, mistakes) for camera in _cameras(stage, loaded, mistakes)]
+        name: {camera: _instance(stage, camera, loaded, mistakes) for camera in cameras[name]}
         for name, stage in loaded.stages.items()
     }
-    instances = {instance.name: instance for group in groups.values() for instance in group}
-    if len(instances) > MAX_INSTANCES:
-        first = next(iter(loaded.stages.values())).place
-        mistakes.append(Mistake(first, f"the graph has {len(instances)} stages", f"at most {MAX_INSTANCES}"))
-        return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, ())
+    instances = {instance.name: instance for group in groups.values() for instance in group.values()}
     rank = {camera: number for number, camera in enumerate(loaded.room.cameras if loaded.room else ())}
-    wires = [
-        wire
-        for instance in instances.values()
-        for entry in instance.declared.inputs
-        for wire in _wires(instance, entry, groups, rank, mistakes)
-    ]
+    wires: list[Wire] = []
+    for instance in instances.values():
+        for entry in instance.declared.inputs:
+            wires += _wires(instance, entry, groups, rank, mistakes)
+        if len(wires) > MAX_EDGES:
+            return _too_large(loaded, f"more than {MAX_EDGES} edges", "feed fewer inputs", mistakes)
     room = loaded.room or Room()
     complete = all(instance.declared.each is None or instance.camera for instance in instances.values())
     return Expanded(loaded.name, room, loaded.room_node, complete, loaded.seed, instances, tuple(wires))
+
+
+def _too_large(loaded: Loaded, what: str, remedy: str, mistakes: list[Mistake]) -> Expanded:
+    """Nothing, for the graph has too much of something."""
+    first = next(iter(loaded.stages.values())).place
+    mistakes.append(Mistake(first, f"the graph has {what}", remedy))
+    return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, ())
 
 
 def _cameras(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[str | None]:
@@ -140,7 +148,7 @@ def _declared_source(
 def _wires(
     target: Instance,
     entry: InputDeclaration,
-    groups: Mapping[str, Sequence[Instance]],
+    groups: Mapping[str, Mapping[str | None, Instance]],
     rank: Mapping[str, int],
     mistakes: list[Mistake],
 ) -> list[Wire]:
@@ -154,20 +162,25 @@ def _wires(
 
 
 def _sources(
-    target: Instance, feed: Feed, groups: Mapping[str, Sequence[Instance]], mistakes: list[Mistake]
-) -> Sequence[Instance]:
+    target: Instance,
+    feed: Feed,
+    groups: Mapping[str, Mapping[str | None, Instance]],
+    mistakes: list[Mistake],
+) -> Collection[Instance]:
     """The instance that serves the same camera where both fan out; else every instance of the stage."""
     sources = groups.get(feed.stage)
     if sources is None:
         remedy = did_you_mean(feed.stage, groups, "stages")
         mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
         return []
-    if target.declared.each is None or sources[0].declared.each is None:
-        return sources
-    if target.camera is None or sources[0].camera is None:
-        return sources[:1]  # which camera is not known because of a mistake
-    same = [source for source in sources if source.camera == target.camera]
-    if not same:
-        text = f'stage "{target.declared.name}" serves camera {target.camera}, stage "{feed.stage}" does not'
-        mistakes.append(Mistake(feed.place, text, "give both the same each"))
-    return same
+    first = next(iter(sources.values()))
+    if target.declared.each is None or first.declared.each is None:
+        return sources.values()
+    if target.camera is None or first.camera is None:
+        return [first]  # which camera is not known because of a mistake
+    same = sources.get(target.camera)
+    if same is not None:
+        return [same]
+    text = f'stage "{target.declared.name}" serves camera {target.camera}, stage "{feed.stage}" does not'
+    mistakes.append(Mistake(feed.place, text, "give both the same each"))
+    return []

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
-from followspot.document import Node, read
+from followspot.document import MAX_NODES, Node, read
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import Form, kind_of
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import apply_to_stages, apply_to_vars, read_override
 from followspot.graph.plan import MAX_SEED
-from followspot.graph.variables import substitute
+from followspot.graph.variables import Variables
 from followspot.room import Room
 from followspot.room_form import room_of
 
@@ -38,14 +40,18 @@ class Loaded:
 
 @dataclass
 class _Text:
-    """The parts of a graph, gathered file by file; what an including file says counts."""
+    """The parts of a graph, gathered file by file; what an including file says counts.
+
+    files: all that were named, as real paths; nodes: of those that were read.
+    """
 
     name: str = ""
     room: Node | None = None
     seed: int | None = None
     values: dict[str, Node] = field(default_factory=dict)
     stages: dict[str, Node] = field(default_factory=dict)
-    files: set[Path] = field(default_factory=set)
+    files: set[str] = field(default_factory=set)
+    nodes: int = 0
 
 
 def load(
@@ -53,28 +59,32 @@ def load(
 ) -> Loaded:
     """Read a graph file; mistakes are noted. Raises InputError where the file itself cannot be read."""
     text = _Text()
-    root = _gather(Path(path), text, (), mistakes)
+    root = read(path)
+    _gather(root, Path(path), text, (), mistakes)
     changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
-    values = apply_to_vars(text.values, changes, mistakes)
+    values = Variables(apply_to_vars(text.values, changes, mistakes), mistakes)
     nodes = apply_to_stages(text.stages, changes, mistakes)
-    stages = {
-        name: read_stage(name, substitute(node, values, mistakes), mistakes) for name, node in nodes.items()
-    }
-    if not 0 < len(stages) <= MAX_STAGES:
-        problem = "the graph has no stages" if not stages else f"the graph has more than {MAX_STAGES} stages"
+    if not 0 < len(nodes) <= MAX_STAGES:
+        problem = f"the graph has {len(nodes)} stages, at most {MAX_STAGES} are read"
+        problem = problem if nodes else "the graph has no stages"
         mistakes.append(Mistake(root.key, problem, "stages: {NAME: {uses: ...}, ...}"))
-    found, document = _room(room, text.room and substitute(text.room, values, mistakes), mistakes)
+    stages = {
+        name: read_stage(name, values.substituted(node), mistakes)
+        for name, node in islice(nodes.items(), MAX_STAGES)
+    }
+    found, document = _room(room, text.room and values.substituted(text.room), mistakes)
     return Loaded(text.name or Path(path).stem, found, document, text.seed or 0, stages)
 
 
-def _gather(path: Path, text: _Text, above: tuple[Path, ...], mistakes: list[Mistake]) -> Node:
-    """Take a file's parts in, those of its includes first, so that its own prevail. Raises InputError."""
-    root = read(path)
+def _gather(root: Node, path: Path, text: _Text, above: tuple[str, ...], mistakes: list[Mistake]) -> None:
+    """Take a file's parts in, those of its includes first, so that its own prevail; above: its includers."""
     form = Form(root, "a graph", _KEYS, mistakes)
-    text.files.add(path.resolve())
+    above = (*above, os.path.realpath(path))
+    text.files.add(above[-1])
+    text.nodes += root.nodes
     for node in _includes(form):
-        _include(path, node, text, (*above, path.resolve()), mistakes)
-    text.name = form.text("graph") or text.name
+        _include(path, node, text, above, mistakes)
+    text.name = form.title("graph") or text.name
     seed = form.whole("seed", least=0, most=MAX_SEED)
     text.seed = text.seed if seed is None else seed
     text.room = form.get("room") or text.room
@@ -86,37 +96,40 @@ def _gather(path: Path, text: _Text, above: tuple[Path, ...], mistakes: list[Mis
             mistakes.append(Mistake(node.key, f'stage "{name}" is declared twice', remedy))
         else:
             text.stages[name] = node
-    return root
 
 
 def _includes(form: Form) -> tuple[Node, ...]:
     node = form.get("include")
     if node is None:
         return ()
-    return node.value if isinstance(node.value, tuple) else (node,)
+    found = node.value if isinstance(node.value, tuple) else (node,)
+    if len(found) > MAX_FILES:
+        form.wrong(node, f"{len(found)} files are included, at most {MAX_FILES} are read", "join some")
+    return found[:MAX_FILES]
 
 
-def _include(path: Path, node: Node, text: _Text, above: tuple[Path, ...], mistakes: list[Mistake]) -> None:
+def _include(path: Path, node: Node, text: _Text, above: tuple[str, ...], mistakes: list[Mistake]) -> None:
     if not isinstance(node.value, str) or not node.value:
         mistakes.append(
             Mistake(node.place, f"include names graph files, not {kind_of(node)}", "include: [FILE.yaml]")
         )
         return
     target = path.parent / node.value
-    if target.resolve() in above:
-        chain = " -> ".join(p.name for p in (*above[above.index(target.resolve()) :], target))
+    real = os.path.realpath(target) if "\0" not in node.value else node.value
+    if real in above:
+        chain = " -> ".join(Path(p).name for p in (*above[above.index(real) :], real))
         mistakes.append(Mistake(node.place, f"files include each other: {chain}", "remove one include"))
-    elif not target.is_file():
-        mistakes.append(
-            Mistake(node.place, f"there is no graph file {target}", "paths are relative to this file")
-        )
-    elif len(text.files) >= MAX_FILES:
-        mistakes.append(Mistake(node.place, f"more than {MAX_FILES} files are included", "join some"))
-    elif target.resolve() not in text.files:
+    elif len(text.files) >= MAX_FILES or text.nodes > MAX_NODES:
+        most = f"more than {MAX_FILES} files or {MAX_NODES} values"
+        mistakes.append(Mistake(node.place, f"{most} are included", "make the graph smaller"))
+    elif real not in text.files:
+        text.files.add(real)
         try:
-            _gather(target, text, above, mistakes)
+            root = read(target, at=node.place, remedy="paths are relative to this file")
         except InputError as error:
             mistakes += error.mistakes
+        else:
+            _gather(root, target, text, above, mistakes)
 
 
 def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tuple[Room | None, Node | None]:
@@ -132,11 +145,8 @@ def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tup
             Mistake(node.place, f"room names a room file, not {kind_of(node)}", "room: FILE.yaml")
         )
         return None, None
-    if not path.is_file():
-        mistakes.append(Mistake(place, f"there is no room file {path}", "check the path, or use --room FILE"))
-        return None, None
     try:
-        document = read(path)
+        document = read(path, at=place, remedy="check the path, or use --room FILE")
         return room_of(document, str(path.parent)), document
     except InputError as error:
         mistakes += error.mistakes

@@ -28,7 +28,7 @@ def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] 
         worker = PlannedWorker(place, place)
     if worker is None:
         places = {name for w in plan.workers for name in (w.name, w.host) if name} | set(others)
-        remedy = did_you_mean(place, places, "workers and hosts") + ("" if others else _ALONE)
+        remedy = f"{did_you_mean(place, places, 'workers and hosts')}{'' if others else _ALONE}"
         mistakes.append(Mistake(None, f'there is no worker or host "{place}" in reach of the run', remedy))
     if not plan.live:
         remedy = "stop it and run it with another --placement"

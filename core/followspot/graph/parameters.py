@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import stat
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
 from types import MappingProxyType
@@ -10,7 +11,7 @@ from typing import Any, get_args
 import pydantic
 from pydantic.fields import FieldInfo
 
-from followspot.document import Node, plain
+from followspot.document import Node, fits, plain
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.stage import PathIn, PathOut, Stage, StageParams
 
@@ -42,7 +43,13 @@ def validated(
     except pydantic.ValidationError as error:
         mistakes += [_mistake(detail, fields, noun, params, place) for detail in error.errors()]
         return None
-    return model.model_dump(mode="json") if len(mistakes) == before else None
+    found = model.model_dump(mode="json")
+    for name, value in found.items():
+        if not _fits(value):
+            node = params.get(name)
+            text = f'"{name}" of {noun} cannot be this: a whole number does not fit into 64 bits'
+            mistakes.append(Mistake(node.place if node is not None else place, text))
+    return found if len(mistakes) == before else None
 
 
 def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
@@ -56,6 +63,15 @@ def path_parameters(params: type[StageParams], mark: type) -> list[str]:
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]
 
 
+def _fits(value: Any) -> bool:
+    """Whether every whole number in a tree of JSON types fits into 64 bits; a text may have become one."""
+    if isinstance(value, Mapping):
+        return all(map(_fits, value.values()))
+    if isinstance(value, list):
+        return all(map(_fits, value))
+    return not isinstance(value, int) or fits(value)
+
+
 def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake], folder: Path) -> Any:
     """The plain value; paths are checked and input paths made absolute."""
     value = plain(node)
@@ -64,9 +80,10 @@ def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake
     if _marked(info, PathIn):
         file = node.place.file
         path = (folder if file.startswith(_OPTION) else Path(file).parent) / value
-        if "\0" in value or not path.exists():
+        problem = _unfit(path)
+        if problem:
             remedy = "paths are relative to the file that they are written in"
-            mistakes.append(Mistake(node.place, f'"{name}" names {path!s}, which does not exist', remedy))
+            mistakes.append(Mistake(node.place, f'"{name}" names {path!s}, which {problem}', remedy))
         return str(path.absolute())
     if _marked(info, PathOut):
         output = PurePath(value)
@@ -74,6 +91,17 @@ def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake
             text = f'"{name}" names {value!r}, which is not below the output folder'
             mistakes.append(Mistake(node.place, text, "write a relative path without .."))
     return value
+
+
+def _unfit(path: Path) -> str:
+    """Why a path is no input; empty for a file and for a folder."""
+    try:
+        mode = path.stat().st_mode
+    except (FileNotFoundError, NotADirectoryError, ValueError):
+        return "does not exist"
+    except OSError as error:
+        return f"cannot be read: {error.strerror}"
+    return "" if stat.S_ISREG(mode) or stat.S_ISDIR(mode) else "is neither a file nor a folder"
 
 
 def _marked(info: FieldInfo, mark: type) -> bool:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from followspot.document import Node, child, read
-from followspot.errors import Mistake, Place, did_you_mean
+from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
 from followspot.graph.expand import Expanded
 from followspot.graph.plan import PlannedWorker
@@ -27,10 +26,7 @@ class Placed:
 
 
 def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) -> Placed:
-    """Place a graph: all in one worker, "camera", "stage", or as a placement file says.
-
-    Raises InputError where the file cannot be read; mistakes in it are noted.
-    """
+    """Place a graph: in one worker, by "camera", by "stage", or as a placement file says; notes mistakes."""
     if placement is None:
         return _together(expanded)
     if placement in _BY:
@@ -41,7 +37,7 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
     if not expanded.complete:
         return _together(expanded)  # its names cannot be judged before the room is mended
     form = Form(root, "a placement", ("placement", "by", "workers"), mistakes)
-    form.text("placement")
+    form.title("placement")
     by = form.text("by", choices=_BY)
     workers = form.mapping("workers")
     if by is not None and workers:
@@ -54,11 +50,12 @@ def place(expanded: Expanded, placement: str | None, mistakes: list[Mistake]) ->
 
 
 def _read(placement: str, mistakes: list[Mistake]) -> Node | None:
-    if Path(placement).is_file():
-        return read(placement)
-    option = Place("--placement", 1, 1, max(1, len(placement)), placement)
-    mistakes.append(Mistake(option, f"there is no placement file {placement}", "or write camera, or stage"))
-    return None
+    option = Place("--placement", 1, 1, max(1, len(placement)), placement or " ")
+    try:
+        return read(placement, at=option, remedy="or write camera, or stage")
+    except InputError as error:
+        mistakes += error.mistakes
+        return None
 
 
 def _together(expanded: Expanded) -> Placed:
@@ -89,7 +86,7 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
                 Mistake(node.key, f'"{name}" cannot be the name of a worker', "letters, digits, _ and -")
             )
         form = Form(node, f'worker "{name}"', ("host", "stages", "cameras"), mistakes)
-        hosts[name] = form.text("host") or ""
+        hosts[name] = form.host()
         _claim(name, child(node, "stages"), "stage", known_stages, stages, mistakes)
         _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, cameras, mistakes)
     worker_of = {
@@ -109,7 +106,7 @@ def _claim(
     worker: str,
     names: Node | None,
     noun: str,
-    known: Iterable[str],
+    known: Collection[str],
     taken: dict[str, str],
     mistakes: list[Mistake],
 ) -> None:

@@ -13,14 +13,14 @@ from followspot.room import Camera
 
 PROPERTIES = ("name", "kind", "model", "host")
 """Properties of a camera that a selector may ask for."""
-_FORM = re.compile(r"\s*cameras\s*(?:\[(.*)\])?\s*")
+_FORM = re.compile(r"cameras\s*(?:\[(.*)\])?", re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Selector:
     """Conditions that all must hold: property -> allowed values."""
 
-    conditions: Mapping[str, tuple[str, ...]]
+    conditions: Mapping[str, frozenset[str]]
     text: str
     place: Place
 
@@ -35,12 +35,12 @@ class Selector:
 
 def read_selector(node: Node, mistakes: list[Mistake]) -> Selector:
     """Read the value of `each`; a selector that cannot be read is noted and takes every camera."""
-    found = _FORM.fullmatch(node.value) if isinstance(node.value, str) else None
+    found = _FORM.fullmatch(node.value.strip()) if isinstance(node.value, str) else None
     if found is None:
         text = f"each cannot be {kind_of(node)}"
         mistakes.append(Mistake(node.place, text, 'write cameras, or "cameras[kind=color]"'))
         return Selector({}, "cameras", node.place)
-    conditions: dict[str, tuple[str, ...]] = {}
+    conditions: dict[str, frozenset[str]] = {}
     for part in filter(str.strip, (found[1] or "").split(",")):
         key, sign, value = (piece.strip() for piece in part.partition("="))
         if not sign:
@@ -49,5 +49,5 @@ def read_selector(node: Node, mistakes: list[Mistake]) -> Selector:
             remedy = did_you_mean(key, PROPERTIES, "properties")
             mistakes.append(Mistake(node.place, f'cameras have no property "{key}"', remedy))
         else:
-            conditions[key] = tuple(choice.strip() for choice in value.split("|"))
+            conditions[key] = frozenset(choice.strip() for choice in value.split("|"))
     return Selector(conditions, str(node.value), node.place)

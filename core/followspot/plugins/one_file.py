@@ -8,9 +8,11 @@ import sys
 import traceback
 from dataclasses import dataclass
 from functools import cache
+from importlib.abc import SourceLoader
 from pathlib import Path
 
 from followspot.errors import FollowspotError
+from followspot.files import DOCUMENT, read_bytes
 from followspot.ports import SignatureError, ports
 from followspot.stage import Stage
 
@@ -28,22 +30,39 @@ class FileStage:
     stage: type[Stage]
 
 
+class _Loader(SourceLoader):
+    """Runs the source that was read, so that the file cannot be another one meanwhile."""
+
+    def __init__(self, path: str, source: bytes) -> None:
+        self.path = path
+        self.source = source
+
+    def get_filename(self, fullname: str) -> str:
+        """The file, as tracebacks name it."""
+        return self.path
+
+    def get_data(self, path: str | bytes) -> bytes:
+        """The source."""
+        return self.source
+
+
 @cache
 def load_file(path: str) -> tuple[FileStage, ...]:
     """Run the file once and collect the stages that it defines. Raises PluginFileError."""
     file = Path(path)
     if not re.fullmatch(r"[a-z_][a-z0-9_]*\.py", file.name):
         raise PluginFileError(f"{path}: name it like a Python module, lower case, for example my_fusion.py")
-    if not file.is_file():
-        raise PluginFileError(f"{path}: there is no such file")
+    try:
+        loader = _Loader(path, read_bytes(file, DOCUMENT))
+    except OSError as error:
+        raise PluginFileError(f"{path} cannot be read: {error.strerror}") from None
     module_name = f"followspot_file_{file.stem}"
-    spec = importlib.util.spec_from_file_location(module_name, file)
+    spec = importlib.util.spec_from_file_location(module_name, file, loader=loader)
     assert spec is not None
-    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[module_name] = module  # annotations are resolved there
     try:
-        spec.loader.exec_module(module)
+        loader.exec_module(module)
     except (Exception, SystemExit) as error:
         del sys.modules[module_name]
         raise PluginFileError(f"{path}:{_line(error, path)}: {type(error).__name__}: {error}") from error

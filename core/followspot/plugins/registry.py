@@ -13,7 +13,7 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Literal
 
-from followspot.errors import FollowspotError, did_you_mean
+from followspot.errors import FollowspotError, Guess, did_you_mean
 from followspot.plugins.one_file import FileStage, load_file
 from followspot.ports import ports
 from followspot.stage import Stage
@@ -41,10 +41,13 @@ class StageEntry:
 class PluginError(FollowspotError):
     """A stage cannot be used; problem: one line says which plugin and why; remedy: what to do."""
 
-    def __init__(self, problem: str, remedy: str = "") -> None:
-        super().__init__(problem + (f"; {remedy}" if remedy else ""))
+    def __init__(self, problem: str, remedy: str | Guess = "") -> None:
+        super().__init__(problem, remedy)
         self.problem = problem
         self.remedy = remedy
+
+    def __str__(self) -> str:
+        return self.problem + (f"; {self.remedy}" if self.remedy else "")
 
 
 _files: dict[str, FileStage] = {}

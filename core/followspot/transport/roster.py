@@ -7,7 +7,6 @@ for Zenoh's access control knows certificates by their common name only. Who is 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -15,13 +14,14 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from followspot.errors import FollowspotError
+from followspot.files import read_bytes
+from followspot.form import HOST
 
 Role = Literal["camera", "worker", "operator", "router"]
 """camera, worker: runs an agent (a worker's stages may see every port); operator: may also start, stop and
 change runs; router: passes on what others send."""
 ROLES: tuple[Role, ...] = get_args(Role)
-NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-"""What a host may be called: one chunk of a key."""
+NAME = HOST
 ROSTER = "hosts.json"
 FORMAT = 1
 MAX_ROSTER = 1 << 20
@@ -78,9 +78,7 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
 def read_roster(path: Path) -> tuple[str, tuple[Member, ...]]:
     """Whose roster it is ("" the authority's) and its members. Raises FollowspotError."""
     try:
-        if path.stat().st_size > MAX_ROSTER:
-            raise ValueError(f"it has more than {MAX_ROSTER} bytes")
-        data = json.loads(path.read_bytes())
+        data = json.loads(read_bytes(path, MAX_ROSTER))
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             raise ValueError(f"it is not of format {FORMAT}")
         return str(data["own"]), tuple(_member(name, entry) for name, entry in data["hosts"].items())

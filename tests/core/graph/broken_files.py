@@ -86,9 +86,9 @@ ENVELOPE = [
     Broken("graph", "uses: toy.pair,", "uses: ¦12,", "uses is text, not 12", "quote"),
     Broken("graph", "model: constant}", "model: ¦'${modle}'}", 'no variable "modle"', "vars: least"),
     Broken("graph", "model: constant}", "model: ¦'${least'}", "a ${ without its }", "write ${NAME}"),
-    Broken("graph", "room: room.yaml", "room: ¦rooms.yaml", "there is no room file", "--room FILE"),
+    Broken("graph", "room: room.yaml", "room: ¦rooms.yaml", "rooms.yaml: No such file", "--room FILE"),
     Broken("graph", "room: room.yaml", "room: ¦[room.yaml]", "room names a room file, not a list"),
-    Broken("graph", "seed: 7", "include: ¦other.yaml", "there is no graph file", "relative to this file"),
+    Broken("graph", "seed: 7", "include: ¦other.yaml", "other.yaml: No such file", "relative to this file"),
     Broken("graph", "seed: 7", "include: [¦graph.yaml]", "include each other: graph.yaml -> graph.yaml"),
     Broken("graph", "seed: 7", "include: [¦7]", "include names graph files, not 7"),
 ]

@@ -252,7 +252,7 @@ def test_another_room_serves_the_same_graph(tmp_path: Path) -> None:
     (tmp_path / "small.yaml").write_text(ROOM.partition("  cam1:")[0])
     plan = compile_graph(graph, room=tmp_path / "small.yaml", plugin_files=[TOY])
     assert [s.name for s in plan.stages][:2] == ["camera/cam0", "detect/cam0"]
-    with pytest.raises(InputError, match=r"--room:1:1: there is no room file gone\.yaml"):
+    with pytest.raises(InputError, match=r"--room:1:1: cannot read gone\.yaml"):
         compile_graph(graph, room="gone.yaml", plugin_files=[TOY])
 
 
@@ -297,7 +297,13 @@ def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_
             plugin_files=[TOY, str(tmp_path / "none.py")],
         )
     shown = str(caught.value)
-    for part in ("none.py: there is no such file", "--set:1:1", "toy.peir", "cannot be 7", 'cannot be "red"'):
+    for part in (
+        "none.py cannot be read: No such file",
+        "--set:1:1",
+        "toy.peir",
+        "cannot be 7",
+        'cannot be "red"',
+    ):
         assert part in shown
 
 

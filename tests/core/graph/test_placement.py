@@ -109,7 +109,7 @@ def test_a_ring_between_hosts_becomes_zenoh_and_is_noted(tmp_path: Path) -> None
 
 
 def test_a_placement_that_is_no_file_is_a_mistake(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"--placement:1:1: there is no placement file two\.yaml"):
+    with pytest.raises(InputError, match=r"--placement:1:1: cannot read two\.yaml"):
         compile_graph(write(tmp_path, room=HERE), placement="two.yaml", plugin_files=[TOY])
 
 

@@ -60,7 +60,7 @@ def _camera(camera: Camera, room: Room) -> Finding:
             context = Context(camera.name, room, camera, Path(out), warn=warnings.append)
             frame = _first(stage(context, **params))
     except PluginError as error:
-        return wrong(camera.name, error.problem, error.remedy)
+        return wrong(camera.name, error.problem, str(error.remedy))
     except FollowspotError as error:
         return wrong(camera.name, " ".join(str(error).split()), "see the message")
     except Exception as error:

@@ -1,0 +1,70 @@
+"""Files that a user or a document names: opened so that nothing can hang, and read within bounds.
+
+Only regular files are read, after links are followed: a pipe may wait for ever, and a device may have no end.
+The opened descriptor is examined, so nobody can exchange the file in between. What is refused is an OSError
+whose `strerror` says why, like every other reason why a file cannot be read.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from io import TextIOWrapper
+from pathlib import Path
+from typing import BinaryIO
+
+DOCUMENT = 1_000_000
+"""Largest graph, room, placement or plugin file, bytes."""
+DATA = 64_000_000
+"""Largest file that is read as a whole: calibrations, models, lists, summaries; bytes."""
+TABLE = 1_000_000_000
+"""Largest table that is read row by row, and largest archive of arrays, bytes."""
+
+
+def open_regular(path: str | Path, most: int | None = TABLE) -> BinaryIO:
+    """Open a regular file of at most `most` bytes for reading; None: of any size. Raises OSError."""
+    try:
+        # A pipe without a writer would wait, and a terminal would become that of the process.
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    except ValueError:  # a NUL in the name
+        raise OSError(errno.EINVAL, "this is not a file name", repr(str(path))) from None
+    try:
+        _check(os.fstat(descriptor), path, most)
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def open_text(path: str | Path, most: int | None = TABLE, *, errors: str = "strict") -> TextIOWrapper:
+    """The same as UTF-8 text, with or without a byte order mark; line ends stay. Raises OSError."""
+    return TextIOWrapper(open_regular(path, most), "utf-8-sig", errors, newline="")
+
+
+def read_bytes(path: str | Path, most: int = DATA) -> bytes:
+    """The content of a regular file of at most `most` bytes. Raises OSError."""
+    with open_regular(path, most) as file:
+        data = file.read(most + 1)
+    if len(data) > most:  # it has grown, or does not tell its size
+        raise _too_large(path, most)
+    return data
+
+
+def read_text(path: str | Path, most: int = DATA, *, errors: str = "strict") -> str:
+    """The same as UTF-8 text. Raises OSError, UnicodeDecodeError."""
+    return read_bytes(path, most).decode("utf-8-sig", errors)
+
+
+def _check(found: os.stat_result, path: str | Path, most: int | None) -> None:
+    """Raises OSError for what is no regular file, or too large a one."""
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise OSError(errno.EINVAL, "not a regular file but a device, a pipe or a socket", str(path))
+    if most is not None and found.st_size > most:
+        raise _too_large(path, most)
+
+
+def _too_large(path: str | Path, most: int) -> OSError:
+    return OSError(errno.EFBIG, f"larger than {most} bytes", str(path))
