@@ -200,6 +200,16 @@ def test_pose_that_stays_until_the_person_returns_stays_as_long_as_the_person_is
     assert (score.returns, score.returns_known) == (2, 2)
 
 
+def test_what_lasts_until_the_recording_ends_lasts_to_the_end_of_its_last_frame() -> None:
+    true = truth((2, 0), frames=20)
+    never = score_persons(of(reported(true), np.zeros(0, int)), true).overall
+    assert never.acquire_s == pytest.approx((2.0,))
+    true.visible[10:] = 0
+    assert score_persons(reported(true), true).overall.vanish_s == pytest.approx((1.0,))
+    one = truth((2, 0), frames=1)
+    assert score_persons(reported(one), one).overall.acquire_s == (0.0,)
+
+
 def test_poses_between_frames_go_to_the_nearest_and_one_of_a_number_counts() -> None:
     true = truth((2, 0))
     twice = replace(reported(true), time=true.time + 0.02)

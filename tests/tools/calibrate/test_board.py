@@ -15,7 +15,8 @@ from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.room_file import load, save
-from followspot_calibrate.board.poses import BoardPose, Pose, board_poses, relate
+from followspot_calibrate.board.chain import chained
+from followspot_calibrate.board.poses import BoardPose, Pose, Relation, board_poses, relate
 from followspot_calibrate.board.rigidity import distances
 from followspot_calibrate.board.solving import solve
 from followspot_calibrate.board.timestamps import read_timestamps
@@ -186,6 +187,18 @@ def test_moments_agree_up_to_three_degrees_and_a_twentieth_of_the_distance() -> 
     assert (relation.moments, relation.shared) == (6, 8)
     assert np.linalg.norm(relation.pose.translation) < 0.001
     assert relate([[]], [[placed(0, 0)]]) is None
+
+
+@pytest.mark.parametrize("moments", [2, 3])
+def test_three_moments_link_two_cameras_and_two_do_not(moments: int) -> None:
+    pose = Pose(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    pairs = {(0, 1): Relation(pose, moments, 9), (0, 2): Relation(pose, 9, 9)}
+    if moments == 3:
+        poses = chained(["left", "middle", "right"], pairs)
+        np.testing.assert_array_equal(poses[1].translation, pose.translation)
+        return
+    with pytest.raises(FollowspotError, match=r"left-middle agree on 2 moments .* 3 needed"):
+        chained(["left", "middle", "right"], pairs)
 
 
 def test_distances_are_taken_within_a_moment_only() -> None:

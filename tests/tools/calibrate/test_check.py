@@ -178,6 +178,7 @@ def test_a_known_length_is_measured_in_mm(
     assert found["length"]["sigma_mm"] < 0.5
     assert found["length"]["count"] >= 59 - 1
     assert any("scale is off by +4.2 %" in text for text in found["failures"]) == bool(code)
+    assert ("the known length is right within 0." in found["verdict"]) == (not code)
 
 
 def test_a_length_without_a_second_point_is_refused() -> None:
@@ -211,6 +212,23 @@ def test_tracking_data_tell_which_camera_moved_and_when(
     np.testing.assert_allclose(changes["cam1"]["by_px"], [3, -2], atol=0.3)
     assert "moved at 5.0 s: calibrate wand again for cam1" in found["verdict"]
     assert "cam1: moved at 5.0 s" in (tmp_path / "room.check.html").read_text().replace("</b>", "")
+
+
+def test_a_camera_that_moved_far_is_not_taken_to_see_other_things_since(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def pixel_of(time: Array, xyz: Array) -> Array:
+        pixel = noisy_images(xyz)
+        pixel[time >= 5, 1] += [12.0, -8.0]
+        return pixel
+
+    room, run = room_file(tmp_path, CAMERAS), tracking_run(tmp_path, pixel_of)
+    assert main(["calibrate", "check", "--room", room, "--run", run, "--json"]) == 1
+    found = json.loads(capsys.readouterr().out)
+    changes = {one["camera"]: one["change"] for one in found["drift"] if one["change"]}
+    assert list(changes) == ["cam1"]
+    assert changes["cam1"]["at"] == pytest.approx(5, abs=0.1)
+    np.testing.assert_allclose(changes["cam1"]["by_px"], [12, -8], atol=0.5)
 
 
 def test_tracking_data_tell_a_slow_drift(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

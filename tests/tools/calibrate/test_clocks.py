@@ -19,7 +19,7 @@ from followspot.tracking import MISSING, TRACKED
 from followspot_calibrate.clocks.command import check, with_offsets
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments, velocities
-from followspot_calibrate.tracked import BlobTable, Tracked
+from followspot_calibrate.tracked import BlobTable, Tracked, moments_at
 
 ROOM = room_file.load(Path(__file__).parents[3] / "graphs/rooms/simulated.yaml")
 P = np.array([c.projection for c in ROOM.cameras.values()])
@@ -162,6 +162,14 @@ def test_cameras_that_never_share_a_target_are_refused(rng: np.random.Generator)
     parted = BlobTable(blobs.time[kept], blobs.camera[kept], blobs.target[kept], blobs.pixel[kept])
     with pytest.raises(FollowspotError, match="ms only, 2 wanted"):
         check(ROOM, found(Tracked(tracked.tracks, parted)), 2e-3)
+
+
+def test_a_blob_belongs_to_the_moment_that_its_message_was_joined_to() -> None:
+    time, target = np.array([1.0, 1.1, 1.2, 1.0, 1.1]), np.array([0, 0, 0, 1, 1])
+    blob = np.array([1.0, 1.04, 1.06, 1.1, 1.24, 0.99, 1.04, 1.11, 1.2])
+    of = np.array([0, 0, 0, 0, 0, 0, 1, 1, 2])
+    blobs = BlobTable(blob, np.zeros(9, int), of, np.zeros((9, 2)))
+    assert moments_at(time, target, blobs).tolist() == [0, 0, -1, 1, 2, -1, 3, 4, -1]
 
 
 def test_velocities_are_slopes_and_stop_at_gaps() -> None:

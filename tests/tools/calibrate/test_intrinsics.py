@@ -2,6 +2,7 @@
 
 import io
 import json
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -263,6 +264,12 @@ def test_terminal_shows_the_coverage_and_is_left_clean() -> None:
     assert "cam0: 2 views in 2 of 2 pictures" in text
     assert "still missing: " in text
     assert text.endswith("\x1b[J")
+    lines = [int(up) if up else -1 for up in re.findall(r"\n|\x1b\[(\d+)A", text)]
+    assert np.cumsum(lines).max() == 0, "what stood above is drawn over"
+    assert sum(lines) == 0
+
+    collect("cam0", iter([]), 0, Detector(BOARD), nothing := Terminal())
+    assert nothing.getvalue() == ""
 
 
 def test_pictures_of_two_sizes_are_refused() -> None:

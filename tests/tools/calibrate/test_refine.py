@@ -16,14 +16,15 @@ from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot_calibrate.adjust import Free, Prior
-from followspot_calibrate.adjust.projection import moved
+from followspot_calibrate.adjust.projection import moved, rotation_of
 from followspot_calibrate.places import Places
 from followspot_calibrate.refine.arguments import GRAPH
-from followspot_calibrate.refine.choosing import telling, together
+from followspot_calibrate.refine.choosing import telling, together, widths
 from followspot_calibrate.refine.planes import as_seen
-from followspot_calibrate.refine.solving import OPEN, refine
+from followspot_calibrate.refine.solving import OPEN, prior_of, refine
 from followspot_calibrate.similarity import similarity
 from followspot_calibrate.triangulation import triangulate
+from followspot_calibrate.wand.rounds import SCALE, chosen
 
 ROOT = Path(__file__).parents[3]
 GLOWBALLS = ROOT / "../shared/data/glowballs-dev"
@@ -156,6 +157,37 @@ def test_a_camera_that_saw_too_little_is_named():
     pixel[5:, 3] = np.nan
     with pytest.raises(FollowspotError, match="cam3: 5 sightings"):
         refine(TRUE, telling(TRUE, pixel, np.full(len(points), RADIUS), FLOOR), FLOOR)
+
+
+def test_a_target_is_as_wide_as_the_cameras_see_it_on_average():
+    lens = {"distortion": np.zeros(5), "rotation": np.eye(3)}
+    near, far = (
+        replace(camera, **lens, translation=np.array([0.0, 0.0, z]))
+        for camera, z in zip(TRUE, (2, 5), strict=False)
+    )
+    ends = np.array([[RADIUS, 0.0, 0.0], [-RADIUS, 0.0, 0.0]])
+    seen = [np.linalg.norm(np.diff(project(camera, ends), axis=0)) for camera in (near, far)]
+    assert widths([near, far], np.zeros((1, 3)), np.array([RADIUS])) == pytest.approx([np.mean(seen)])
+
+
+def test_each_cause_may_move_pixels_by_as_much():
+    """One sigma of a direction or centre moves the middle of the picture, one of a lens its edge, alike."""
+    camera = replace(TRUE[0], distortion=np.zeros(5))
+    settled = chosen([camera, *TRUE[1:]], carried(50)[1])
+    sigma = prior_of(settled).sigma[0]
+    edge = max(camera.size) / 2 / camera.matrix[0, 0]
+    depth = np.nanmedian(np.linalg.norm(settled.points - camera.center, axis=1))
+    places = camera.center + depth * np.array([[0, 0, 1], [edge, 0, 1], [0, edge, 1]]) @ camera.rotation
+    turned = rotation_of(np.array([sigma[0], 0.0, 0.0])) @ camera.rotation
+    others = [
+        replace(camera, rotation=turned, translation=-turned @ camera.center),
+        replace(camera, translation=camera.translation + sigma[3] * np.eye(3)[0]),
+        *(moved(camera, step, OPEN) for step in np.diag(sigma)[6:]),
+    ]
+    shift = np.array([project(other, places) - project(camera, places) for other in others])
+    far = np.linalg.norm(shift, axis=2)
+    allowed = SCALE * settled.sigma / np.sqrt(3)
+    assert [*far[:2, 0], *far[2:].max(axis=1)] == pytest.approx([allowed] * 8, rel=0.03)
 
 
 def test_the_derivatives_of_a_prior_are_those_of_its_errors():

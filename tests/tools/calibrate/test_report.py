@@ -4,6 +4,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
+import pytest
 from tests.tools.calibrate.rooms import made_room
 
 from followspot_calibrate.report import (
@@ -16,6 +17,7 @@ from followspot_calibrate.report import (
     write_report,
 )
 from followspot_calibrate.report.pictures import cell_counts
+from followspot_calibrate.report.scene import axes
 from followspot_calibrate.triangulation import triangulate
 
 VOID = {"meta", "br"}
@@ -99,6 +101,12 @@ def test_the_scene_is_drawn_without_scripts_and_carries_its_points_for_them(tmp_
         drawn = (path["d"] or "").replace("h0", "").replace("M", " ").replace("L", " ").split()
         assert len(points) == len(drawn) > 0
         assert "nan" not in (path["d"] or "")
+
+
+@pytest.mark.parametrize(("radius", "length"), [(4.0, 1.0), (300.0, 30.0)])
+def test_axes_are_a_metre_long_or_as_long_as_can_be_seen(radius: float, length: float) -> None:
+    ends = [line[1] for (line,), _ in axes(radius)]
+    np.testing.assert_allclose(ends, length * np.eye(3))
 
 
 def test_residuals_that_are_lengths_only_are_drawn_too(tmp_path: Path) -> None:

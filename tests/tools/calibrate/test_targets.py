@@ -19,8 +19,15 @@ from followspot.tracking import Frame
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.glow import glowing
 from followspot_balls.hue import bhattacharyya
-from followspot_balls.template import color_spots, color_template, learn_color, learn_infrared
-from followspot_calibrate.targets.separability import accepted_share, separability
+from followspot_balls.template import ColorSpots, color_spots, color_template, learn_color, learn_infrared
+from followspot_calibrate.targets.separability import (
+    HUE_SHARE,
+    LARGEST,
+    SIMILARITY,
+    SMALLEST,
+    accepted_share,
+    separability,
+)
 from followspot_sim.parameters import SimParams
 from followspot_sim.picture import Picture
 
@@ -129,6 +136,15 @@ def test_what_would_be_accepted_is_what_the_detector_accepts(template: str) -> N
         target = room.targets[template]
         share = accepted_share(clips[seen], target.hue_histogram["cam0"], target.area["cam0"])
         assert share == pytest.approx(found, abs=0.15)
+
+
+def test_sizes_and_hues_are_those_that_the_detector_takes_by_default() -> None:
+    default = ColorBlobs.Params()
+    ours = SIMILARITY, HUE_SHARE, SMALLEST, LARGEST
+    assert ours == (default.similarity, default.hue_share, default.smallest, default.largest)
+    hues = np.eye(16)[3]
+    sizes = np.array([0.29, 0.31, 2.98, 3.02]) * 100
+    assert accepted_share(ColorSpots(np.tile(hues, (4, 1)), sizes), hues, (100.0, 200.0)) == 0.5
 
 
 def learnt_room(colors: dict[str, tuple[int, int, int]]) -> tuple[Room, dict[str, object]]:

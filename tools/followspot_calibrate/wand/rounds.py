@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Camera
+from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Middle, Progress, Rods, adjust
 from followspot_calibrate.triangulation import error, triangulate
@@ -45,6 +46,10 @@ class Settled:
         return np.where(self.used, np.hypot(self.residual[..., 0], self.residual[..., 1]), np.nan)
 
 
+class NothingFits(FollowspotError):
+    """The cameras agree on no point."""
+
+
 def settle(
     cameras: Sequence[Camera],
     pixel: Array,
@@ -53,9 +58,17 @@ def settle(
     middle: Middle | None = None,
     progress: Progress | None = None,
 ) -> Settled:
-    """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong; else as in `adjust`."""
+    """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong; else as in `adjust`.
+
+    Raises NothingFits.
+    """
     settled = chosen(cameras, pixel)
     for number in range(MOST_ROUNDS):
+        if not settled.used.any():
+            raise NothingFits(
+                "no two cameras agree on any point in the end: is all of the same recording, are the cameras "
+                "synchronised, and was none moved?"
+            )
         clean = np.where(settled.used[..., None], pixel, np.nan)
         better = adjust(
             settled.cameras,
@@ -78,7 +91,8 @@ def chosen(cameras: Sequence[Camera], pixel: Array) -> Settled:
     """The points as the cameras see them, and the sightings within `SIGMAS` of them."""
     found = triangulate(cameras, pixel)
     distance = error(found.residual)
-    sigma = max(float(np.median(distance[found.used])) / RAYLEIGH, LEAST_SIGMA)
+    typical = float(np.median(distance[found.used])) if found.used.any() else np.inf
+    sigma = max(typical / RAYLEIGH, LEAST_SIGMA)
     used = found.used & (distance < SIGMAS * sigma)
     used &= used.sum(axis=1, keepdims=True) >= 2
     points = np.where(used.any(axis=1, keepdims=True), found.points, np.nan)

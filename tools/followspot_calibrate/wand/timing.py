@@ -17,7 +17,7 @@ from followspot_calibrate.wand.hazards.offset import Late, drift, lateness, near
 from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.pairs import Pair, match
-from followspot_calibrate.wand.rounds import SIGMAS, Settled, chosen
+from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Settled, chosen
 
 LEAST = 0.2
 """Steps by which a camera must be late to be told; interpolated tracks are no better than that."""
@@ -103,8 +103,11 @@ def synchronised(
     rest = lateness(begun, pixel, few, free)
     if not (np.abs(rest.frames) > np.maximum(least / 2, rest.sigma)).any() and not timed.late.any():
         return replace(timed, drift=drift(begun, few, timed.late, free, SURE, 2 * least)), cameras
-    before = settle(cameras, pixel)
-    now, found = _refined(before, few, timed.late, settle, free)
+    try:
+        before = settle(cameras, pixel)
+        now, found = _refined(before, few, timed.late, settle, free)
+    except NothingFits:
+        return timed, cameras
     late = _from_most(found.frames, least)
     sure = np.abs(late) > np.maximum(least, SURE * found.sigma)
     sure &= _error(now) < SIGMAS * now.sigma  # else something else is wrong with that camera

@@ -9,6 +9,10 @@ import pytest
 from rooms import MadeRoom, off_by, waved_room
 
 from followspot.errors import FollowspotError
+from followspot.geometry import undistort
+from followspot_calibrate.adjust import Free
+from followspot_calibrate.wand.growing import grow
+from followspot_calibrate.wand.pairs import match
 from followspot_calibrate.wand.solving import solve
 
 
@@ -49,6 +53,17 @@ def test_cameras_in_a_chain_are_placed_though_its_ends_share_nothing():
     solved = solve(seen_where(room, near).sightings, room.cameras, "known")
     assert off_by(solved.settled.cameras, room.cameras)[0].max() < 25
     assert solved.timed.late.tolist() == [0] * 7
+
+
+def test_two_cameras_that_see_most_alone_are_not_the_beginning_of_a_room():
+    room = waved_room(4, 300)
+    alone = np.arange(300) < 230
+    pixel = seen_where(room, np.where(alone[:, None], [1, 1, 0, 0], [0, 1, 1, 1]) == 1).sightings.pixel
+    limit = np.full(4, 6.0)
+    straight = np.stack([undistort(c, pixel[:, i]) for i, c in enumerate(room.cameras)], axis=1)
+    grown = grow(room.cameras, pixel, match(straight, limit), Free())
+    assert grown is not None
+    assert sorted(grown.placed) == [1, 2, 3]
 
 
 def seen_where(room: MadeRoom, seen) -> MadeRoom:

@@ -70,7 +70,10 @@ def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -
     shift = np.zeros_like(points)
     for _ in range(STEPS):
         weights = [one.weights(step, shift) for one, step in zip(linear, change, strict=True)]
-        change, shift, spread = _solved(linear, weights, len(points), free.parameters + 1)
+        try:
+            change, shift, spread = _solved(linear, weights, len(points), free.parameters + 1)
+        except np.linalg.LinAlgError:  # points that their cameras do not determine
+            return Late(np.zeros(count), np.full(count, np.inf), settled.cameras)
     frames = np.array([step[-1] for step in change])
     cameras = (_stepped(c, step[:-1], free) for c, step in zip(settled.cameras, change, strict=True))
     return Late(frames - np.median(frames), spread, tuple(cameras))
