@@ -115,6 +115,13 @@ class Hosts:
         """Pull the cable of a host ("down"), or plug it in again ("up")."""
         ip("link", "set", f"to{self.names.index(name)}", state, inside=self.space("hub"))
 
+    def deafen(self, name: str, deaf: bool) -> None:
+        """Drop all that goes to a host without a word, and nothing that it sends; or do so no more."""
+        at = ("dev", f"to{self.names.index(name)}", "root")
+        words = ("add", *at, "blackhole") if deaf else ("del", *at)
+        inside = ("ip", "netns", "exec", self.space("hub"))
+        subprocess.run([*inside, "tc", "qdisc", *words], check=True, capture_output=True)
+
     def start(
         self, host: str, *words: str | Path, env: Mapping[str, str] | None = None
     ) -> subprocess.Popen[str]:

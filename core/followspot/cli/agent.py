@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
+from followspot.deploy.absence import OPERATOR_TIMEOUT
 from followspot.plugins.hooks import Command
 
 
@@ -27,7 +28,22 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         metavar="MS",
         help="add this to the times of cameras here: for a clock that is known to be so much behind, in ms",
     )
+    parser.add_argument(
+        "--operator-timeout",
+        type=_seconds,
+        default=OPERATOR_TIMEOUT,
+        metavar="S",
+        help="end a run here after so many seconds without a word of its operator, whose cable may be out "
+        f"(default: {OPERATOR_TIMEOUT:g})",
+    )
     add_network_options(parser, listens=True)
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0 < seconds < float("inf"):
+        raise ValueError(text)
+    return seconds
 
 
 def _run(args: argparse.Namespace) -> int:
@@ -43,6 +59,7 @@ def _run(args: argparse.Namespace) -> int:
         Path(args.runs),
         tuple(str(Path(file).absolute()) for file in args.plugin_files),
         round(args.clock_offset * 1e6),
+        args.operator_timeout,
     )
     with Door(_tell):
         agent = Agent(options, _tell)

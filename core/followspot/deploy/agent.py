@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import select
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from followspot.deploy.absence import OPERATOR_TIMEOUT
 from followspot.deploy.changes.move_order import move_from_data
 from followspot.deploy.changes.order import change_from_data
 from followspot.deploy.clocks.host import HostClock, read_clock
@@ -17,7 +18,8 @@ from followspot.deploy.host import order_from_data
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.log.file import LogFile
 from followspot.deploy.parcel import tappings_from_data, unpacked, unpacked_stages
-from followspot.deploy.part import KeptParts, Part
+from followspot.deploy.part import Part
+from followspot.deploy.parts import Parts
 from followspot.deploy.requests import Answers, Asker, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -29,11 +31,6 @@ from followspot.transport.zenoh_session import connected, locators
 
 _TURN_MS = 100
 """Longest wait between two looks at the workers, ms."""
-_ABANDONED = 10.0
-"""Seconds after which a run that is not to go on alone ends without its operator."""
-_KEPT = 600.0
-"""Seconds that a run's last status is kept for an operator to fetch."""
-MAX_RUNS = 16
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
 """What a host may be called."""
 _RUN = re.compile(r"[0-9a-f]{8,64}")
@@ -46,7 +43,8 @@ class AgentOptions:
 
     name: of the host, as rooms and placements know it; media: folder with camera files, None for none;
     runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here;
-    clock_offset: what the clock of this host is known to be behind, ns.
+    clock_offset: what the clock of this host is known to be behind, ns; operator_timeout: seconds without a
+    word of its operator after which a run ends here, if it is not to go on alone.
     """
 
     name: str
@@ -55,6 +53,7 @@ class AgentOptions:
     runs: Path = Path("runs")
     plugin_files: tuple[str, ...] = ()
     clock_offset: int = 0
+    operator_timeout: float = OPERATOR_TIMEOUT
 
 
 class Agent:
@@ -74,8 +73,7 @@ class Agent:
         use_plugin_files(options.plugin_files)
         self.options = options
         self.tell = tell
-        self.parts: dict[str, Part] = {}
-        self._kept = KeptParts(options.runs, options.name)
+        self.parts = Parts(options.runs, options.name, tell)
         self._bell = Bell()
         self._stopping = False
         self.session = connected(options.network)
@@ -97,17 +95,16 @@ class Agent:
                 self._loop(answers)
             finally:
                 answers.close()
-            for part in self.parts.values():
-                self._kept.forget(part)
+            self.parts.forget()
         finally:
-            for part in self.parts.values():
+            for part in self.parts:
                 part.run.close()
             self._bell.close()
             self.session.close()  # type: ignore[no-untyped-call]
 
     def _take_up(self) -> None:
         """Go on where an agent of this name died that had runs without an operator."""
-        for order in self._kept.left():
+        for order in self.parts.kept.left():
             self.tell(f"run {order.run[:8]}: taken up again")
             try:
                 self.prepare(order.to_data())
@@ -116,62 +113,53 @@ class Agent:
                 self.tell(f"run {order.run[:8]}: cannot be taken up again: {error}")
 
     def _loop(self, answers: Answers) -> None:
-        while not (self._stopping and all(part.over for part in self.parts.values())):
+        while not (self._stopping and all(part.over for part in self.parts)):
             poll = select.poll()
-            for fd in (self._bell.fileno(), *(part.run.fileno() for part in self.parts.values())):
+            for fd in (self._bell.fileno(), *(part.run.fileno() for part in self.parts)):
                 poll.register(fd, select.POLLIN)
             poll.poll(_TURN_MS)
             self._bell.hush()
             answers.answer()
-            for part in self.parts.values():
+            for part in self.parts:
                 part.run.attend(0)
-            self._tidy(time.monotonic())
-            self._kept.keep(self.parts.values(), time.monotonic())
-
-    def _tidy(self, now: float) -> None:
-        """End what nobody wants any more, forget what nobody fetched."""
-        for name, part in list(self.parts.items()):
-            abandoned = now - part.asked > _ABANDONED and not part.run.order.detached
-            if self._stopping or (abandoned and not part.over):
-                part.run.stop()
-            if part.over and now - part.asked > _KEPT:
-                self.close(name)
+                if self._stopping:
+                    part.run.stop()
+            self.parts.tidy(time.monotonic())
 
     def _verbs(self) -> dict[str, Callable[..., Any]]:
         """What operators may ask."""
         return {
             "prepare": self.prepare,
             "start": self.start,
-            "stop": lambda run: self._part(run).run.stop(),
-            "ended": lambda run, workers: self._part(run).run.ended([str(name) for name in workers]),
-            "status": lambda run: self._part(run).run.status().to_data(),
+            "stop": lambda run: self.parts.part(run).run.stop(),
+            "ended": lambda run, workers: self.parts.part(run).run.ended([str(name) for name in workers]),
+            "status": lambda run: self.parts.part(run).run.status().to_data(),
             "change": self.change,
             "move": self.move,
             "tap": self.tap,
-            "states": lambda run: self._part(run).run.states(),
+            "states": lambda run: self.parts.part(run).run.states(),
             "clock": lambda: read_clock(self.options.clock_offset),
-            "close": self.close,
-            "knows": lambda run: run in self.parts,
-            "runs": self.runs,
-            "log": lambda run, after: self._part(run).run.log.after(int(after)).to_data(),
-            "order": lambda run: self._part(run).order.to_data(),
+            "close": self.parts.close,
+            "knows": self.parts.known,
+            "runs": self.parts.listing,
+            "log": lambda run, after: self.parts.part(run).run.log.after(int(after)).to_data(),
+            "order": lambda run: self.parts.part(run).order.to_data(),
         }
 
     def prepare(self, order: Any) -> None:
         """Start the workers of a run. Raises FollowspotError, ValueError."""
         found = order_from_data(order)
         name = self.options.name
-        if not _RUN.fullmatch(found.run) or found.run in self.parts or len(self.parts) >= MAX_RUNS:
-            raise FollowspotError(
-                f"cannot take the run {found.run!r}: named wrongly, there already, or too many"
-            )
+        if not _RUN.fullmatch(found.run):
+            raise FollowspotError(f"{found.run[:80]!r} cannot be the name of a run")
+        self.parts.check_room(found.run)
         plan = unpacked(found.plan, name, self.options.media, self.options.plugin_files)
         graph = plan_from_data(plan).graph
         out = self._folder(found.run)
         hub = (*self.locators, *self.options.network.connect)
         clock = HostClock(Asker(self.session, self.options.network.own), self.options.clock_offset)
         run = HostRun(name, self.options.network, hub, clock)
-        self.parts[found.run] = Part(graph, found, run)
+        self.parts.add(Part(graph, found, run, self.options.operator_timeout))
         run.log.on_log = LogFile(out, again=True).write
         run.prepare(found.here(plan, str(out)), out / ".ledger")
         self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
@@ -189,14 +177,14 @@ class Agent:
 
     def start(self, run: str) -> None:
         """All hosts are ready."""
-        part = self._part(run)
+        part = self.parts.part(run)
         if not part.started:
             part.started = True
             part.run.start()
 
     def change(self, run: str, change: Any) -> None:
         """One step of a change to stages that run here. Raises FollowspotError, ValueError."""
-        part = self._part(run)
+        part = self.parts.part(run)
         order = change_from_data(change)
         own = {stage.name for stage in part.run.plan.stages if stage.worker in part.run.workers}
         if strangers := {stage.name for stage in order.stages} - own:
@@ -210,7 +198,7 @@ class Agent:
 
     def move(self, run: str, move: Any) -> None:
         """One step of a move of stages to or from here. Raises FollowspotError, ValueError."""
-        part = self._part(run)
+        part = self.parts.part(run)
         order = move_from_data(move)
         if order.plan is not None:
             name, media = self.options.name, self.options.media
@@ -224,24 +212,5 @@ class Agent:
 
     def tap(self, run: str, taps: list[dict[str, Any]]) -> None:
         """Look at ports of stages that run here. Raises FollowspotError, ValueError."""
-        part = self._part(run)
+        part = self.parts.part(run)
         part.run.tap(tappings_from_data(taps))
-
-    def close(self, run: str) -> None:
-        """Forget a run; what still lives is killed."""
-        part = self.parts.pop(run, None)
-        if part is not None:
-            part.run.close()
-            self._kept.forget(part)
-            self.tell(f"run {run[:8]} of {part.graph}: over")
-
-    def runs(self) -> Sequence[dict[str, Any]]:
-        """The runs that this agent has a part in."""
-        return [{"run": name, "graph": p.graph, "over": p.over} for name, p in self.parts.items()]
-
-    def _part(self, run: str) -> Part:
-        part = self.parts.get(run)
-        if part is None:
-            raise FollowspotError(f"there is no run {run!r} here")
-        part.asked = time.monotonic()
-        return part

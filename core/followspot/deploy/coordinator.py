@@ -31,6 +31,8 @@ from followspot.runtime.wiring import RunOptions
 
 _GRACE = 20.0
 """Seconds that hosts have to end after a stop."""
+_REUNION = 5.0
+"""Seconds of these that a host has to answer again, to be told of the stop."""
 
 
 def order_of(plan: Plan, options: RunOptions, *, restart: bool, detached: bool = False) -> RunOrder:
@@ -93,8 +95,7 @@ class Coordinator:
         try:
             return self.watch(on_progress if self.begin() else None)
         finally:
-            for host in self.hosts:
-                host.close()
+            self._close()
 
     def begin(self) -> bool:
         """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
@@ -108,6 +109,14 @@ class Coordinator:
             host.start()
         self._begun = True
         return True
+
+    def _close(self) -> None:
+        """Leave nothing behind; say where that was not possible."""
+        for host in self.hosts:
+            if not host.close():
+                line = f"host {host.name} was not told that the run is over; its part ends after the agent's "
+                line += f"--operator-timeout, or by followspot attach {self.name[:8]} --stop"
+                self._tell_news(line, "warning")
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
         """Look on to the end of a run that has begun, or until `leave`."""
@@ -248,8 +257,9 @@ class Coordinator:
 
     def _over(self, host: Host) -> bool:
         """Whether nothing more is to be expected of a host."""
-        if host.name in self._silent and (self._give_up_at is not None or not self.order.restart):
-            return True
+        if host.name in self._silent:
+            parted = self._give_up_at is not None and time.monotonic() > self._give_up_at - _GRACE + _REUNION
+            return parted or not self.order.restart
         return host.status().all("over")
 
     def _failed(self) -> bool:

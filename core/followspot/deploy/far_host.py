@@ -17,7 +17,7 @@ import zenoh
 
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.order import ChangeOrder
-from followspot.deploy.host import HostLost, HostStatus, RunOrder, status_from_data
+from followspot.deploy.host import HostLost, HostRefused, HostStatus, RunOrder, status_from_data
 from followspot.deploy.log.record import page_from_data
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.parcel import packed, packed_stages
@@ -39,6 +39,8 @@ _MOST_NEWS = 400
 """Lines of news from before the agent was started anew."""
 _FORGOTTEN = 5.0
 """Seconds for an operator to begin the run again with an agent that was started anew."""
+_LOST = {"unknown": "the agent was started anew", "given up": "the agent had given the run up"}
+"""What became of an agent's part of a run, by how it knows the run."""
 _PREPARING = 30.0
 """Seconds that an agent may take to start its workers."""
 
@@ -60,7 +62,10 @@ class FarHost:
         self._logged = -1
         """Number, there, of the newest record that came."""
         self._before: tuple[str, ...] = ()
-        """News from before the agent was started anew."""
+        """News from before the agent began its part anew."""
+        self._trouble = ""
+        """Why the agent has no part of the run, where it answers that it has none."""
+        self._stopped = False
         self._status = HostStatus((), ())
         self._heard = self._taken = time.monotonic()
         """When the host answered last, and when it did so with the status that is kept, s."""
@@ -93,6 +98,7 @@ class FarHost:
 
     def stop(self) -> None:
         """End the sources."""
+        self._stopped = True
         self._insist("stop")
 
     def ended(self, workers: Sequence[str]) -> None:
@@ -138,7 +144,7 @@ class FarHost:
         self._news.wait(timeout)
         self._news.clear()
         if self._pulse.silent({self.name: self._heard}, time.monotonic()):
-            raise HostLost(f"host {self.name} does not answer{self._refused}")
+            raise HostLost(self._trouble or f"host {self.name} does not answer{self._refused}")
 
     def status(self) -> HostStatus:
         """The newest status, with its age."""
@@ -151,11 +157,16 @@ class FarHost:
         if self._asking.is_alive():
             self._asking.join()
 
-    def close(self) -> None:
-        """End the run there, if it has not ended."""
+    def close(self) -> bool:
+        """End the run there, if it has not ended; False where the host does not answer, and so goes on."""
         self.leave()
-        with suppress(FollowspotError):  # a host that does not answer notices by itself that it was left
+        try:
             self._ask("close", run=self.run)
+        except (HostLost, zenoh.ZError):
+            return self.order is None
+        except FollowspotError:  # it has no such run
+            return True
+        return True
 
     def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
         return self._asker.ask(self.name, verb, timeout, **data)
@@ -172,6 +183,7 @@ class FarHost:
     def _refresh(self) -> None:
         status = self._read(status_from_data, self._ask("status", SILENCE, run=self.run))
         self._heard = taken = time.monotonic()
+        self._trouble = ""
         self._fetch_log(status.logged)  # first, for nobody asks for it once all is seen to be over
         here = {worker.name for worker in status.workers}
         over = (w for w in self._status.workers if w.phase == "over" and w.name not in here)
@@ -203,16 +215,24 @@ class FarHost:
     def _keep_asking(self) -> None:
         while not self._over.wait(_PERIOD):
             with suppress(FollowspotError, ValueError, zenoh.ZError):
-                try:
-                    self._refresh()
-                    while self._unheard:
-                        verb, data = self._unheard[0]
-                        self._ask(verb, run=self.run, **data)
-                        self._unheard.popleft()
-                except HostLost:
-                    raise
-                except FollowspotError:
-                    self._take_up_again()
+                self._ask_once()
+
+    def _ask_once(self) -> None:
+        """Ask for the status, and tell what could not be told before.
+
+        Raises FollowspotError, ValueError, ZError.
+        """
+        try:
+            self._refresh()
+        except HostRefused as error:
+            self._trouble = str(error)
+            self._take_up_again()
+            return
+        while self._unheard:
+            verb, data = self._unheard[0]
+            with suppress(HostRefused):
+                self._ask(verb, run=self.run, **data)
+            self._unheard.popleft()
 
     def _forgotten(self) -> None:
         """The run is not begun again from here: it has ended, unless whoever operates it does so."""
@@ -222,16 +242,21 @@ class FarHost:
             self._news.set()
 
     def _take_up_again(self) -> None:
-        """The agent was started anew and knows nothing of the run: let it do its part again."""
+        """The agent has no part of the run any more: let it do its part again, unless it is to end.
+
+        The link may be cut at any moment: what follows the preparation is told when the agent answers again.
+        """
         order = self.order
-        if order is None or self._ask("knows", run=self.run):
+        if order is None or (lost := _LOST.get(self._ask("knows", run=self.run))) is None:
             return
-        if not order.restart:
+        if not order.restart or self._stopped:
             self._forgotten()
             return
         incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
-        self._before = (*self._status.news, "the agent was started anew")[-_MOST_NEWS:]
-        self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
-        self._ask("start", run=self.run)
-        if self._taps:
-            self._ask("tap", run=self.run, taps=self._taps)
+        self._before = (*self._status.news, f"{lost}: its part of the run begins anew")[-_MOST_NEWS:]
+        after: list[tuple[str, dict[str, Any]]] = [("tap", {"taps": list(self._taps)}), ("start", {})]
+        self._unheard.extendleft(each for each in after if each not in self._unheard)
+        try:
+            self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
+        except HostRefused as error:
+            self._trouble = f"{error}; it cannot take its part of the run up again"

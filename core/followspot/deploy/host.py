@@ -112,6 +112,10 @@ class HostLost(FollowspotError):
     """The host does not answer."""
 
 
+class HostRefused(FollowspotError):
+    """The host answers that it does not do what it was asked; the text says which host, and why."""
+
+
 class Host(Protocol):
     """One host's part of one run, near or far."""
 
@@ -149,8 +153,8 @@ class Host(Protocol):
     def status(self) -> HostStatus:
         """The newest picture there is."""
 
-    def close(self) -> None:
-        """Leave nothing behind: what still lives is killed."""
+    def close(self) -> bool:
+        """Leave nothing behind: what still lives is killed. False where the host does not answer."""
 
 
 class Others(Protocol):

@@ -96,7 +96,7 @@ class HostRun:
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
         self.crew = Crew(self.name, order, memory, self.network, self.hub, self.log, self._start)
-        self.supervisor = Supervisor(self.crew, self.clock, self._tell)
+        self.supervisor = Supervisor(self.crew, self.clock, self.tell)
         self._follow_clock()
         self.supervisor.prepare()
 
@@ -169,7 +169,7 @@ class HostRun:
         """Readable when `attend` has something to hear."""
         return self.crew.fileno()
 
-    def close(self) -> None:
+    def close(self) -> bool:
         """Leave no process behind."""
         self.clock.close()
         if hasattr(self, "crew"):
@@ -177,6 +177,7 @@ class HostRun:
         if self._memory is not None:
             os.close(self._memory)
             self._memory = None
+        return True
 
     def _follow_clock(self) -> None:
         """Go by the clock of the reference, which may only have come with a move."""
@@ -188,14 +189,15 @@ class HostRun:
         if (correction := self.clock.news()) is not None:
             self.crew.tell("clock", correction=correction)
         if warning := self._clock_warnings.news(self.clock.status()):
-            self._tell("warning", warning)
+            self.tell("warning", warning)
 
     def _changed(self, worker: str, answer: ChangeStatus) -> None:
         """A worker's answer; who is started again from now on gets the stages that have taken over."""
         if self._change.heard(worker, answer):
             self.crew.change(self._change.parts[worker].stages)
 
-    def _tell(self, level: Level, line: str, worker: str = "") -> None:
+    def tell(self, level: Level, line: str, worker: str = "") -> None:
+        """Log a line; what is no error becomes news, for those stand in the reports of workers."""
         self.log.say(level, line, worker=worker)
         if level != "error":  # those stand in the reports of workers
             self.news.append(line)

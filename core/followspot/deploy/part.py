@@ -13,6 +13,8 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from followspot.deploy.absence import OPERATOR_TIMEOUT, Absence
+from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
 
@@ -24,22 +26,44 @@ _PERIOD = 2.0
 _MARGIN = 4
 """Starts of a worker that may have been missed."""
 _MAX_BYTES = 16 << 20
+_LEAVING = 5.0
+"""Seconds that workers whose operator does not come back have to complete their outputs."""
 
 
 class Part:
-    """A run, and when an operator last asked for it."""
+    """A run on this host, and who looks after it.
 
-    def __init__(self, graph: str, order: RunOrder, run: HostRun) -> None:
+    operator_timeout: seconds without its operator after which it is given up, where it is not to go on alone.
+    """
+
+    def __init__(
+        self, graph: str, order: RunOrder, run: HostRun, operator_timeout: float = OPERATOR_TIMEOUT
+    ) -> None:
         self.graph = graph
         self.order = order
         self.run = run
-        self.asked = time.monotonic()
+        self.operator = Absence(None if order.detached else operator_timeout, time.monotonic())
         self.started = False
+        self._left_until: float | None = None
 
     @property
     def over(self) -> bool:
         """Whether all its workers have ended."""
         return self.run.status().all("over")
+
+    def leave(self, now: float) -> None:
+        """Let the workers go as those do whose places others take: outputs are complete, streams not over.
+
+        now: monotonic time, s.
+        """
+        self._left_until = now + _LEAVING
+        self.run.move(MoveOrder(tuple(self.run.workers)))
+
+    def left(self, now: float) -> bool:
+        """Whether they have left, or had the time to."""
+        return self._left_until is not None and (
+            now > self._left_until or self.run.status().all("absent", "over")
+        )
 
     def again(self) -> RunOrder:
         """The order for whoever takes it up where it is now."""

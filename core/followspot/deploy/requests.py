@@ -15,7 +15,7 @@ from typing import Any
 import zenoh
 from zenoh.handlers import Callback
 
-from followspot.deploy.host import HostLost
+from followspot.deploy.host import HostLost, HostRefused
 from followspot.deploy.security.admission import MAX_REQUEST, Admission, Asked, Refused, seal
 from followspot.errors import FollowspotError
 from followspot.transport.keys import agent_key, request_key
@@ -41,7 +41,7 @@ class Asker:
     own: Own
 
     def ask(self, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-        """An agent's answer. Raises HostLost where none comes, FollowspotError where the agent refuses.
+        """An agent's answer. Raises HostLost where none comes, HostRefused where it does not do that.
 
         Whatever a host sends that is no answer is a FollowspotError, too.
         """
@@ -54,7 +54,7 @@ class Asker:
 
 
 def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
-    """most: bytes. Raises FollowspotError where it is a refusal, or no answer at all."""
+    """most: bytes. Raises HostRefused where it is a refusal, FollowspotError where it is no answer at all."""
     if len(payload) > most:
         raise FollowspotError(f"host {agent}: its answer has {len(payload)} bytes, {most} are allowed")
     try:
@@ -64,7 +64,7 @@ def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
     if not isinstance(said, dict) or not said.keys() & {"answer", "refused"}:
         raise FollowspotError(f"host {agent}: its answer is none: {str(said)[:200]}")
     if "refused" in said:
-        raise FollowspotError(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
+        raise HostRefused(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
     return said["answer"]
 
 

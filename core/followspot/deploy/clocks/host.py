@@ -45,6 +45,7 @@ class HostClock:
         self._filter = ClockFilter()
         self._over = threading.Event()
         self._told = (0, 0)
+        self._thread: threading.Thread | None = None
 
     def follow(self, host: str) -> None:
         """Compare with this host: a few times now, then until `close`. Who follows one follows no other."""
@@ -54,7 +55,10 @@ class HostClock:
         for _ in range(_FIRST):
             if not self._compare(self._asker):
                 break  # it may be busy beginning a run that goes by our clock
-        threading.Thread(target=self._keep_comparing, args=(self._asker,), name="clock", daemon=True).start()
+        self._thread = threading.Thread(
+            target=self._keep_comparing, args=(self._asker,), name="clock", daemon=True
+        )
+        self._thread.start()
 
     def correction(self) -> tuple[int, int]:
         """What to add to capture times and to the monotonic clock of this host, ns."""
@@ -76,8 +80,10 @@ class HostClock:
         return ClockStatus(self._reference, captured, round_trip, self._filter.exchanges)
 
     def close(self) -> None:
-        """Ask no more."""
+        """Ask no more. A question that is under way is waited for: Zenoh must not outlive the interpreter."""
         self._over.set()
+        if self._thread is not None:
+            self._thread.join(2 * _TIMEOUT)
 
     def _keep_comparing(self, asker: Asker) -> None:
         while not self._over.wait(_PERIOD):

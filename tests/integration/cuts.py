@@ -1,0 +1,131 @@
+"""A live run on two hosts with a stream each way, and what may come between them."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from hosts import Agent, Hosts
+from running import STAGES, Finished, children, finish, wait_until, write_graph
+
+GRAPH = """
+there: {uses: ticks.live, with: {count: 1000000, period: 0.02}}
+come:  {uses: ticks.write, in: {number: there}, with: {path: come.csv}}
+here:  {uses: ticks.live, with: {count: 1000000, period: 0.02}}
+go:    {uses: ticks.write, in: {number: here}, with: {path: go.csv}}
+"""
+PLACEMENT = """
+placement: two
+workers:
+  left:  {host: pc-left, stages: [there, go]}
+  right: {stages: [here, come]}
+"""
+NAMES = ("desk", "pc-left", "middle")
+_FLOWS = 5
+"""Messages each way that show that a host takes part."""
+FAULTS = (
+    "cable",
+    "router's cable",
+    "router",
+    "deaf desk",
+    "deaf host",
+    "operator suspended",
+    "desk suspended",
+)
+"""What `Pair.away` knows."""
+
+
+class Pair:
+    """A desk, a host with an agent, and a run on both."""
+
+    def __init__(self, hosts: Hosts, *, routed: bool = False, agent: tuple[str, ...] = ()) -> None:
+        """routed: whether they meet at a router; agent: more options of the agent."""
+        self.hosts = hosts
+        self.out = hosts.folder / "out"
+        self._at = f"tcp/{hosts.address('middle')}:7447" if routed else ""
+        self._router = self._routing() if routed else None
+        self._options = ("--plugin", STAGES, *agent)
+        self.agent = self.new_agent()
+        graph = write_graph(hosts.folder, GRAPH)
+        placement = hosts.folder / "two.yaml"
+        placement.write_text(PLACEMENT)
+        there = ("--router", self._at) if routed else ("--connect", hosts.endpoint("pc-left"))
+        words = ("run", graph, "--placement", placement, "--plugin", STAGES, "--out", self.out)
+        self.desk = hosts.start("desk", *words, "--json", "--quiet", "--insecure", *there)
+
+    def new_agent(self) -> Agent:
+        """Start it."""
+        return self.hosts.agent("pc-left", *self._options, router=self._at)
+
+    def flows(self, seconds: float = 90.0) -> float:
+        """How many seconds it takes until new messages go both ways."""
+        begun, before = time.monotonic(), self._written()
+        assert wait_until(lambda: self._grew(before), seconds), (before, self._written())
+        return time.monotonic() - begun
+
+    @contextmanager
+    def away(self, fault: str) -> Iterator[None]:
+        """While the block runs, this is between the two."""
+        if fault == "router":
+            assert self._router is not None
+            self._router.kill()
+            self._router.communicate()
+            yield
+            self._router = self._routing()
+        elif fault.endswith("suspended"):
+            stopped = [self.desk.pid, *(children(self.desk.pid) if fault.startswith("desk") else ())]
+            self._signal(stopped, signal.SIGSTOP)
+            yield
+            self._signal(stopped, signal.SIGCONT)
+        elif fault.startswith("deaf"):
+            name = {"deaf desk": "desk", "deaf host": "pc-left"}[fault]
+            self.hosts.deafen(name, True)
+            yield
+            self.hosts.deafen(name, False)
+        else:
+            name = {"cable": "pc-left", "router's cable": "middle"}[fault]
+            self.hosts.link(name, "down")
+            yield
+            self.hosts.link(name, "up")
+
+    def host_noted(self, line: str) -> bool:
+        """Whether the log that the host keeps of the run has this line, sooner or later."""
+
+        def noted() -> bool:
+            return any(line in log.read_text() for log in self.hosts.folder.glob("runs/*-pc-left/log.jsonl"))
+
+        return wait_until(noted, 60.0)
+
+    def host_is_idle(self) -> bool:
+        """Whether no worker is left there, sooner or later."""
+        return wait_until(lambda: not children(self.agent.process.pid), 60.0)
+
+    def ended(self) -> Finished:
+        """As Ctrl-C ends it."""
+        self.desk.send_signal(signal.SIGINT)
+        return finish(self.desk, self.out)
+
+    def _routing(self) -> subprocess.Popen[str]:
+        return self.hosts.start("middle", "router", "--listen", self._at, "--insecure")
+
+    def _written(self) -> tuple[int, int]:
+        """Lines that came to the desk, and those that came to the host."""
+        far = self.hosts.folder.glob("runs/*-pc-left/go.csv")
+        return _lines(self.out / "come.csv"), sum(map(_lines, far))
+
+    def _grew(self, before: tuple[int, int]) -> bool:
+        return all(now >= then + _FLOWS for now, then in zip(self._written(), before, strict=True))
+
+    @staticmethod
+    def _signal(pids: list[int], number: signal.Signals) -> None:
+        for pid in pids:
+            os.kill(pid, number)
+
+
+def _lines(path: Path) -> int:
+    return path.read_bytes().count(b"\n") if path.exists() else 0
