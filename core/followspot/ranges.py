@@ -27,5 +27,7 @@ Nanoseconds = Annotated[int, Field(ge=-MAX_TIME, le=MAX_TIME)]
 """A moment, or the difference of two."""
 Figure = Annotated[float, Field(ge=-1e18, le=1e18)]
 """A figure to be shown: finite, and of a length that fits on a page."""
+Age = Annotated[float, Field(ge=0.0, le=1e12, allow_inf_nan=False)]
+"""Seconds since something was last heard or seen, by the monotonic clock of whoever listened."""
 Wait = Annotated[float, Field(ge=0.0, le=MAX_WAIT)]
 """A time, s, that something may have to wait."""

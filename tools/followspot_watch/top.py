@@ -24,6 +24,8 @@ _LEAST = 0.5
 _ERROR = 100
 """Characters of an error that are shown."""
 BAD_STATES = ("old", "absent")
+LASTING = 1.0
+"""Seconds from which on it is told how long a state has lasted."""
 
 
 def top(args: argparse.Namespace) -> int:
@@ -87,8 +89,10 @@ def _edges(data: dict[str, Any]) -> str:
 
 
 def _state(stage: dict[str, Any]) -> str:
-    """What a stage is doing, and since when nobody has heard of it."""
-    return str(stage["state"]) + ("" if stage["age_s"] is None else f" {stage['age_s']:.0f} s")
+    """What a stage is doing, and since when: nobody has heard of it, or it has not fired."""
+    since = stage["idle_s"] if stage["age_s"] is None else stage["age_s"]
+    lasting = since >= LASTING and stage["state"] != "over"
+    return str(stage["state"]) + (f" {since:.0f} s" if lasting else "")
 
 
 def _rate(figures: dict[str, Any]) -> str:

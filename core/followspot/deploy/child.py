@@ -34,7 +34,7 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.building import build_worker
 from followspot.runtime.clock import Clock
 from followspot.runtime.ledger import COLUMNS, Ledger
-from followspot.runtime.stage_status import paths_now, stages_now
+from followspot.runtime.stage_status import Idleness, paths_now, stages_now
 from followspot.runtime.tapping import Tapping
 from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.runtime.worker import Worker
@@ -64,6 +64,7 @@ class Child:
         self.worker: Worker | None = None
         self.links: EdgeLinks | None = None
         self.taps: WorkerTaps | None = None
+        self.idleness = Idleness()
         self.restart = False
         self.over = threading.Event()
         self._orders: list[dict[str, Any]] = []
@@ -275,7 +276,7 @@ class Child:
                 self.channel.send("log", records=[record.to_data() for record in records])
 
     def _tell_stages(self, worker: Worker) -> None:
-        stages = [asdict(stage) for stage in stages_now(worker, self.warnings.last)]
+        stages = [asdict(stage) for stage in self.idleness.noted(stages_now(worker, self.warnings.last))]
         paths = [asdict(path) for path in paths_now(worker)]
         self.channel.send("stages", stages=stages, paths=paths)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Annotated, Any, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import pydantic
 
@@ -18,14 +18,12 @@ from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
-from followspot.ranges import Count, Incarnation, Last, Nanoseconds
+from followspot.ranges import Age, Count, Incarnation, Last, Nanoseconds
 from followspot.runtime.stage_status import PathStatus, StageStatus
 from followspot.runtime.tapping import Tapping
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
 """absent: it died and will be started again, or its host does not answer; over: it has ended."""
-Age = Annotated[float, pydantic.Field(ge=0.0, allow_inf_nan=False)]
-"""Seconds since somebody was last heard, by the monotonic clock of the process that listened."""
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,9 @@ from typing import Any
 import pydantic
 
 from followspot.deploy.clocks.status import ClockStatus
-from followspot.deploy.host import Age, WorkerStatus
+from followspot.deploy.host import WorkerStatus
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.ranges import Count
+from followspot.ranges import Age, Count
 from followspot.runtime.ledger import COLUMNS, EdgeCount, tally
 
 OLD = 1.0

@@ -68,6 +68,7 @@ class SourceCell(Cell):
             self.finish()
             return _NOTHING
         started = time.monotonic_ns()
+        self.working = True
         try:
             if self._items is None:
                 self._items = iter(self.stage.process())
@@ -78,6 +79,8 @@ class SourceCell(Cell):
         except Exception as error:
             self._failed(error)
             return _NOTHING
+        finally:
+            self.working = False
         ended = time.monotonic_ns()
         self.entered = ended + self.clock.steady
         self.count.busy_ns += ended - started
@@ -139,6 +142,11 @@ class LiveCell(SourceCell):
         for _, outlet in self.outlets:
             outlet.counts = False
         self._begin()
+
+    @property
+    def grabbing(self) -> bool:
+        """Whether nothing waits for the worker: the device has yet to give it."""
+        return self._thread is None or not self._box
 
     def stop(self) -> None:
         """Stop grabbing; what was grabbed is still sent."""

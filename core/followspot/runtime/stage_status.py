@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from followspot.ranges import Count, Figure
+from followspot.ranges import Age, Count, Figure
 from followspot.runtime.cell import Cell
 from followspot.runtime.clock import Clock
 from followspot.runtime.inlet import Inlet
 from followspot.runtime.ledger import COLUMNS, tally
 from followspot.runtime.outlet import Outlet
+from followspot.runtime.source import LiveCell
 from followspot.runtime.worker import Worker
 from followspot.transport.token import END
 
-StageState = Literal["starting", "getting", "processing", "sending", "old", "absent", "over"]
-"""getting: an input is empty; sending: an output is full; absent: all it listens to is away, or its worker.
+StageState = Literal["starting", "getting", "waiting", "processing", "sending", "old", "absent", "over"]
+"""getting: an input is empty, or the device has nothing; waiting: it has all that it needs, but its worker is
+at another stage; sending: an output is full; absent: all it listens to is away, or its worker.
 
 For those who look on: starting: nothing was heard of it yet; old: nothing was heard of it lately.
 """
@@ -39,7 +42,8 @@ class EdgeAge:
 class StageStatus:
     """One stage at one moment.
 
-    on: the edges that it waits for, by name; error: the last one, "" for none; edges: that lead to it.
+    on: the edges that it waits for, by name, or the stage that its worker is at; error: the last one, "" for
+    none; edges: that lead to it; idle_s: time, s, in which it has not fired, as far as that was noticed.
     """
 
     stage: str
@@ -51,6 +55,7 @@ class StageStatus:
     busy_ms: Figure = 0.0
     error: str = ""
     edges: tuple[EdgeAge, ...] = ()
+    idle_s: Age = 0.0
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,28 @@ def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, 
 
     errors: the last warning of each stage.
     """
-    return tuple(_status(cell, errors.get(cell.name, "")) for cell in worker.cells)
+    at_work = next((cell.name for cell in worker.cells if cell.working), "")
+    return tuple(_status(cell, errors.get(cell.name, ""), at_work) for cell in worker.cells)
+
+
+class Idleness:
+    """Since when each stage has not fired, as far as whoever looks again and again can tell.
+
+    monotonic: a clock, s.
+    """
+
+    def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
+        self._clock = monotonic
+        self._since: dict[str, tuple[int, float]] = {}
+
+    def noted(self, stages: Iterable[StageStatus]) -> Iterator[StageStatus]:
+        """The same stages as they are now, with the time in which they have not fired."""
+        now = self._clock()
+        for stage in stages:
+            fired, since = self._since.get(stage.stage, (-1, now))
+            since = since if fired == stage.fired else now
+            self._since[stage.stage] = stage.fired, since
+            yield replace(stage, idle_s=round(now - since, 3))
 
 
 def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
@@ -80,8 +106,8 @@ def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
     )
 
 
-def _status(cell: Cell, error: str) -> StageStatus:
-    state, on = _state(cell)
+def _status(cell: Cell, error: str, at_work: str) -> StageStatus:
+    state, on = _state(cell, at_work)
     inlets = (*cell.join.members, *(held.inlet for held in cell.join.held))
     invalid = next((f"{i.name}: {i.invalid_reason}" for i in inlets if i.invalid_reason), "")
     count = cell.count
@@ -116,7 +142,8 @@ def _full(outlet: Outlet) -> Iterator[str]:
     yield from (name for name, waiting in behind.items() if waiting == most > 0)
 
 
-def _state(cell: Cell) -> tuple[StageState, tuple[str, ...]]:
+def _state(cell: Cell, at_work: str) -> tuple[StageState, tuple[str, ...]]:
+    """What a stage is doing, and on whom it waits; at_work: the stage that its worker is at, "" for none."""
     if cell.done:
         return "over", ()
     if cell.absent:
@@ -126,7 +153,9 @@ def _state(cell: Cell) -> tuple[StageState, tuple[str, ...]]:
     if cell.working:
         return "processing", ()
     dry = tuple(i.name for i in cell.join.members if not i.queue and i.bound != END) or _held_up(cell)
-    return ("getting", dry) if dry else ("processing", ())
+    if dry or (isinstance(cell, LiveCell) and cell.grabbing):
+        return "getting", dry
+    return "waiting", (at_work,) if at_work else ()
 
 
 def _held_up(cell: Cell) -> tuple[str, ...]:

@@ -69,6 +69,8 @@ def teams(cells: Sequence[Cell], mark: Callable[[int], None]) -> list[Team]:
 def _together(cells: Sequence[Cell], firings: Sequence[Firing]) -> Sequence[Any]:
     """What the stages return; where that raises, each works alone, so that the guilty one is named."""
     started = time.monotonic_ns()
+    for cell in cells:
+        cell.working = True
     try:
         together: Any = cells[0].stage.process_together
         results: Sequence[Any] = together([c.stage for c in cells], [f.arguments for f in firings])
@@ -77,6 +79,9 @@ def _together(cells: Sequence[Cell], firings: Sequence[Firing]) -> Sequence[Any]
     except Exception as error:
         cells[0].stage.context.warn(f"each works alone, for together {type(error).__name__}: {error}")
         return _each_alone(cells, firings)
+    finally:
+        for cell in cells:
+            cell.working = False
     share = (time.monotonic_ns() - started) // len(cells)
     for cell in cells:
         cell.count.busy_ns += share

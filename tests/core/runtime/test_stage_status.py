@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from solo import Solo
@@ -11,7 +12,7 @@ from followspot.deploy.status import run_status_from_data
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
 from followspot.messages import Message
-from followspot.runtime.stage_status import StageStatus, stages_now
+from followspot.runtime.stage_status import Idleness, StageStatus, stages_now
 from followspot.runtime.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -48,7 +49,7 @@ def test_a_stage_says_for_whom_it_waits(tmp_path: Path) -> None:
     found = stages(solo(tmp_path))
     assert found["half"].state == "getting"
     assert found["half"].on == ("count.out -> half.number",)
-    assert found["count"].state == "processing"
+    assert found["count"].state == "waiting"  # until the worker pulls it
 
 
 def test_a_stage_says_who_blocks_it(tmp_path: Path) -> None:
@@ -104,6 +105,51 @@ def test_a_stage_that_is_at_work_says_so_though_nothing_waits_for_it(tmp_path: P
     assert seen == ["processing"]
     assert stages(run)["half"].state == "getting"
     run.worker.close()
+
+
+def test_a_stage_that_has_all_it_needs_says_at_which_stage_its_worker_is(tmp_path: Path) -> None:
+    run = solo(tmp_path)
+    run.worker.setup()
+    count, half, _ = run.worker.cells
+    seen: list[dict[str, StageStatus]] = []
+
+    numbers = count.stage.process()
+
+    def process() -> Iterator[Message]:
+        yield next(numbers)
+        seen.append(stages(run))  # the first number has come to half by then, and the worker is here
+        yield next(numbers)
+
+    count.stage.process = process
+    for _ in range(2):
+        run.worker.sources[0].pull()
+    assert seen[0]["count"].state == "processing"
+    assert (seen[0]["half"].state, seen[0]["half"].on) == ("waiting", ("count",))
+    assert (stages(run)["half"].state, stages(run)["half"].on) == ("waiting", ())
+    half.step()
+    assert stages(run)["half"].state == "getting"
+    run.worker.close()
+
+
+def test_a_live_source_whose_device_gives_nothing_is_getting(tmp_path: Path) -> None:
+    run = solo(tmp_path, GRAPH.replace("ticks.count, with: {count: 30}", "ticks.live, with: {count: 0}"))
+    assert (stages(run)["count"].state, stages(run)["count"].on) == ("getting", ())
+
+
+def test_a_stage_says_for_how_long_it_has_not_fired() -> None:
+    now = [0.0]
+    idleness = Idleness(lambda: now[0])
+
+    def idle(fired: int) -> float:
+        (noted,) = idleness.noted([StageStatus("a", "processing", fired=fired)])
+        return noted.idle_s
+
+    assert idle(0) == 0.0
+    now[0] = 2.5
+    assert idle(0) == 2.5
+    assert idle(1) == 0.0
+    now[0] = 4.0
+    assert idle(1) == 1.5
 
 
 def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:

@@ -2,7 +2,8 @@
 import { Form } from "./form.js";
 import { make } from "./make.js";
 
-const WORST = ["absent", "old", "starting", "sending", "processing", "getting", "over"];
+const WORST = ["absent", "old", "starting", "sending", "processing", "waiting", "getting", "over"];
+const LASTING_S = 2; // from which on it is told how long a state has lasted
 const FAULTS = ["absent", "old"];
 const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"];
 
@@ -113,7 +114,9 @@ class Card {
     const failed = stages.some(({ error }) => error);
     const load = Math.max(...stages.map((stage) => stage.load ?? 0));
     if (stages.length > 1) this.name.replaceChildren(this.group, make("small", ` ×${stages.length}`));
-    this.state.textContent = FAULTS.includes(worst) ? fault(stages, worst) : `${number(Math.max(...stages.map(({ rate }) => rate)))}/s · ${worst}`;
+    const rate = number(Math.max(...stages.map((stage) => stage.rate)));
+    const idle = Math.min(...stages.filter(({ state }) => state === worst).map(({ idle_s }) => idle_s));
+    this.state.textContent = FAULTS.includes(worst) ? fault(stages, worst) : `${rate}/s · ${lasting({ state: worst, age_s: null, idle_s: idle })}`;
     this.state.dataset.state = worst;
     this.note.hidden = !(loss || failed);
     this.note.textContent = failed ? "error" : `${loss} not delivered`;
@@ -131,7 +134,11 @@ function fault(stages, state) {
   return many + lasting({ state, age_s: found.reduce((most, { age_s }) => (age_s ?? -1) > (most ?? -1) ? age_s : most, null) });
 }
 
-const lasting = ({ state, age_s }) => (age_s === null ? state : `${state} ${age_s.toFixed(0)} s`);
+// A state, and since when: nobody has heard of the stage, or it has not fired.
+function lasting({ state, age_s, idle_s }) {
+  const since = age_s ?? idle_s;
+  return since >= LASTING_S && state !== "over" ? `${state} ${since.toFixed(0)} s` : state;
+}
 
 // old: of each row, whether it is one of a fault.
 function table(head, rows, old) {
