@@ -14,7 +14,7 @@ def read_address(option: str, text: str) -> tuple[str, int]:
     """Host and port that an option names. Raises InputError."""
     host, colon, port = text.rpartition(":")
     host = host.strip("[]")
-    if not (colon and host and port.isdecimal() and int(port) < 1 << 16):
+    if not (colon and host and port.isdecimal() and len(port) < 6 and int(port) < 1 << 16):
         remedy = f"for example {HOST}:{PORT}, or 0.0.0.0:{PORT}"
         raise InputError([Mistake(None, f"{option}: {text!r} is no HOST:PORT", remedy)])
     return host, int(port)

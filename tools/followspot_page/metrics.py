@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal
 
 from followspot.deploy.status import is_old, is_unheard
@@ -53,10 +54,14 @@ class Targets:
         self._state, self._taken = dict.fromkeys(self.names, "lost") | found, self._clock()
 
 
-def text(run: RunPicture, targets: Targets, browsers: int) -> str:
-    """All figures. browsers: that look on."""
+def text(
+    run: RunPicture, targets: Targets, browsers: int, refused: Mapping[str, int] = MappingProxyType({})
+) -> str:
+    """All figures. browsers: that look on; refused: connections and messages of others, by reason."""
+    turned_away = [({"reason": reason}, count) for reason, count in sorted(refused.items())]
     figures = [
         Figure("page_browsers", "gauge", "Browsers that look on.", [({}, browsers)]),
+        Figure("page_refused_total", "counter", "Connections that were refused or cut off.", turned_away),
         Figure("target_state", "gauge", "1 for the state that a target is in.", _states(targets)),
         Figure("target_age_seconds", "gauge", "Since targets were last told of.", _known({}, targets.age_s)),
         *(figure for part in (_whole, _hosts, _edges, _stages, _workers) for figure in part(run)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +16,10 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
+from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
 from followspot_page.changing import Record, forms, wish_of, words_of
+from followspot_page.crowd import Crowd
 from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
@@ -25,6 +28,8 @@ from followspot_page.scene import scene
 from followspot_watch.picture_of_run import RunPicture
 
 MAX_BROWSERS = 16
+MAX_OF_ADDRESS = 12
+"""Of those, the most from one other computer."""
 
 
 class Page:
@@ -43,7 +48,9 @@ class Page:
         self.targets = metrics.Targets(plan.room)
         self.previews = Previews(self.feed, plan.room, self.targets.take)
         self.button = RecordButton(folder, self._tell_recording)
-        self.browsers = 0
+        self.crowd = Crowd()
+        self._browsers: Counter[str] = Counter()
+        """Of each address that looks on."""
         self.show(plan)
 
     def show(self, plan: Plan) -> None:
@@ -106,18 +113,27 @@ class Page:
 
     async def look(self, socket: WebSocket) -> None:
         """Serve one browser until it leaves, or does not take what it is sent."""
-        if self.browsers >= MAX_BROWSERS:
+        address = socket.client.host if socket.client is not None else ""
+        of_it = MAX_BROWSERS if is_loopback(address) else MAX_OF_ADDRESS
+        if self.browsers >= MAX_BROWSERS or self._browsers[address] >= of_it:
+            self.crowd.refused["crowded"] += 1
             await socket.close(1013)
             return
         await socket.accept()
-        self._count(1)
+        self._count(address, 1)
         try:
             await Browser(socket, self.feed, self.do).serve()
         finally:
-            self._count(-1)
+            self._count(address, -1)
 
-    def _count(self, change: int) -> None:
-        self.browsers += change
+    @property
+    def browsers(self) -> int:
+        """How many look on."""
+        return self._browsers.total()
+
+    def _count(self, address: str, change: int) -> None:
+        self._browsers[address] += change
+        self._browsers += Counter()  # who is gone for good
         watched = self.browsers > 0
         self.gate.watched = watched
         if self.far is not None:

@@ -25,13 +25,16 @@ from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
+from followspot_page.crowd import Refusals
 from followspot_page.feed import Listener
 from followspot_page.follow import Sight, far_previews, follow, found, plan_of
-from followspot_page.page import MAX_BROWSERS, Page
+from followspot_page.page import Page
 
 STATIC = Path(__file__).parent / "static"
 MAX_HEARD = 1024
 """Longest message taken from a browser, bytes: a change."""
+_ACCEPTED = 64
+"""Connections that are taken in at once, before any of them is asked what it wants: each is a descriptor."""
 
 
 def application(page: Page) -> Starlette:
@@ -41,7 +44,7 @@ def application(page: Page) -> Starlette:
         return FileResponse(STATIC / "index.html", headers=HEADERS)
 
     async def figures(_: Request) -> Response:
-        text = metrics.text(page.run, page.targets, page.browsers)
+        text = metrics.text(page.run, page.targets, page.browsers, page.crowd.refused)
         return Response(text, media_type=metrics.CONTENT_TYPE, headers=HEADERS)
 
     async def status(_: Request) -> Response:
@@ -108,16 +111,20 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
 
 def _server(page: Page, host: str, port: int) -> uvicorn.Server:
     names = frozenset({"localhost", host, socket.gethostname()})
+    http, look = page.crowd.protocols()
     config = uvicorn.Config(
         Doorkeeper(application(page), port, names),
-        log_level="error",
-        ws="websockets-sansio",
+        log_level="warning",
+        access_log=False,
+        http=http,
+        ws=look,
         ws_max_size=MAX_HEARD,
         ws_ping_interval=20.0,
         timeout_graceful_shutdown=1,
-        limit_concurrency=4 * MAX_BROWSERS,
+        backlog=_ACCEPTED,
         lifespan="off",
     )
+    logging.getLogger("uvicorn.error").addFilter(Refusals(page.crowd))
     return uvicorn.Server(config)
 
 

@@ -1,0 +1,133 @@
+"""Who is connected to the page, and how long anybody may keep a connection without asking for anything.
+
+A connection that does not ask, or does not take its answer, is closed after a while, and sooner where many
+wait: then the one that has waited longest makes room, so that whoever comes and asks gets in.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections import Counter
+from typing import Any
+
+from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
+
+MAX_WAITING = 32
+"""Connections that are not looking on; of more, the oldest makes room."""
+PATIENCE = {"silent": 5.0, "deaf": 60.0}
+"""Seconds from a connection, or its last answer, to the next request; and until an answer is taken."""
+MAX_FRAGMENTS = 64
+"""Pieces of one message of a browser."""
+MAX_UNREAD = 1 << 20
+"""Bytes that may wait for a browser that does not read, but asks for an echo again and again."""
+
+
+_COMPLAINTS = {
+    "Invalid UTF-8 sequence received from client.": "not UTF-8",
+    "Invalid HTTP request received.": "not HTTP",
+    "Unsupported upgrade request.": "not HTTP",
+}
+"""What the server says of browsers, and the reasons by which it is counted."""
+
+
+class Crowd:
+    """The connections of one page, and what was refused, by reason."""
+
+    def __init__(self) -> None:
+        self.refused: Counter[str] = Counter()
+        self._waiting: dict[asyncio.Protocol, asyncio.Transport] = {}
+        """Those that are not looking on, the one that has waited longest first."""
+
+    def enter(self, who: asyncio.Protocol, transport: asyncio.Transport) -> None:
+        """Somebody waits from now on; nobody else need wait for that."""
+        self._waiting.pop(who, None)
+        self._waiting[who] = transport
+        if len(self._waiting) > MAX_WAITING:
+            self.expel(next(iter(self._waiting)), "crowded")
+
+    def leave(self, who: asyncio.Protocol) -> None:
+        """It is gone, or looks on."""
+        self._waiting.pop(who, None)
+
+    def expel(self, who: asyncio.Protocol, reason: str) -> None:
+        """Close the connection at once; what it has not read yet is lost."""
+        transport = self._waiting.pop(who, None)
+        if transport is not None:
+            self.refused[reason] += 1
+            transport.abort()
+
+    def protocols(self) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol]]:
+        """Of HTTP and of WebSockets, for the configuration of the server."""
+        return type("Http", (_Http,), {"crowd": self}), type("Look", (_Look,), {"crowd": self})
+
+
+class _Http(H11Protocol):
+    """A connection that must ask, and take what it asked for."""
+
+    crowd: Crowd
+    _timer: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as the base
+        super().connection_made(transport)
+        self._wait("silent")
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._rest()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        before = self.cycle
+        super().data_received(data)
+        if self.cycle is not before:
+            self._wait("deaf")
+
+    def on_response_complete(self) -> None:
+        super().on_response_complete()
+        self._wait("silent")
+
+    def handle_websocket_upgrade(self, event: Any) -> None:
+        self._rest()
+        super().handle_websocket_upgrade(event)
+
+    def _wait(self, reason: str) -> None:
+        """It has as long as anybody from now on."""
+        self._rest()
+        if not self.transport.is_closing():
+            self.crowd.enter(self, self.transport)
+            self._timer = self.loop.call_later(PATIENCE[reason], self.crowd.expel, self, reason)
+
+    def _rest(self) -> None:
+        self.crowd.leave(self)
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+
+class _Look(WebSocketsSansIOProtocol):
+    """A browser that looks on."""
+
+    crowd: Crowd
+
+    def data_received(self, data: bytes) -> None:
+        super().data_received(data)
+        unread = self.transport.get_write_buffer_size()
+        if len(self.frames) > MAX_FRAGMENTS or unread > MAX_UNREAD:
+            self.crowd.refused["flood"] += 1
+            self.transport.abort()
+
+
+class Refusals(logging.Filter):
+    """Counts what the server complains of about browsers, and keeps it out of the terminal."""
+
+    def __init__(self, crowd: Crowd) -> None:
+        super().__init__()
+        self._crowd = crowd
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether it is something else."""
+        reason = _COMPLAINTS.get(str(record.msg))
+        if reason is not None:
+            self._crowd.refused[reason] += 1
+        return reason is None and record.levelno >= logging.ERROR
