@@ -67,10 +67,10 @@ class Books:
         return {stage: frozenset(pids) for stage, pids in found.items()}
 
 
-def books_of(folder: Path, summary: Mapping[str, Any]) -> Books:
-    """The journals of a run that has ended, which says whom it saw die."""
-    killed = {int(pid) for line in summary["warnings"] for pid in _KILLED.findall(line)}
-    return Books(folder, frozenset(killed))
+def books_of(folder: Path, summary: Mapping[str, Any], killed: Iterable[int] = ()) -> Books:
+    """The journals of a run that has ended, which says whom it saw die; killed: by others."""
+    said = {int(pid) for line in summary["warnings"] for pid in _KILLED.findall(line)}
+    return Books(folder, frozenset(said | set(killed)))
 
 
 def disagreements(summary: Mapping[str, Any], books: Books) -> list[str]:

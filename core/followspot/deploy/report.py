@@ -13,6 +13,7 @@ from followspot.graph.plan import Plan, PlannedEdge
 from followspot.ranges import Count, Figure
 from followspot.runtime.latency import PathLatency
 from followspot.runtime.ledger import COLUMNS, EdgeCount, Ledger
+from followspot.runtime.source import LIVE_DEPTH
 from followspot.runtime.worker import Worker
 
 MAX_WARNINGS = 200
@@ -147,13 +148,21 @@ def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = ""
 def edge_counts(
     plan: Plan, ledger: Ledger, restarts: Mapping[str, int]
 ) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
-    """Each edge with its counts; restarts: of each worker, for messages are lost with a worker that dies."""
+    """Each edge with its counts; restarts: of each worker, for messages are lost with a worker that dies.
+
+    At most as many are lost with one as may be under way: those that the writer sent ahead to its slowest
+    reader, as many from a writer before that are not read yet, and what a live source has made.
+    """
     home = {stage.name: stage.worker for stage in plan.stages}
+    ahead: dict[tuple[str, str], int] = {}
+    for edge in plan.edges:
+        port = edge.from_stage, edge.from_port
+        ahead[port] = max(ahead.get(port, 0), edge.room)
     counted = []
     for number, edge in enumerate(plan.edges):
         deaths = sum(restarts.get(worker, 0) for worker in {home[edge.from_stage], home[edge.to_stage]})
-        most = deaths * (edge.room + 1)
-        counted.append((edge, ledger.count(number).with_lost(most)))
+        under_way = 2 * ahead[edge.from_stage, edge.from_port] + LIVE_DEPTH + 1
+        counted.append((edge, ledger.count(number).with_lost(deaths * under_way)))
     return tuple(counted)
 
 

@@ -16,7 +16,7 @@ from followspot.ports import InputPort as PortSpec
 from followspot.runtime.cell import Cell
 from followspot.runtime.firing import InputPort, Join
 from followspot.runtime.inlet import UNCHANGED, HeldInlet, Inlet
-from followspot.runtime.ledger import Ledger
+from followspot.runtime.ledger import LOST, Ledger
 from followspot.runtime.outlet import Outlet
 from followspot.runtime.pace import Pace
 from followspot.runtime.source import LiveCell, SourceCell
@@ -175,12 +175,18 @@ class _Builder:
     def _attach(self, outlet: Outlet, numbers: list[int], rank: int) -> None:
         kind = self.plan.edges[numbers[0]].kind
         if kind == "reference":
+            for number in numbers:
+                self._bury(number)
             outlet.connect([self.inlets[n] for n in numbers])
             return
         writer = self.links.writer(numbers, kind)
         names = [self.plan.edges[n].name for n in numbers]
         outlet.attach(writer, names, [self.ledger.row(n) for n in numbers])
         self.writers.append((writer, rank))
+
+    def _bury(self, number: int) -> None:
+        """What was under way within a worker when it died is lost."""
+        self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
     def _join(self, stage: PlannedStage) -> Join:
         by_port: Mapping[str, list[int]] = defaultdict(list)

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 
 DELIVERED, DROPPED, LATE, UNMATCHED, INVALID = range(5)
 """Words of an edge's row that the reader stores."""
-SHED, OVERRUN, REFUSED, AWAY, PRODUCED = range(8, 13)
-"""Words that the sender stores: dropped before it left, dropped by a live source, refused before it left,
-produced while the reader was away, and produced at all.
+SHED, OVERRUN, REFUSED, LOST, AWAY, PRODUCED = range(8, 14)
+"""Words that the sender stores: dropped before it left, dropped by a live source, refused before it left, on
+the way to readers that died, produced while the reader was away, and produced at all.
 
 Each word has one writer, so a row may lie in memory that two processes share. Of a live source, the thread
 that takes what the device gives stores PRODUCED and OVERRUN, the worker's thread the others. A message counts
@@ -59,8 +59,8 @@ class EdgeCount:
 
     def with_lost(self, most: int) -> EdgeCount:
         """At the end of a run nothing is under way: what seems to be was lost with a worker, up to `most`."""
-        lost = min(self.in_flight, most)
-        return replace(self, in_flight=self.in_flight - lost, lost=lost)
+        more = min(self.in_flight, most)
+        return replace(self, in_flight=self.in_flight - more, lost=self.lost + more)
 
 
 class Ledger:
@@ -90,12 +90,13 @@ def tally(row: Sequence[int]) -> EdgeCount:
     where the sender has not told of it yet.
     """
     delivered, dropped, late, unmatched, invalid = row[:5]
-    shed, overrun, refused, away, produced = row[SHED : PRODUCED + 1]
+    shed, overrun, refused, lost, away, produced = row[SHED : PRODUCED + 1]
     dropped += shed + overrun
     invalid += refused
     accounted = delivered + dropped + late + unmatched + invalid
     known = produced - away
     sent = max(known, accounted)
+    lost = min(lost, sent - accounted)  # a reader that died may have taken one more than its writer knows
     return EdgeCount(
         produced=sent + away,
         away=away,
@@ -105,6 +106,7 @@ def tally(row: Sequence[int]) -> EdgeCount:
         late=late,
         unmatched=unmatched,
         invalid=invalid,
-        in_flight=sent - accounted,
+        in_flight=sent - accounted - lost,
+        lost=lost,
         surplus=sent - known,
     )

@@ -9,7 +9,7 @@ from typing import Any
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.runtime.inlet import Inlet
-from followspot.runtime.ledger import AWAY, OVERRUN, PRODUCED, REFUSED, SHED
+from followspot.runtime.ledger import AWAY, LOST, OVERRUN, PRODUCED, REFUSED, SHED
 from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Settled
@@ -91,8 +91,11 @@ class Outlet:
     def look(self) -> None:
         """Take note of which readers are away: what is produced until they are back counts as such.
 
-        A reader that is there again is told how far the stream is; nothing earlier comes to it.
+        What was on its way to one that died is lost. One that is there again is told how far the stream is.
         """
+        for writer, rows in zip(self.writers, self.rows, strict=True):
+            for index, count in writer.perished():
+                self.words[rows[index] + LOST] += count
         lost = [writer.lost for writer in self.writers]
         if lost == self._lost:
             return

@@ -14,7 +14,7 @@ from followspot.runtime.cell import Cell
 from followspot.runtime.outlet import Outlet
 from followspot.stage import Stage
 
-_LIVE_DEPTH = 2
+LIVE_DEPTH = 2
 """Frames that wait for the graph before the oldest is dropped: one to take, one being written."""
 _NOTHING = object()
 """Stands for an item that a source has not got now."""
@@ -202,7 +202,7 @@ class LiveCell(SourceCell):
             if self.stage is not stage:
                 self._drop(item)
                 return False
-            if len(self._box) == _LIVE_DEPTH:
+            if len(self._box) == LIVE_DEPTH:
                 self._drop(self._box.popleft()[0])
             self._box.append((item, self.clock.now(), time.time_ns()))
             return not self.stopped and self._grabbed != self.limit

@@ -51,6 +51,10 @@ class DroppingWriter:
         """As the inner writer knows it."""
         return self.inner.strangers
 
+    def perished(self) -> list[tuple[int, int]]:
+        """As the inner writer knows it; what waits here is dropped, or sent to the next reader."""
+        return self.inner.perished()
+
     def matched(self) -> bool:
         """As the inner writer knows it."""
         return self.inner.matched()

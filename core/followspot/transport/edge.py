@@ -29,6 +29,12 @@ class PortWriter(Protocol):
     def strangers(self) -> int:
         """How much came that was malformed or not from a reader; no ledger knows it."""
 
+    def perished(self) -> list[tuple[int, int]]:
+        """Readers, by their index, that died, and how many messages were on their way to each; told once.
+
+        A reader may have taken one or two more than it had said.
+        """
+
     def matched(self) -> bool:
         """Whether every reader is there; until then what is sent may miss it."""
 

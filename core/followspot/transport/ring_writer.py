@@ -48,6 +48,7 @@ class RingWriter:
         self._granted = 0
         self._over = False
         self._expelled = 0
+        self._perished: list[tuple[int, int]] = []
         self._pool: Slots | None = None
         self._links = [self._linked(sock) for sock in sockets]
 
@@ -55,6 +56,11 @@ class RingWriter:
     def lost(self) -> frozenset[int]:
         """Indices of the readers that `drain` found gone before the end."""
         return frozenset(i for i, link in enumerate(self._links) if not link.alive and not link.ended)
+
+    def perished(self) -> list[tuple[int, int]]:
+        """Readers that `drain` or `replace` found dead since the last call; see `PortWriter.perished`."""
+        perished, self._perished = self._perished, []
+        return perished
 
     @property
     def strangers(self) -> int:
@@ -68,6 +74,8 @@ class RingWriter:
     def replace(self, index: int, sock: socket.socket) -> None:
         """Serve another reader, from the next message on, in the place of one that is gone."""
         self._expelled += self._links[index].expelled
+        if self._links[index].alive:
+            self._note_death(index)
         self._links[index].socket.close()
         self._links[index] = self._linked(sock)
         if self._over:
@@ -142,9 +150,12 @@ class RingWriter:
 
     def drain(self) -> None:
         """Swallow wake-ups, notice deaths, send what waited."""
-        for link in self._links:
-            if link.alive:
+        for index, link in enumerate(self._links):
+            was_alive = link.alive
+            if was_alive:
                 link.drain()
+            if was_alive and not link.alive:
+                self._note_death(index)
         self.flush()
 
     def close(self) -> None:
@@ -152,6 +163,10 @@ class RingWriter:
         for link in self._links:
             link.alive = False
             link.socket.close()
+
+    def _note_death(self, index: int) -> None:
+        """What its control says is the reader's last word."""
+        self._perished.append((index, max(0, self._sequence - self._links[index].control.consumed)))
 
     def _linked(self, sock: socket.socket) -> Link:
         """A new reader, that has consumed and released everything so far."""

@@ -86,6 +86,9 @@ class ZenohWriter:
         self._news: deque[_News] = deque()
         self._present: dict[int, str] = {}
         self._known: dict[int, str] = {}
+        self._left: dict[int, int] = {}
+        """Messages that had been put when a reader went."""
+        self._perished: list[tuple[int, int]] = []
         self._silent: set[int] = set()
         """Readers that have not reported since they were told where to start."""
         self._told_at = 0.0
@@ -112,6 +115,14 @@ class ZenohWriter:
     def lost(self) -> frozenset[int]:
         """Indices of the readers that `drain` found gone before the end."""
         return frozenset(self._gone)
+
+    def perished(self) -> list[tuple[int, int]]:
+        """Readers in whose place others came since the last call; see `PortWriter.perished`.
+
+        One that went may just be cut off, and is told when it is back how many messages it has missed.
+        """
+        perished, self._perished = self._perished, []
+        return perished
 
     @property
     def strangers(self) -> int:
@@ -194,11 +205,15 @@ class ZenohWriter:
                 self._welcome(index, incarnation)
             elif self._present.get(index) == incarnation:
                 del self._present[index]
+                self._left[index] = self._messages
                 self._silent.discard(index)
                 self._gone |= {index} - self._done
 
     def _welcome(self, index: int, incarnation: str) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
+        left = self._left.pop(index, self._messages)
+        if self._known.get(index, incarnation) != incarnation:
+            self._perished.append((index, max(0, left - self._reports[index][0])))
         if self._known.get(index) != incarnation:
             self._given[index] = 0
         self._present[index] = self._known[index] = incarnation

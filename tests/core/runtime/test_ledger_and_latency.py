@@ -14,6 +14,7 @@ from followspot.runtime.ledger import (
     DROPPED,
     INVALID,
     LATE,
+    LOST,
     OVERRUN,
     PRODUCED,
     REFUSED,
@@ -44,7 +45,8 @@ def test_columns_always_add_up_and_none_is_negative(row: list[int]) -> None:
     """Whatever the words are, as those of several hosts are not of one moment."""
     c = tally(row)
     assert c.produced == c.sent + c.away
-    assert c.sent == c.delivered + c.dropped + c.late + c.unmatched + c.invalid + c.in_flight
+    assert c.sent == c.delivered + c.dropped + c.late + c.unmatched + c.invalid + c.lost + c.in_flight
+    assert c.lost <= row[LOST]
     assert min(vars(c).values()) >= 0
     assert c.surplus == max(0, sum(row[n] for n in (*READERS, *SENDERS)) - row[PRODUCED])
 

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import socket
+from collections.abc import Iterator
+
+import pytest
 
 from followspot.graph.plan import AHEAD
 from followspot.messages import Header, Message
@@ -57,6 +60,12 @@ class Rings:
         self.outlet.attach(self.ring, ["a -> b", "a -> c"], [self.ledger.row(0), self.ledger.row(1)])
         self.outlet.attach(self.dropping, ["a -> d"], [self.ledger.row(2)])
 
+    def close(self) -> None:
+        for writer in self.outlet.writers:
+            writer.close()
+        for end in self.ends:
+            end.close()
+
     def kill(self, edge: int) -> None:
         """As the worker finds a reader dead."""
         self.ends[edge].close()
@@ -66,6 +75,7 @@ class Rings:
 
     def revive(self, edge: int) -> None:
         """As the worker takes up a reader that was started again."""
+        self.ends[edge].close()
         ours, self.ends[edge] = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         if edge == 2:
             self.dropping.replace(0, ours)
@@ -83,8 +93,14 @@ class Rings:
         return count.produced, count.away, count.sent
 
 
-def test_what_is_produced_while_a_reader_is_away_is_counted_on_its_edge_alone() -> None:
-    rings = Rings()
+@pytest.fixture
+def rings() -> Iterator[Rings]:
+    made = Rings()
+    yield made
+    made.close()
+
+
+def test_what_is_produced_while_a_reader_is_away_is_counted_on_its_edge_alone(rings: Rings) -> None:
     rings.send(2)
     rings.kill(1)
     rings.send(3)
@@ -96,10 +112,31 @@ def test_what_is_produced_while_a_reader_is_away_is_counted_on_its_edge_alone() 
     assert rings.ledger.count(2).dropped == 3, "one found no room, two waited for the reader that died"
 
 
-def test_what_is_refused_while_a_reader_is_away_is_away_there_and_invalid_elsewhere() -> None:
-    rings = Rings()
+def test_what_is_refused_while_a_reader_is_away_is_away_there_and_invalid_elsewhere(rings: Rings) -> None:
     rings.kill(0)
     rings.send(1, Note(3))  # type: ignore[arg-type]  # no text
     rings.send(1, Note("x" * 100_000))  # too large to travel
     assert [rings.told(edge) for edge in range(3)] == [(2, 2, 0), (2, 0, 2), (2, 0, 2)]
     assert [rings.ledger.count(edge).invalid for edge in range(3)] == [0, 2, 2]
+
+
+@pytest.mark.parametrize("noticed", [True, False], ids=["found dead", "replaced at once"])
+def test_what_was_on_its_way_to_a_reader_that_died_is_lost_as_soon_as_that_is_known(
+    rings: Rings, noticed: bool
+) -> None:
+    reader = RingReader(rings.ends[1], Note)
+    inlet = Inlet("a -> c", rings.ledger.words, rings.ledger.row(1), depth=8, slack=0)
+    inlet.reader = reader
+    rings.send(5)
+    inlet.poll()
+    inlet.take()
+    inlet.take()
+    assert (rings.ledger.count(1).in_flight, rings.ledger.count(1).lost) == (3, 0)
+    if noticed:
+        rings.kill(1)
+        rings.send(1)
+    rings.revive(1)
+    assert (rings.ledger.count(1).in_flight, rings.ledger.count(1).lost) == (0, 3)
+    assert (rings.ledger.count(0).in_flight, rings.ledger.count(0).lost) == (6 if noticed else 5, 0)
+    rings.send(2)
+    assert (rings.ledger.count(1).in_flight, rings.ledger.count(1).lost) == (2, 3)

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -127,6 +128,44 @@ def test_only_a_drain_finds_readers_gone_or_back_for_who_counts_asks_after_it(pa
         assert pair.writer.lost == known
         pair.writer.drain()
         assert pair.writer.lost == lost
+
+
+def test_what_was_on_its_way_to_a_reader_is_lost_when_another_one_comes_and_not_before(pair: Pair) -> None:
+    for number in range(3):
+        pair.writer.send(frame(number))
+    arrived(pair.reader, 3)
+    pair.reader.consumed()
+    until(lambda: pair.writer.credit() == DEPTH - 2)
+    pair.reader.close()
+    until(lambda: drained(pair.writer).lost == frozenset({0}))
+    pair.writer.send(frame(3))  # nobody is there to lose it
+    assert pair.writer.perished() == []
+    pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
+    until(lambda: drained(pair.writer).lost == frozenset())
+    assert pair.writer.perished() == [(0, 2)]
+    assert pair.writer.perished() == []
+
+
+def test_what_was_on_its_way_to_a_reader_that_was_only_cut_off_is_not_lost(pair: Pair) -> None:
+    """It finds a gap when it is back."""
+    pair.writer.send(frame(0))
+    pair.writer._on_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
+    assert drained(pair.writer).lost == frozenset({0})
+    pair.writer._on_presence(Presence(zenoh.SampleKind.PUT))  # type: ignore[arg-type]
+    assert drained(pair.writer).lost == frozenset()
+    assert pair.writer.perished() == []
+
+
+def drained(writer: ZenohWriter) -> ZenohWriter:
+    writer.drain()
+    return writer
+
+
+class Presence(NamedTuple):
+    """What Zenoh tells of a reader's liveliness token."""
+
+    kind: zenoh.SampleKind
+    key_expr: str = f"{SAID}/alive/{QUOTED}/0"
 
 
 def test_a_message_without_credit_is_a_mistake_of_the_caller(pair: Pair) -> None:
