@@ -111,6 +111,10 @@ class Page:
             self.run.take(status)
         self.feed.put("run", json.dumps(self.run.data()))
 
+    def end(self, how: str) -> None:
+        """The run is there no more; browsers are told how it ended, as far as anybody knows."""
+        self.feed.put("end", json.dumps({"type": "end", "how": how}))
+
     async def look(self, socket: WebSocket) -> None:
         """Serve one browser until it leaves, or does not take what it is sent."""
         address = socket.client.host if socket.client is not None else ""

@@ -100,6 +100,10 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         if is_loopback(host):
             await page.allow_changes(run)
         await asyncio.wait((serving, following, over), return_when=asyncio.FIRST_COMPLETED)
+        if following.done():
+            page.end("over or gone")
+        elif over.done() and over.result():
+            page.end("ended")
         server.should_exit = True
         await serving
         following.cancel()
@@ -141,15 +145,19 @@ def _door(host: str, port: int, *, firm: bool) -> socket.socket:
     return door
 
 
-def _input_over() -> asyncio.Future[None]:
-    """Done when standard input ends: whoever started the page holds the other end."""
+def _input_over() -> asyncio.Future[bytes]:
+    """Done when standard input ends: whoever started the page holds the other end; what came last."""
     loop = asyncio.get_running_loop()
-    over: asyncio.Future[None] = loop.create_future()
+    over: asyncio.Future[bytes] = loop.create_future()
+    said = b""
 
     def readable() -> None:
-        if not os.read(sys.stdin.fileno(), 1):
-            loop.remove_reader(sys.stdin)
-            over.set_result(None)
+        nonlocal said
+        if came := os.read(sys.stdin.fileno(), 1):
+            said = came
+            return
+        loop.remove_reader(sys.stdin)
+        over.set_result(said)
 
     loop.add_reader(sys.stdin, readable)
     return over

@@ -6,7 +6,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 
 from followspot.errors import FollowspotError
@@ -24,6 +24,10 @@ class PageOrder:
     port: int = 0
     firm: bool = True
     rate: float = 10.0
+
+
+OVER = "."
+"""What the page's process is told when what it shows has come to its end."""
 
 
 class ShownPage:
@@ -52,9 +56,12 @@ def shown(order: PageOrder) -> Iterator[ShownPage]:
     try:
         host = f"[{order.host}]" if ":" in order.host else order.host
         yield ShownPage(process, f"http://{host}:{_port(process, order)}/")
+        if process.stdin is not None and process.poll() is None:
+            process.stdin.write(OVER)  # who dies before this line has not ended its run
     finally:
         assert process.stdin is not None
-        process.stdin.close()
+        with suppress(BrokenPipeError):
+            process.stdin.close()
         try:
             process.wait(timeout=10.0)
         except subprocess.TimeoutExpired:

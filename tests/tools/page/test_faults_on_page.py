@@ -112,6 +112,12 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         chromium.wait("document.querySelector('#life').dataset.life === 'running'")
         assert chromium.errors == []
 
+        os.kill(page.pid, signal.SIGKILL)
+        chromium.wait("document.querySelector('#life').dataset.life === 'gone'")
+        assert chromium.ask("document.querySelector('#faults').innerText").startswith(
+            "this page has lost its run"
+        )
+
 
 def samples(run: RunPicture, targets: metrics.Targets) -> dict[str, float]:
     found = re.findall(

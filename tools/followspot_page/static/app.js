@@ -51,6 +51,7 @@ function look() {
   document.title = `${well ? "" : "! "}${$("graph").textContent} · followspot`;
 }
 
+let ended = ""; // how, where this was told
 let shown = "";
 let fused = false;
 const takers = {
@@ -86,6 +87,9 @@ const takers = {
     tiles.update(run.stages);
     look();
   },
+  end({ how }) {
+    ended = how;
+  },
   recording(recording) {
     recorder.update(recording);
   },
@@ -112,9 +116,10 @@ function connect(again) {
     takers[thing.type]?.(thing);
   };
   socket.onclose = () => {
-    faults.end();
+    faults.end(ended ? [] : ["this page has lost its run, which may go on, or not: its operator's process, or that of the page, is gone"]);
     look();
-    setLife("ended", "ended");
+    if (ended) setLife("ended", ended);
+    else setLife("gone", "gone");
     setTimeout(connect, RETRY_MS, true);
   };
 }

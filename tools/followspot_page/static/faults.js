@@ -17,10 +17,10 @@ export class Faults {
     this.heard = performance.now();
   }
 
-  // Nothing more is to be heard.
-  end() {
+  // Nothing more is to be heard; faults: why, where that is one.
+  end(faults) {
     this.over = true;
-    this.told = [];
+    this.told = faults;
   }
 
   // Shows what there is by the clock of this browser; whether nothing is wrong.
@@ -31,7 +31,7 @@ export class Faults {
     if (lines.join() !== this.shown) this.list.replaceChildren(...lines.map((line) => make("li", line)));
     this.shown = lines.join();
     this.list.hidden = lines.length === 0;
-    document.body.classList.toggle("old", own.length > 0);
+    document.body.classList.toggle("old", own.length > 0 || (this.over && this.told.length > 0));
     return lines.length === 0;
   }
 }
