@@ -59,8 +59,11 @@ class ZenohReader:
         """
         self._kind = kind
         self._limit = depth + WINDOW
-        self._arrived: deque[zenoh.Sample | None] = deque()
-        """Samples as they came; None where the writer was seen to go."""
+        self._incarnation = incarnation
+        self._arrived: deque[zenoh.Sample | int] = deque()
+        """Samples as they came; the incarnation of a writer that was seen to go."""
+        self._before: list[Token] = []
+        """What was found missing before the first poll."""
         self._writer = -1
         """Incarnation of the writer that told where to start; -1 before the first."""
         self._tokens = 0
@@ -74,8 +77,10 @@ class ZenohReader:
         self._joined = False
         """Whether the writer knows that this reader is there: what comes else was not meant for it."""
         self._ended = False
-        self._passed_over = self._flooded = 0
-        self._there: set[str] = set()
+        self._passed_over = self._flooded = self._overlooked = 0
+        self._there: set[int] = set()
+        self._newest = -1
+        """Latest incarnation of the writer that was ever there."""
         self._gone = incarnation > 0
         self._bell = Bell()
         key = codec_key(key, codec)
@@ -89,13 +94,14 @@ class ZenohReader:
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
             session.declare_subscriber(self._start_key, Callback(self._on_arrival, indirect=False)),
             presence(session, f"{key}/alive/writer/*", self._on_presence),
-            session.liveliness().declare_token(f"{said}/alive/{name}/{incarnation}"),
         ]
+        self._alive_key = f"{said}/alive/{name}/{incarnation}"
+        self._alive = session.liveliness().declare_token(self._alive_key)
 
     @property
     def lost(self) -> bool:
         """Whether the writer was there and is gone without an end."""
-        return self._gone and not self._ended and not self._arrived
+        return self._gone and not (self._ended or self._arrived or self._before)
 
     @property
     def strangers(self) -> int:
@@ -122,11 +128,14 @@ class ZenohReader:
     def poll(self) -> list[Token]:
         """Everything that has arrived."""
         self._bell.hush()
-        tokens: list[Token] = []
+        tokens, self._before = self._before, []
         for _ in range(len(self._arrived)):
             self._take(self._arrived.popleft(), tokens)
         if self._tokens - self._reported >= WINDOW // 4:
             self._send_report()
+        if self._flooded != self._overlooked:
+            self._overlooked = self._flooded
+            self._come_again()
         return tokens
 
     def consumed(self, count: int = 1) -> None:
@@ -138,13 +147,20 @@ class ZenohReader:
 
     def close(self) -> None:
         """Undeclare everything; the session stays open."""
-        undeclare([*reversed(self._declared), self._report])
+        undeclare([self._alive, *reversed(self._declared), self._report])
         self._bell.close()
+
+    def _come_again(self) -> None:
+        """What there was no room for may have been the writer's: let it tell where it is, as after a cut."""
+        self._joined = False
+        undeclare([self._alive])
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._alive = self._session.liveliness().declare_token(self._alive_key)
 
     def _begin(self) -> None:
         """Before the first token: look whether the writer has told where to start."""
         while self._writer < 0 and self._arrived:
-            self._take(self._arrived.popleft(), [])
+            self._take(self._arrived.popleft(), self._before)
 
     def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
         """A writer tells where its stream begins, or goes on after the link was cut."""
@@ -153,15 +169,14 @@ class ZenohReader:
             self._passed_over += 1
             return
         writer, number, messages, given = start
-        if writer < self._writer:
-            return
+        if writer < max(self._writer, self._newest):
+            return  # another one has taken its place
         if writer > self._writer:
             self._unread += self._got - self._consumed
-            self._writer, self._got, self._consumed = writer, given, given
-        else:
-            missing = max(0, given - self._got)
-            tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
-            self._got += missing
+            self._writer, self._got, self._consumed = writer, 0, 0
+        missing = max(0, given - self._got)
+        tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
+        self._got += missing
         self._tokens, self._messages, self._joined = number, messages, True
         self._send_report()
 
@@ -170,21 +185,21 @@ class ZenohReader:
         if not given <= messages <= number:
             return False
         if writer != self._writer:
-            return True
+            return given <= _CUTS * self._limit
         forward = number >= self._tokens and messages >= self._messages
         return forward and given - self._got <= _CUTS * self._limit
 
-    def _take(self, sample: zenoh.Sample | None, tokens: list[Token]) -> None:
+    def _take(self, sample: zenoh.Sample | int, tokens: list[Token]) -> None:
         """Append the sample's token, and before it an `Invalid` for each message that is missing.
 
         What does not carry on the numbers comes from a stranger, or from a writer that is gone; no ledger
         knows it, so it is passed over.
         """
-        if sample is None or str(sample.key_expr) == self._start_key:
-            if sample is None:
-                self._joined = False
-            else:
-                self._start(sample, tokens)
+        if isinstance(sample, int):
+            self._joined &= sample != self._writer
+            return
+        if str(sample.key_expr) == self._start_key:
+            self._start(sample, tokens)
             return
         counted = numbers(NUMBER, sample.attachment)
         if counted is None:
@@ -232,7 +247,7 @@ class ZenohReader:
             return
         consumed = self._messages - self._got + self._consumed
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._report.put(CREDIT.pack(self._writer, consumed, self._tokens))
+            self._report.put(CREDIT.pack(self._writer, self._incarnation, consumed, self._tokens))
 
     def _on_arrival(self, sample: zenoh.Sample) -> None:
         if len(self._arrived) < self._limit:  # a flood from a stranger; the numbers show what is missing
@@ -246,10 +261,12 @@ class ZenohReader:
         if not is_incarnation(incarnation):
             self._passed_over += 1
             return
+        number = int(incarnation)
         if sample.kind == zenoh.SampleKind.PUT:
-            self._there.add(incarnation)
+            self._there.add(number)
+            self._newest = max(self._newest, number)
         else:
-            self._there.discard(incarnation)
-            self._arrived.append(None)
-        self._gone = not self._there
+            self._there.discard(number)
+            self._arrived.append(number)
+        self._gone = self._newest not in self._there
         self._bell.ring()

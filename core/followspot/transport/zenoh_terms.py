@@ -16,8 +16,8 @@ from followspot.transport.token import MAX_COUNT
 
 NUMBER = Struct("<QQQ")
 """Attachment: the writer's incarnation, number of the token, and of messages up to and with it."""
-CREDIT = Struct("<QQQ")
-"""What a reader reports: incarnation of its writer, messages consumed, tokens taken."""
+CREDIT = Struct("<QQQQ")
+"""What a reader reports: incarnations of its writer and of its own, messages consumed, tokens taken."""
 START = Struct("<QQQQ")
 """Where a reader joins: incarnation of the writer, tokens and messages before, those given to it."""
 WINDOW = 256

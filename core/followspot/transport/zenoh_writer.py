@@ -47,7 +47,7 @@ class _News(NamedTuple):
 
     role: str
     reader: int
-    incarnation: str
+    incarnation: int
     there: bool
 
 
@@ -84,20 +84,24 @@ class ZenohWriter:
         self._given = [0] * len(readers)
         """Messages put for each reader's present incarnation."""
         self._news: deque[_News] = deque()
-        self._present: dict[int, str] = {}
-        self._known: dict[int, str] = {}
+        self._present: dict[int, int] = {}
+        """Incarnation of each reader that is there."""
+        self._known: dict[int, int] = {}
+        """Latest incarnation of each reader that was ever there."""
         self._left: dict[int, int] = {}
         """Messages that had been put when a reader went."""
         self._perished: list[tuple[int, int]] = []
         self._silent: set[int] = set()
         """Readers that have not reported since they were told where to start."""
         self._told_at = 0.0
-        self._done: set[int] = set()
+        self._ended: dict[int, int] = {}
+        """Incarnation of each reader that has taken the end."""
         self._gone: set[int] = set(range(len(readers))) if incarnation else set()
         self._tokens = 0
         self._messages = 0
-        self._refused = 0
         self._held: Settled | None = None
+        self._settled: Settled | None = None
+        """What was put last, where that was a settled time: whoever joins is told it again."""
         self._ending = False
         self._waiting = False
         self._refused = 0
@@ -156,6 +160,7 @@ class ZenohWriter:
         if self.credit() <= 0:
             raise RuntimeError("a message was sent without credit")
         self._send_held()
+        self._settled = None
         self._messages += 1
         for index in self._present:
             self._given[index] += 1
@@ -173,7 +178,7 @@ class ZenohWriter:
         self._waiting = True
         self._tell_again()
         self._send_held()
-        arrived = len(self._done | self._gone) == len(self._reports)
+        arrived = len(self._done() | self._gone) == len(self._reports)
         return self._held is None and (arrived or not self._ending)
 
     def filenos(self) -> list[int]:
@@ -199,17 +204,19 @@ class ZenohWriter:
         """Take over what Zenoh's threads saw."""
         while self._news:
             role, index, incarnation, there = self._news.popleft()
+            if incarnation < self._known.get(index, 0):
+                continue  # another one has taken its place
             if role == "done":
-                self._done.add(index)
+                self._ended[index] = incarnation
             elif there:
                 self._welcome(index, incarnation)
             elif self._present.get(index) == incarnation:
                 del self._present[index]
                 self._left[index] = self._messages
                 self._silent.discard(index)
-                self._gone |= {index} - self._done
+                self._gone |= {index} - self._done()
 
-    def _welcome(self, index: int, incarnation: str) -> None:
+    def _welcome(self, index: int, incarnation: int) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
         left = self._left.pop(index, self._messages)
         if self._known.get(index, incarnation) != incarnation:
@@ -225,7 +232,7 @@ class ZenohWriter:
     def _tell_again(self) -> None:
         """A new link may have swallowed the first words; who does not report is told them again."""
         if self._silent and time.monotonic() > self._told_at + _REPEAT:
-            for index in list(self._silent):
+            for index in self._silent - self._done():
                 self._tell_start(index)
 
     def _tell_start(self, index: int) -> None:
@@ -238,11 +245,17 @@ class ZenohWriter:
                 start,
                 congestion_control=zenoh.CongestionControl.BLOCK,
             )
-        if self._ending and self._held is None:
-            self._put(pack(Settled(END)))
+        if self._settled is not None:
+            self._put(pack(self._settled))
 
     def _living(self) -> list[tuple[int, int]]:
-        return [report for index, report in enumerate(self._reports) if index not in self._gone]
+        """What those report who are there and have not taken the end."""
+        over = self._gone | self._done() if self._ended else self._gone
+        return [report for index, report in enumerate(self._reports) if index not in over]
+
+    def _done(self) -> set[int]:
+        """Readers that have taken the end; who comes in the place of one that did has yet to."""
+        return {index for index, number in self._ended.items() if number >= self._known.get(index, 0)}
 
     def _full(self, reports: Sequence[tuple[int, int]]) -> bool:
         """Whether as many tokens are under way as may be."""
@@ -252,7 +265,7 @@ class ZenohWriter:
         held = self._held
         reports = self._living()
         if held is not None and not (reports and self._full(reports)):
-            self._held = None
+            self._held, self._settled = None, held
             self._put(pack(held))
 
     def _put(self, payload: bytes) -> None:
@@ -263,7 +276,7 @@ class ZenohWriter:
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
             self._present.clear()
-            self._gone = set(range(len(self._reports))) - self._done
+            self._gone = set(range(len(self._reports))) - self._done()
             self._bell.ring()
 
     def _on_report(self, sample: zenoh.Sample) -> None:
@@ -273,9 +286,9 @@ class ZenohWriter:
         if index is None or report is None:
             self._refused += 1
             return
-        incarnation, consumed, taken = report
-        if incarnation != self._incarnation:
-            return
+        writer, reader, consumed, taken = report
+        if (writer, reader) != (self._incarnation, self._known.get(index)):
+            return  # it is not the present one that speaks, or not to this one
         if consumed > min(taken, self._messages) or taken > self._tokens:
             self._refused += 1
             return
@@ -292,7 +305,7 @@ class ZenohWriter:
         if index is None or role not in ("alive", "done") or not is_incarnation(incarnation):
             self._refused += there
         elif there or role != "done":
-            self._news.append(_News(role, index, incarnation, there))
+            self._news.append(_News(role, index, int(incarnation), there))
             self._bell.ring()
 
     def _reader(self, host: str, name: str) -> int | None:

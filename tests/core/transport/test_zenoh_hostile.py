@@ -70,10 +70,10 @@ def test_a_start_that_gives_more_than_can_be_under_way_is_refused(pair: Pair) ->
     "report",
     [
         b"short",
-        CREDIT.pack(0, 2**63, 2**63),
-        CREDIT.pack(2**64 - 1, 0, 0),
-        CREDIT.pack(0, 2, 2),
-        CREDIT.pack(0, 1, 0),
+        CREDIT.pack(0, 0, 2**63, 2**63),
+        CREDIT.pack(2**64 - 1, 0, 0, 0),
+        CREDIT.pack(0, 0, 2, 2),
+        CREDIT.pack(0, 0, 1, 0),
     ],
     ids=["short", "extreme", "incarnation", "more than was sent", "more consumed than taken"],
 )
@@ -88,7 +88,7 @@ def test_a_report_that_no_reader_can_mean_gives_no_credit_and_is_counted(pair: P
 
 
 def test_a_report_of_nobody_is_counted(pair: Pair) -> None:
-    pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 0, 0))
+    pair.intruder(f"{SAID}/credit/nobody").put(CREDIT.pack(0, 0, 0, 0))
     until(lambda: pair.writer.strangers == 1)
     alive(pair)
 

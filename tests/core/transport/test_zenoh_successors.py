@@ -1,0 +1,159 @@
+"""Ends of Zenoh edges in whose place others came: who is believed, what is told, what is accounted for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from tests.core.transport.test_zenoh_edge import DEPTH, KEY, NAME, QUOTED, SAID, Pair, arrived, frame, until
+
+from followspot.messages import identical
+from followspot.tracking import Frame
+from followspot.transport.token import ABSENT, END, Invalid, Settled
+from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter
+from followspot.transport.zenoh_terms import CREDIT, START
+
+
+@pytest.fixture
+def pair() -> Iterator[Pair]:
+    made = Pair()
+    yield made
+    made.close()
+
+
+def successor(pair: Pair, incarnation: int = 1) -> ZenohWriter:
+    """A writer that takes the place of the one that is there still."""
+    writer = ZenohWriter(pair.session, KEY, {NAME: ""}, DEPTH, incarnation=incarnation)
+
+    def joined() -> bool:
+        writer.drain()
+        pair.reader.poll()
+        return not writer.lost and writer.matched()
+
+    until(joined)
+    return writer
+
+
+def test_a_writer_whose_place_was_taken_leaves_without_taking_the_reader_along(pair: Pair) -> None:
+    """It was on a host that nobody heard from; the news of its end comes late."""
+    new = successor(pair)
+    until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
+    pair.writer.close()
+    until(lambda: bool(pair.reader._arrived))
+    new.send(frame(7))
+    (message,) = arrived(pair.reader, 1)
+    assert identical(message, frame(7))  # type: ignore[arg-type]
+    assert not pair.reader.lost
+    new.close()
+    until(lambda: pair.reader.poll() == [] and pair.reader.lost)
+
+
+def test_a_writer_that_is_gone_is_lost_though_one_before_it_is_still_there(pair: Pair) -> None:
+    successor(pair).close()
+    until(lambda: pair.reader.poll() == [] and pair.reader.lost)
+
+
+def test_a_writer_whose_place_was_taken_is_not_listened_to(pair: Pair) -> None:
+    new = successor(pair)
+    until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
+    pair.writer._tell_start(0)
+    pair.writer.send(frame(1))
+    new.send(frame(2))
+    (message,) = arrived(pair.reader, 1)
+    assert identical(message, frame(2))  # type: ignore[arg-type]
+    new.close()
+
+
+def test_a_reader_whose_place_was_taken_is_not_believed(pair: Pair) -> None:
+    """Neither its presence, nor its going, nor its end, nor what it says to have consumed."""
+    pair.reader.close()
+    pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
+
+    def matched() -> bool:
+        pair.writer.drain()
+        return all([pair.writer.matched(), pair.reader.matched()])
+
+    until(matched)
+    for number in range(DEPTH):
+        pair.writer.send(frame(number))
+    assert len(arrived(pair.reader, DEPTH)) == DEPTH
+    ghosts = [
+        pair.session.liveliness().declare_token(f"{SAID}/{role}/{QUOTED}/0") for role in ("alive", "done")
+    ]
+    pair.session.put(f"{SAID}/credit/{QUOTED}", CREDIT.pack(0, 0, DEPTH, DEPTH))
+    until(lambda: len(pair.writer._news) == len(ghosts))
+    pair.writer.drain()
+    assert pair.writer.credit() == 0
+    for ghost in ghosts:
+        ghost.undeclare()  # type: ignore[no-untyped-call]
+    until(lambda: bool(pair.writer._news))
+    pair.writer.drain()
+    assert not pair.writer.lost
+    pair.reader.consumed(DEPTH)
+    until(lambda: pair.writer.credit() == DEPTH)
+    pair.writer.send(Settled(END))
+    assert not pair.writer.flush(), "the one that is there has not taken the end"
+    arrived(pair.reader, 1)
+    until(pair.finished)
+
+
+def test_who_has_taken_the_end_holds_up_no_writer_that_comes_later(pair: Pair) -> None:
+    pair.writer.send(Settled(END))
+    arrived(pair.reader, 1)
+    until(pair.finished)
+    pair.writer.close()
+    late = ZenohWriter(pair.session, KEY, {NAME: ""}, DEPTH, incarnation=1)
+    until(lambda: len(late._news) == 2)
+    late.drain()
+    for number in range(3 * DEPTH):
+        assert late.credit() > 0
+        late.send(frame(number))
+    late.send(Settled(END))
+    assert late.flush()
+    late.close()
+
+
+def test_messages_that_a_reader_was_given_before_it_was_told_where_to_start_are_missing() -> None:
+    """The link swallowed the first word; the second one says how many there were."""
+    pair = Pair()
+    late = ZenohReader(pair.session, f"{KEY}/late", NAME, Frame, DEPTH)
+    pair.intruder(f"{KEY}/late/start/{QUOTED}").put(START.pack(0, 3, 2, 2))
+    assert all(isinstance(token, Invalid) for token in arrived(late, 2))
+    late.close()
+    pair.close()
+
+
+@pytest.mark.parametrize("bound", [5, ABSENT, END])
+def test_who_comes_later_is_told_what_was_settled_last(pair: Pair, bound: int) -> None:
+    pair.writer.send(Settled(bound))
+    arrived(pair.reader, 1)
+    pair.reader.close()
+    pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
+    until(lambda: len(pair.writer._news) >= 2)
+    pair.writer.drain()
+    assert arrived(pair.reader, 1) == [Settled(bound)]
+
+
+def test_the_end_comes_to_a_reader_that_was_flooded_when_it_was_told(pair: Pair) -> None:
+    flood = pair.intruder(KEY)
+    for _ in range(pair.reader._limit):
+        flood.put(b"")
+    until(lambda: len(pair.reader._arrived) == pair.reader._limit)
+    pair.writer.send(frame(0))
+    pair.writer.send(Settled(END))
+    missing, end = arrived_while_writing(pair, 2)
+    assert isinstance(missing, Invalid)
+    assert end == Settled(END)
+    until(pair.finished)
+
+
+def arrived_while_writing(pair: Pair, count: int) -> list[object]:
+    found: list[object] = []
+
+    def enough() -> bool:
+        pair.writer.drain()
+        found.extend(pair.reader.poll())
+        return len(found) >= count
+
+    until(enough)
+    return found
