@@ -9,10 +9,6 @@ import numpy as np
 
 from followspot.messages import Array
 
-NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
-MINORS = np.array([3 * rows[:, None] + columns for rows in (NEXT, LAST) for columns in (NEXT, LAST)])
-"""(4, 3, 3) places of the entries of a matrix of three, row by row, that each of its cofactors is made of."""
-
 
 class Motion(NamedTuple):
     """Position and velocity of T targets: state (T, 6) in m and m/s, covariance (T, 6, 6)."""
@@ -87,7 +83,7 @@ def manoeuvred(
     """
     innovation = xyz - motion.state[target, :3]
     S = motion.covariance[target, :3, :3] + noise
-    squared = (innovation[:, None] @ inverse(S) @ innovation[..., None])[:, 0, 0]
+    squared = (innovation[:, None] @ np.linalg.inv(S) @ innovation[..., None])[:, 0, 0]
     sudden = squared > gate * gate
     if not sudden.any():
         return motion
@@ -109,25 +105,21 @@ def jump(seconds: float) -> Array:
 def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Motion, Array]:
     """Correct some targets by measured positions: K = P H^T S^-1, with S = H P H^T + R.
 
+    The covariance is (I - K H) P (I - K H)^T + K R K^T, and symmetric to the last bit: P - K H P is the same
+    in exact arithmetic, but its rounding errors grow twofold with every step, until a variance is negative.
     target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2, R. Returns also n^T S^-1 n of the innovations
     n, (M,).
     """
     x, P = motion.state.take(target, axis=0), motion.covariance.take(target, axis=0)
     n = (xyz - x[:, :3])[..., None]
-    S_inverse = inverse(P[:, :3, :3] + noise)
+    S_inverse = np.linalg.inv(P[:, :3, :3] + noise)
     gain = (S_inverse @ P[:, :3]).swapaxes(1, 2)
     state, covariance = motion.state.copy(), motion.covariance.copy()
     state[target] = x + (gain @ n)[..., 0]
-    covariance[target] = P - gain @ P[:, :3]
+    reduced = P - gain @ P[:, :3]
+    reduced -= (reduced[:, :, :3] - gain @ noise) @ gain.swapaxes(1, 2)
+    covariance[target] = (reduced + reduced.swapaxes(1, 2)) / 2
     return Motion(state, covariance), (n * (S_inverse @ n)).sum(axis=(1, 2))
-
-
-def inverse(S: Array) -> Array:
-    """Of matrices (M, 3, 3), by their cofactors, which for so few takes less time than LAPACK."""
-    a, b, c, d = S.reshape(-1, 9).T.take(MINORS, axis=0)
-    cofactors = a * d - b * c
-    determinant = (S[:, 0] * cofactors[0].T).sum(axis=1)
-    return np.asarray((cofactors / determinant).T)
 
 
 def followed(

@@ -11,7 +11,7 @@ from tests.plugins.balls.scene import make_room, positions_at
 from followspot.messages import Array
 from followspot.stage import Context
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, inverse, jump, manoeuvred, predict, started, update
+from followspot_balls.motion import Motion, jump, manoeuvred, predict, started, update
 
 T = 0.04
 NOISE = np.eye(3) * 0.008**2
@@ -31,11 +31,6 @@ def given_way(motion: Motion, place: Array, gate: float = 3.0) -> Motion:
 def squared_distance(motion: Motion, place: Array) -> float:
     innovation = place - motion.xyz[1]
     return float(innovation @ np.linalg.solve(motion.covariance[1, :3, :3] + NOISE, innovation))
-
-
-def test_cofactors_invert_matrices_symmetric_or_not() -> None:
-    matrices = np.random.default_rng(0).normal(size=(20, 3, 3)) + 3 * np.eye(3)
-    assert inverse(matrices) @ matrices == pytest.approx(np.broadcast_to(np.eye(3), (20, 3, 3)))
 
 
 @settings(deadline=None)
