@@ -20,7 +20,7 @@ import re
 import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,7 +38,7 @@ MODULES = (
     "tools/followspot_calibrate",
 )
 SLOWER, AT_LEAST_S = 5.0, 30.0
-"""What a test may take: times what is usual, and on top of that."""
+"""What a test may take: times what is usual for all of its file, and on top of that."""
 PATIENCE = (1.0, 4.0)
 """Times that; a test that did not end has a second trial, for the machine may have been busy."""
 WITHOUT_END = " (did not end)"
@@ -157,7 +157,7 @@ def _try(tree: Tree, mutant: Mutant, chosen: Sequence[str], seconds: dict[str, f
     begun = time.monotonic()
     killed, out = "", ""
     for patience in PATIENCE if chosen else ():
-        limits = {test: patience * (AT_LEAST_S + SLOWER * seconds[test]) for test in chosen}
+        limits = {test: patience * (AT_LEAST_S + SLOWER * _of_file(test, seconds)) for test in chosen}
         with tree.changed(mutant):
             ran = run(tree, ["-x", *chosen], limits)
         killed, out = _verdict(ran.log, ran.code), ran.out
@@ -168,6 +168,12 @@ def _try(tree: Tree, mutant: Mutant, chosen: Sequence[str], seconds: dict[str, f
         "killed": killed, "tests": len(chosen), "seconds": round(time.monotonic() - begun, 1),
         "diff": mutant.diff, "out": out[-3000:] if killed else "",
     }  # fmt: skip
+
+
+def _of_file(test: str, seconds: Mapping[str, float]) -> float:
+    """What all tests of its file take: one may have done for others what they share."""
+    file = test.split("::")[0] + "::"
+    return sum(cost for name, cost in seconds.items() if name.startswith(file))
 
 
 def _verdict(log: Sequence[dict[str, Any]], code: int | None) -> str:

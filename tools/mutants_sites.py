@@ -8,7 +8,8 @@ changes it allows.
 from __future__ import annotations
 
 import difflib
-import random
+import hashlib
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,11 +30,14 @@ OMIT = "OmitCall"
 
 @dataclass(frozen=True)
 class Site:
-    """A place in a file and the changes that are possible there, each an operator and its occurrence."""
+    """A place in a file and the changes that are possible there, each an operator and its occurrence.
+
+    name: the same as long as its line is, whatever changes around it; line, lines, scope: as of a `Mutant`.
+    """
 
     path: str
-    position: tuple[int, int]
-    family: str
+    name: str
+    line: int
     changes: tuple[tuple[str, int], ...]
     lines: tuple[int, int]
     scope: tuple[int, int] | None
@@ -67,16 +71,22 @@ def sites(root: Path, paths: Sequence[str]) -> list[Site]:
 
 
 def draw(root: Path, places: Sequence[Site], count: int, seed: int) -> list[Mutant]:
-    """`count` places at random, each with one of its changes; those that do not compile are passed over."""
-    chance = random.Random(seed)
+    """`count` places at random, each with one of its changes; those that do not compile are passed over.
+
+    A place has its lot by its own name, so that an edit changes the sample only where it changes the code.
+    """
     drawn: list[Mutant] = []
-    for site in chance.sample(places, len(places)):
+    for site in sorted(places, key=lambda site: _lot(seed, site)):
         if len(drawn) == count:
             break
-        mutant = _mutant(root, site, *chance.choice(site.changes))
+        mutant = _mutant(root, site, *site.changes[_lot(seed, site) % len(site.changes)])
         if mutant is not None:
             drawn.append(mutant)
     return drawn
+
+
+def _lot(seed: int, site: Site) -> int:
+    return int.from_bytes(hashlib.sha256(f"{seed} {site.path} {site.name}".encode()).digest()[:8])
 
 
 def _operators() -> dict[str, Operator]:
@@ -97,10 +107,15 @@ def _sites_of(path: str, source: str, operators: dict[str, Operator]) -> Iterato
                 changes.setdefault((position, name.split("_")[0]), []).append((name, occurrence))
                 where[position] = node
                 occurrence += 1
-    for (position, family), possible in sorted(changes.items()):
-        node = where[position]
+    text, named = source.splitlines(), Counter[str]()
+    for ((line, column), family), possible in sorted(changes.items()):
+        node, code = where[line, column], text[line - 1]
         if not _in_annotation(node):
-            yield Site(path, position, family, tuple(possible), _statement(node, position[0]), _scope(node))
+            name = f"{family} {column - len(code) + len(code.lstrip())} {code.strip()}"
+            named[name] += 1  # of lines that are the same, by their number
+            yield Site(
+                path, f"{name} {named[name]}", line, tuple(possible), _statement(node, line), _scope(node)
+            )
 
 
 def _mutant(root: Path, site: Site, name: str, occurrence: int) -> Mutant | None:
@@ -113,7 +128,7 @@ def _mutant(root: Path, site: Site, name: str, occurrence: int) -> Mutant | None
         return None
     lines = difflib.unified_diff(source.splitlines(), code.splitlines(), lineterm="", n=0)
     diff = "\n".join(line for line in list(lines)[2:] if not line.startswith("@@"))
-    return Mutant(site.path, name, occurrence, site.position[0], site.lines, site.scope, diff, code)
+    return Mutant(site.path, name, occurrence, site.line, site.lines, site.scope, diff, code)
 
 
 def _is_call(node: Any) -> bool:
