@@ -137,6 +137,10 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     room.agents["pc-left"].process.kill()
     room.agents["pc-left"].process.communicate()
     grows(written, lambda value: not of_left(value), 50)
+    seen = command("top", run, "--json", *room.connect)
+    assert seen.returncode == 0, seen.stderr
+    assert json.loads(seen.stdout)["faults"] == ["host pc-left is absent: nothing is heard of the run there"]
+    assert {s["stage"] for s in json.loads(seen.stdout)["stages"] if s["state"] == "absent"} == {"a", "more"}
     room.agent("pc-left")  # it takes up by itself what it was at
     grows(written, of_left, 5)
     done = command("attach", "graph", "--stop", "--json", *room.connect)

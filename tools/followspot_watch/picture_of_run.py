@@ -82,8 +82,10 @@ class RunPicture:
         told = {stage.stage: (worker, stage) for worker in latest for stage in worker.stages}
         found = []
         for planned in self.plan.stages:
-            unknown = workers.get(planned.worker, WorkerStatus(planned.worker, "starting"))
-            found.append(told.pop(planned.name, (unknown, StageStatus(planned.name, "starting"))))
+            if planned.name in told:
+                found.append(told.pop(planned.name))
+            elif planned.worker in workers:  # else it is on the host of another operator
+                found.append((workers[planned.worker], StageStatus(planned.name, "starting")))
         found += told.values()  # the plan may be of before a move
         return [(worker, replace(stage, state=_state(worker, stage))) for worker, stage in found]
 

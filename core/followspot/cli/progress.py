@@ -29,7 +29,7 @@ class ProgressBar:
         self._drawn = False
         self._faulty = False
         """Whether the last line told of a fault, where the output is no terminal."""
-        self._past = deque([(self.started, 0)])
+        self._past: deque[tuple[float, int]] = deque()
         """When how many frames were done, s."""
 
     def show(self, progress: Progress, expected: int | None) -> None:

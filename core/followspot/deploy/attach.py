@@ -130,12 +130,14 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
         run = chosen(found(asker), wanted)
         orders = {name: _order(asker, name, run.run) for name in run.hosts}
         onlooker = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
-        hosts = [FarHost(asker, name, order=order) for name, order in onlooker.items()]
         order = orders[run.hosts[0]]
+        away = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *onlooker}
+        onlooker |= dict.fromkeys(sorted(away), onlooker[run.hosts[0]])
+        hosts = [FarHost(asker, name, order=order) for name, order in onlooker.items()]
         coordinator = Coordinator(_whole(orders), hosts, order, others=Agents(asker), begun=True)
         try:
             for host in hosts:
-                host.watch()
+                host.watch(silent=host.name in away)
             yield Attachment(run, coordinator)
             if all(host.status().all("over") for host in coordinator.hosts):
                 for every in coordinator.hosts:

@@ -271,4 +271,5 @@ class Coordinator:
         return self._whole().workers()
 
     def _whole(self) -> Whole:
-        return Whole(self.plan, {host.name: host.status() for host in self.hosts}, self._news)
+        hosts = {host.name: host.status() for host in self.hosts}
+        return Whole(self.plan, hosts, self._news, self._begun)

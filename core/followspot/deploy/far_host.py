@@ -87,9 +87,13 @@ class FarHost:
         self._ask("prepare", _PREPARING, order=self.order.to_data())
         self.watch()
 
-    def watch(self) -> None:
-        """Begin to ask for the status; the first is there on return. Raises HostLost, FollowspotError."""
-        self._refresh()
+    def watch(self, *, silent: bool = False) -> None:
+        """Begin to ask for the status; the first is there on return. Raises HostLost, FollowspotError.
+
+        silent: whether the host is known not to answer now: then it is asked without waiting for it.
+        """
+        if not silent:
+            self._refresh()
         self._asking.start()
 
     def start(self) -> None:

@@ -94,7 +94,7 @@ def is_unheard(worker: WorkerStatus) -> bool:
 def _host_fault(host: SeenHost) -> str:
     """What is wrong with a host, "" for nothing."""
     if host.age_s is None:
-        return f"host {host.name} is not in reach"
+        return f"host {host.name} is absent: nothing is heard of the run there"
     if host.absent:
         return f"host {host.name} is absent: last heard {host.age_s:.0f} s ago"
     return f"host {host.name} was last heard {host.age_s:.1f} s ago" if host.age_s > OLD else ""

@@ -17,11 +17,15 @@ from followspot.runtime.worker import Progress
 
 @dataclass(frozen=True)
 class Whole:
-    """hosts: their pictures, by name, "" for the operator's own; news: that no host knows of."""
+    """hosts: their pictures, by name, "" for the operator's own; news: that no host knows of.
+
+    begun: whether all hosts had been heard once: one that was never heard here is not in reach.
+    """
 
     plan: Plan
     hosts: Mapping[str, HostStatus]
     news: Sequence[str] = ()
+    begun: bool = False
 
     def workers(self) -> Iterator[WorkerStatus]:
         """Of all hosts."""
@@ -52,13 +56,14 @@ class Whole:
         )
 
     def _seen_hosts(self) -> Iterator[SeenHost]:
-        """All other hosts of which something is to be heard, and those of the plan that are not in reach."""
+        """All other hosts of which something is to be heard."""
         for name, status in self.hosts.items():
-            if name and status.age_s is not None and not status.all("over"):
-                yield SeenHost(name, status.age_s, absent=status.age_s > SILENCE)
-        for name in dict.fromkeys(worker.host for worker in self.plan.workers):
-            if name not in self.hosts:
+            if not name:
+                continue
+            if status.age_s is None and self.begun:
                 yield SeenHost(name, None, absent=True)
+            elif status.age_s is not None and not status.all("over"):
+                yield SeenHost(name, status.age_s, absent=status.age_s > SILENCE)
 
     def _seen(self) -> Iterator[WorkerStatus]:
         """The workers with their hosts and ages; those of a host that does not answer are absent."""
@@ -73,9 +78,9 @@ class Whole:
                 phase = "absent" if age > SILENCE else worker.phase
                 yield replace(worker, host=host, phase=phase, age_s=age + (worker.age_s or 0.0))
         for missing in self.plan.workers:
-            if missing.name not in known:
-                phase = "starting" if missing.host in self.hosts else "absent"
-                yield WorkerStatus(missing.name, phase, host=missing.host)
+            if missing.name not in known and missing.host in self.hosts:  # else it is of another operator
+                never = self.begun and self.hosts[missing.host].age_s is None
+                yield WorkerStatus(missing.name, "absent" if never else "starting", host=missing.host)
 
     def report(self, seconds: float, silent: Mapping[str, str], *, stopped: bool) -> RunReport:
         """At the end, workers in the order of the plan. silent: hosts that do not answer, and why."""

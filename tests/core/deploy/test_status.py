@@ -64,10 +64,10 @@ def test_who_has_come_to_the_end_is_not_missed(plan: Plan) -> None:
 def test_a_worker_that_nobody_lists_is_starting_or_its_host_is_not_in_reach(plan: Plan) -> None:
     assert worker(seen(plan, None)).phase == "starting"
     assert seen(plan, None).faults() == ()
-    near = HostStatus((WorkerStatus("main", "running", age_s=0.0),), (), age_s=0.0)
-    alone = Whole(plan, {"": near}).status()
-    assert (worker(alone).phase, worker(alone).age_s) == ("absent", None)
-    assert alone.faults() == ("host pc-left is not in reach",)
+    away = Whole(plan, {"pc-left": HostStatus((), ())}, begun=True).status()
+    assert (worker(away).phase, worker(away).age_s) == ("absent", None)
+    assert away.faults() == ("host pc-left is absent: nothing is heard of the run there",)
+    assert len(away.workers) == 1  # nobody tells from here how the workers of the operator's own host are
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,10 @@ def test_a_stage_whose_worker_is_absent_is_absent_and_nobody_knows_its_rate() ->
     assert (well["state"], well["age_s"], well["rate"], well["load"]) == ("processing", None, 0.0, 0.0)
     assert (gone["state"], gone["age_s"], gone["rate"], gone["load"]) == ("absent", 12.3, None, None)
     assert gone["fired"] == 6
-    assert stage(picture(GONE), "track")["state"] == "starting"  # of which nobody has heard yet
+    quiet = replace(WELL, workers=(*WELL.workers, WorkerStatus("track", "starting")))
+    assert stage(picture(quiet), "track")["state"] == "starting"
+    known = {found["stage"] for found in picture(WELL).data()["stages"]}
+    assert known == {"fuse", "save"}  # on workers of another operator nobody has a word here
 
 
 def test_what_a_run_that_does_not_answer_was_doing_is_old() -> None:
