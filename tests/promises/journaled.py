@@ -44,6 +44,10 @@ class Journaled:
             self.process.kill()
             self.process.communicate()
 
+    def within(self) -> Sequence[str]:
+        """What a command begins with to see what the run sees."""
+        return []
+
     def parents(self) -> Sequence[int]:
         """Processes that start workers."""
         return [self.process.pid]
@@ -88,7 +92,7 @@ class Journaled:
 
     def status(self) -> list[dict[str, Any]]:
         """The ledger as `followspot top` shows it now."""
-        words = [*COMMAND, "top", self.name, "--json"]
+        words = [*self.within(), *COMMAND, "top", self.name, "--json"]
         said = subprocess.run(words, capture_output=True, text=True, timeout=FOREVER, check=False)
         assert said.returncode == 0, said.stderr
         edges: list[dict[str, Any]] = json.loads(said.stdout)["edges"]

@@ -6,11 +6,12 @@ import os
 import random
 import signal
 import uuid
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import pytest
 from books import impossible
-from hosts import Agent, free_port, near_agent
+from hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
 from journaled import STAGES, Journaled
 from running import start, write_graph
 
@@ -34,20 +35,20 @@ workers:
 WORKERS = {"eye": "cam", "left": "step", "main": "near", "last": "save"}
 
 
-class Near(Journaled):
-    """A live run of this process and an agent, which are one host in truth."""
+class TwoHosts(Journaled):
+    """A live run of this process and an agent."""
+
+    agent: Agent
 
     def __init__(self, folder: Path) -> None:
         super().__init__(f"accounts-{uuid.uuid4().hex[:8]}", folder / "books", folder / "out", WORKERS)
         self.folder.mkdir()
         os.environ["BOOKS"] = str(self.folder)
         self.root = folder
-        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
-        self.agent = self._agent()
-        (folder / "placement.yaml").write_text(PLACEMENT)
-        words = ("--plugin", str(STAGES), "--placement", str(folder / "placement.yaml"))
-        graph = write_graph(folder, LIVE, self.name)
-        self.process = start(graph, self.out, *words, "--connect", self.endpoint)
+        placement = folder / "placement.yaml"
+        placement.write_text(PLACEMENT)
+        self.graph = write_graph(folder, LIVE, self.name)
+        self.words = ("--plugin", str(STAGES), "--placement", str(placement))
 
     def parents(self) -> list[int]:
         return [self.process.pid, self.agent.process.pid]
@@ -61,7 +62,7 @@ class Near(Journaled):
         self.agent.process.kill()
         self.agent.process.communicate()
         self.goes_on("near", count=30)
-        self.agent = self._agent()
+        self.agent = self.new_agent()
 
     def stop_agent(self) -> None:
         """Until the operator misses it."""
@@ -69,11 +70,47 @@ class Near(Journaled):
         self.goes_on("near", count=200)
         self.agent.signal(signal.SIGCONT)
 
-    def _agent(self) -> Agent:
+    def new_agent(self) -> Agent:
+        raise NotImplementedError
+
+
+class Near(TwoHosts):
+    """On one host in truth."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.endpoint = f"tcp/127.0.0.1:{free_port()}"
+        self.agent = self.new_agent()
+        self.process = start(self.graph, self.out, *self.words, "--connect", self.endpoint)
+
+    def new_agent(self) -> Agent:
         return near_agent("pc-left", self.root, "--plugin", STAGES, at=self.endpoint)
 
 
-def befall(run: Near, chance: random.Random, faults: int) -> None:
+class Apart(TwoHosts):
+    """In two network namespaces, joined by a cable that can be pulled."""
+
+    def __init__(self, hosts: Hosts) -> None:
+        super().__init__(hosts.folder)
+        self.hosts = hosts
+        self.agent = self.new_agent()
+        where = ("--connect", hosts.endpoint("pc-left"), "--insecure", "--out", str(self.out), "--json")
+        self.process = hosts.start("desk", "run", self.graph, *self.words, *where)
+
+    def within(self) -> list[str]:
+        return ["ip", "netns", "exec", self.hosts.space("desk")]
+
+    def new_agent(self) -> Agent:
+        return self.hosts.agent("pc-left", "--plugin", STAGES)
+
+    def cut(self, count: int) -> None:
+        """Pull the cable while the camera at the desk makes so many pictures."""
+        self.hosts.link("pc-left", "down")
+        self.goes_on("near", count=count)
+        self.hosts.link("pc-left", "up")
+
+
+def befall(run: TwoHosts, chance: random.Random, faults: int) -> None:
     """Faults one after the other, some of them while the last one is not over yet."""
     workers = list(WORKERS)
     kinds: list[Callable[[], None]] = [
@@ -82,6 +119,8 @@ def befall(run: Near, chance: random.Random, faults: int) -> None:
         lambda: run.kill(chance.choice(workers)),
         lambda: run.hang(chance.choice(workers)),
     ]
+    if isinstance(run, Apart):
+        kinds += [lambda: run.cut(chance.choice([20, 100, 300]))] * 4
     for _ in range(faults):
         with run.asked(*chance.choice([("slow", "step"), ("slow", "save"), ("full", "save")])):
             chance.choice(kinds)()
@@ -96,4 +135,25 @@ def test_journals_agree_with_the_ledger_of_two_hosts(tmp_path: Path) -> None:
         run.kill_agent()
         run.goes_on()
         assert not list(impossible(run.status()))
+        run.judge(run.end())
+
+
+@pytest.fixture
+def hosts(tmp_path: Path) -> Iterator[Hosts]:
+    if not namespaces_are_permitted():
+        pytest.skip("this user may not make network namespaces")
+    with Hosts(tmp_path, ["desk", "pc-left"]) as made:
+        yield made
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(6))
+def test_journals_agree_with_the_ledger_of_hosts_whose_cable_is_pulled(hosts: Hosts, seed: int) -> None:
+    chance = random.Random(seed)
+    with Apart(hosts) as run:
+        run.goes_on()
+        for _ in range(2):
+            befall(run, chance, 3)
+            assert not list(impossible(run.status()))
+        run.goes_on()
         run.judge(run.end())

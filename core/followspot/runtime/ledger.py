@@ -44,7 +44,7 @@ class EdgeCount:
     in_flight: int
     """Sent and not yet accounted for by the reader: 0 after a clean end."""
     lost: int = 0
-    """On their way to or from a worker when it died."""
+    """On their way to or from a worker when it died, or to one that was cut off and did not come back."""
     surplus: int = 0
     """Accounted for by the reader beyond what the sender is known to have sent.
 

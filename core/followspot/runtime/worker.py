@@ -204,6 +204,9 @@ class Worker:
                 problems.append(error)
         for writer, _ in self.writers:
             writer.close()
+        for cell in self.cells:
+            for _, outlet in cell.outlets:
+                outlet.look()  # what was on its way to readers that were cut off
         for inlet in self.readers:
             if inlet.reader is not None:
                 inlet.reader.close()

@@ -32,7 +32,8 @@ class PortWriter(Protocol):
     def perished(self) -> list[tuple[int, int]]:
         """Readers, by their index, that died, and how many messages were on their way to each; told once.
 
-        A reader may have taken one or two more than it had said.
+        After `close` also those that were cut off and did not come back. A reader may have taken one or two
+        more than it had said.
         """
 
     def matched(self) -> bool:

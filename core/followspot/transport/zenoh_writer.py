@@ -198,6 +198,8 @@ class ZenohWriter:
     def close(self) -> None:
         """Undeclare everything; the session stays open."""
         undeclare([*reversed(self._declared), self._publisher])
+        for index in list(self._left):
+            self._note_death(index)
         self._bell.close()
 
     def _notice(self) -> None:
@@ -218,9 +220,9 @@ class ZenohWriter:
 
     def _welcome(self, index: int, incarnation: int) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
-        left = self._left.pop(index, self._messages)
         if self._known.get(index, incarnation) != incarnation:
-            self._perished.append((index, max(0, left - self._reports[index][0])))
+            self._note_death(index)
+        self._left.pop(index, None)
         if self._known.get(index) != incarnation:
             self._given[index] = 0
         self._present[index] = self._known[index] = incarnation
@@ -228,6 +230,11 @@ class ZenohWriter:
         self._reports[index] = self._messages, self._tokens
         self._silent.add(index)
         self._tell_start(index)
+
+    def _note_death(self, index: int) -> None:
+        """What a reader has not reported of all that was put until it went."""
+        left = self._left.pop(index, self._messages)
+        self._perished.append((index, max(0, left - self._reports[index][0])))
 
     def _tell_again(self) -> None:
         """A new link may have swallowed the first words; who does not report is told them again."""

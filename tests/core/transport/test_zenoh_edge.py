@@ -156,6 +156,14 @@ def test_what_was_on_its_way_to_a_reader_that_was_only_cut_off_is_not_lost(pair:
     assert pair.writer.perished() == []
 
 
+def test_what_was_on_its_way_to_a_reader_that_was_cut_off_to_the_end_is_lost(pair: Pair) -> None:
+    pair.writer.send(frame(0))
+    pair.writer._on_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
+    assert drained(pair.writer).lost == frozenset({0})
+    pair.writer.close()
+    assert pair.writer.perished() == [(0, 1)]
+
+
 def drained(writer: ZenohWriter) -> ZenohWriter:
     writer.drain()
     return writer
