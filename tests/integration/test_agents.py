@@ -12,7 +12,18 @@ from typing import Any
 
 import pytest
 from hosts import Agent, free_port, near_agent
-from running import COMMAND, STAGES, Finished, balanced, children, finish, start, wait_until, write_graph
+from running import (
+    COMMAND,
+    STAGES,
+    Finished,
+    alive,
+    balanced,
+    children,
+    finish,
+    start,
+    wait_until,
+    write_graph,
+)
 
 from followspot.deploy.reach import await_named, operating
 from followspot.deploy.requests import agents
@@ -154,6 +165,37 @@ def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
     gone = command("attach", "graph", *room.connect)
     assert gone.returncode == 1
     assert "there is no run graph" in gone.stderr
+
+
+def killed(room: Room) -> subprocess.Popen[str]:
+    """A run whose operator is killed; both agents go on with it."""
+    process = room.begin()
+    grows(room.folder / "out" / "ticks.csv", of_left, 5)
+    process.kill()
+    process.communicate()
+    return process
+
+
+def test_what_a_dead_desk_left_on_hosts_is_ended_by_the_next_run_there(room: Room) -> None:
+    killed(room)
+    (left,) = children(room.agents["pc-left"].process.pid)
+    assert alive(left), "it might be a cable that is out"
+    process = room.begin()
+    assert wait_until(lambda: not alive(left), 60.0)
+    grows(room.folder / "out" / "ticks.csv", of_left, 5)
+    finished = ended(process, room.folder / "out")
+    assert finished.code == 0, finished.errors + json.dumps(finished.summary)
+    said = "was left there by a process of this machine that has died; it was ended"
+    for name in HOSTS:
+        assert any(line.startswith(name) and line.endswith(said) for line in finished.summary["warnings"])
+
+
+@pytest.mark.thorough
+def test_what_a_dead_desk_left_on_hosts_is_ended_by_who_attaches(room: Room) -> None:
+    killed(room)
+    done = command("attach", "graph", "--stop", "--json", *room.connect)
+    assert json.loads(done.stdout)["edges"], done.stderr
+    assert wait_until(lambda: not any(children(agent.process.pid) for agent in room.agents.values()), 60.0)
 
 
 def looked_at_from_elsewhere(run: str, connect: list[str]) -> None:

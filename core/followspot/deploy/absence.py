@@ -7,7 +7,7 @@ from __future__ import annotations
 
 OPERATOR_TIMEOUT = 3600.0
 """Seconds without a word of its operator after which a host ends its part of a run, unless told otherwise."""
-_SILENT = 10.0
+SILENT = 10.0
 """Seconds after which an operator counts as silent; it asks five times a second."""
 _PAUSE = 2.0
 """Seconds between two looks that say that it was this process that slept."""
@@ -47,7 +47,7 @@ class Absence:
         if now - self._heard > self._timeout:
             self.given_up = True
             return f"the operator was silent for {self._timeout:g} s: what runs here is ended"
-        if now - self._heard <= _SILENT:
+        if now - self._heard <= SILENT:
             since, self._silent_since = self._silent_since, None
             return "" if since is None else f"the operator is back after {self._heard - since:.0f} s"
         if self._silent_since is not None:

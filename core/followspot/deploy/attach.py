@@ -14,6 +14,7 @@ from followspot.deploy.coordinator import Coordinator, order_of
 from followspot.deploy.dispatch import Request
 from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import RunOrder, order_from_data
+from followspot.deploy.listing import ListedPart, parts_of
 from followspot.deploy.progress import OnProgress
 from followspot.deploy.reach import Agents, await_named, operating, reached
 from followspot.deploy.report import RunReport
@@ -62,31 +63,14 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
 
 def found(asker: Asker) -> list[Found]:
     """All runs of all agents in reach, the newest of each agent last."""
-    parts: dict[str, dict[str, _Part]] = {}
+    parts: dict[str, dict[str, ListedPart]] = {}
     for agent in sorted(agents(asker.session)):
-        for part in _parts(agent, asker.ask(agent, "runs")):
+        for part in parts_of(asker, agent):
             parts.setdefault(part.run, {})[agent] = part
     return [_found(run, hosts) for run, hosts in parts.items()]
 
 
-@dataclass(frozen=True)
-class _Part:
-    """What an agent says of a run that it has a part in."""
-
-    run: str
-    graph: str
-    over: bool
-
-
-def _parts(agent: str, data: object) -> Sequence[_Part]:
-    """Raises FollowspotError where they are none."""
-    try:
-        return pydantic.TypeAdapter(list[_Part]).validate_python(data)
-    except pydantic.ValidationError as error:
-        raise FollowspotError(f"host {agent}: its runs are none: {error.errors()[0]['msg']}") from None
-
-
-def _found(run: str, hosts: Mapping[str, _Part]) -> Found:
+def _found(run: str, hosts: Mapping[str, ListedPart]) -> Found:
     """A run from what each of its hosts says of it."""
     graph, *_ = (part.graph for part in hosts.values())
     return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))

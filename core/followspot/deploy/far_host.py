@@ -18,8 +18,10 @@ import zenoh
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.order import ChangeOrder
 from followspot.deploy.host import HostLost, HostRefused, HostStatus, RunOrder, status_from_data
+from followspot.deploy.left_behind import end_left_behind
 from followspot.deploy.log.record import page_from_data
 from followspot.deploy.log.run_log import RunLog
+from followspot.deploy.origin import own_origin
 from followspot.deploy.parcel import packed, packed_stages
 from followspot.deploy.requests import Asker
 from followspot.deploy.supervision import SILENCE, Pulse
@@ -27,6 +29,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.runtime.tapping import Tapping
+from followspot.transport.zenoh_network import UNPROVEN
 
 _T = TypeVar("_T")
 _PERIOD = 0.2
@@ -80,8 +83,16 @@ class FarHost:
         self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
-        """Ship the plan. Raises FollowspotError where the agent refuses, HostLost where it is not there."""
+        """Ship the plan. Raises FollowspotError where the agent refuses, HostLost where it is not there.
+
+        What dead operators of this machine left there is ended before.
+        """
         self.run = order.run
+        own = self._asker.own
+        order = replace(order, origin=own_origin("" if own == UNPROVEN else own.name))
+        for line in end_left_behind(self._asker, self.name, order.origin):
+            self._before += (line,)
+            self.log.say("warning", line)
         plan = packed(plan_from_data(order.plan), self.name, self._media)
         self.order = replace(order, plan=plan, out=None)
         self._ask("prepare", _PREPARING, order=self.order.to_data())

@@ -16,6 +16,7 @@ from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.changes.order import ChangeOrder, ChangeStatus
 from followspot.deploy.clocks.status import ClockStatus
 from followspot.deploy.log.run_log import RunLog
+from followspot.deploy.origin import Origin
 from followspot.deploy.report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.ranges import Age, Count, Incarnation, Last, Nanoseconds
@@ -35,7 +36,7 @@ class RunOrder:
     started again; detached: whether it goes on without an operator; incarnations: of workers that were
     started before, under an agent that is gone; over: workers, here or elsewhere, that have ended for good;
     reference: host by whose clock the run goes, whoever joins or leaves later, "" where it began without any
-    that has an agent.
+    that has an agent; origin: the process that operates it.
     """
 
     run: str
@@ -47,6 +48,7 @@ class RunOrder:
     incarnations: dict[str, Incarnation] = field(default_factory=dict)
     over: tuple[str, ...] = ()
     reference: str = ""
+    origin: Origin = Origin()
 
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""
@@ -54,7 +56,8 @@ class RunOrder:
 
     def to_data(self) -> dict[str, Any]:
         """JSON types."""
-        return {name: getattr(self, name) for name in self.__dataclass_fields__}
+        data = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return {**data, "origin": asdict(self.origin)}
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
@@ -98,4 +99,15 @@ class Parts:
 
     def listing(self) -> Sequence[dict[str, Any]]:
         """All, as JSON types."""
-        return [{"run": part.order.run, "graph": part.graph, "over": part.over} for part in self]
+        now = time.monotonic()
+        return [
+            {
+                "run": part.order.run,
+                "graph": part.graph,
+                "over": part.over,
+                "detached": part.order.detached,
+                "silent_s": part.operator.seconds(now),
+                "origin": asdict(part.order.origin),
+            }
+            for part in self
+        ]
