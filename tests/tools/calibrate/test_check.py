@@ -17,7 +17,8 @@ from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room_file import load, save
 from followspot_calibrate.check.agreement import agreement, bias, typical_error, usual_limits
-from followspot_calibrate.check.lengths import measured_length
+from followspot_calibrate.check.findings import Findings
+from followspot_calibrate.check.lengths import MeasuredLength, measured_length
 
 SHARED = Path(__file__).parents[3] / "../shared/data"
 GLOWBALLS = SHARED / "glowballs-dev"
@@ -179,6 +180,18 @@ def test_a_known_length_is_measured_in_mm(
     assert found["length"]["count"] >= 59 - 1
     assert any("scale is off by +4.2 %" in text for text in found["failures"]) == bool(code)
     assert ("the known length is right within 0." in found["verdict"]) == (not code)
+
+
+def test_of_several_failures_the_verdict_names_the_first() -> None:
+    _, pixel = seen_by(CAMERAS[:3])
+    odds = pixel + np.random.default_rng(1).normal(0, 6.0, pixel.shape)
+    points = agreement(CAMERAS[:3], odds, np.arange(200), usual_limits(CAMERAS[:3], None), typical_error)
+    length = MeasuredLength(0.5, 520.0, 0.1, 60)
+    found = Findings(CAMERAS[:3], points, length=length)
+    assert len(found.failures) == 2
+    assert found.blamed == []
+    assert found.verdict == f"not good: {found.failures[0]}"
+    assert "do not agree with each other" in found.verdict
 
 
 def test_a_length_without_a_second_point_is_refused() -> None:

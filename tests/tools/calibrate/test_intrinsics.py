@@ -27,7 +27,7 @@ from followspot_calibrate.boards.detection import Detector, View
 from followspot_calibrate.boards.pictures import live_pictures
 from followspot_calibrate.intrinsics.calibration import calibrate_lens
 from followspot_calibrate.intrinsics.collecting import collect
-from followspot_calibrate.intrinsics.coverage import coverage
+from followspot_calibrate.intrinsics.coverage import Coverage, coverage
 from followspot_calibrate.intrinsics.fitting import fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
 
@@ -141,6 +141,14 @@ def test_few_views_and_bare_parts_of_the_picture_are_told() -> None:
 def test_good_views_give_no_warning() -> None:
     views = seen(lens(), count=30, spread=(0.55, 0.4))
     assert calibrate_lens("cam0", views, BOARD, SIZE, "pinhole").warnings == ()
+
+
+def test_the_darker_a_cell_the_more_corners_it_has() -> None:
+    count = np.zeros((6, 8), int)
+    count[0] = [0, 1, 7, 8, 15, 16, 30, 900]
+    edge, first, *others = Coverage(count).drawing()
+    assert first == "|" + "".join(2 * shade for shade in " ..::*##") + "|"
+    assert others == ["|" + 16 * " " + "|"] * 5 + [edge]
 
 
 def test_coverage_names_what_is_missing() -> None:

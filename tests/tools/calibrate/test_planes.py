@@ -103,6 +103,22 @@ def test_points_in_a_line_and_too_few_points_are_told() -> None:
         fit_plane("wall", CAMERAS, marks(on_floor(5)))
 
 
+@pytest.mark.parametrize(
+    ("elsewhere", "told"),
+    [
+        (0, []),
+        (14, []),
+        (18, ["only 22 of 40 points of floor lie on"]),
+        (20, ["the points of floor are"]),
+    ],
+)
+def test_points_of_several_planes_are_in_doubt(elsewhere: int, told: list[str]) -> None:
+    points = on_floor(40)
+    points[:elsewhere, 2] += 0.4
+    warnings = fit_plane("floor", CAMERAS, marks(points)).warnings
+    assert [text[: len(start)] for text, start in zip(warnings, told, strict=True)] == told
+
+
 @settings(max_examples=50, deadline=None)
 @given(normals, st.floats(-3, 3))
 def test_a_floor_becomes_z_0_and_the_cameras_see_the_same(normal: Array, offset: float) -> None:

@@ -112,6 +112,13 @@ def test_pictures_of_another_size_than_the_rooms_are_told(tmp_path):
         read_points(tmp_path / "points.npz", made_room(cameras=2).cameras)
 
 
+@pytest.mark.parametrize("size", [0, 65536])
+def test_sizes_that_no_picture_has_are_not_taken(tmp_path, size):
+    views = np.array([[0, 0, 64, 48], [0, 0, 64, size]])
+    np.savez(tmp_path / "points.npz", keypoints=np.ones((2, 3, 1, 3), np.float32), views_xywh=views)
+    assert read_points(tmp_path / "points.npz", size=(64, 48)).sizes.tolist() == [[64, 48], [64, 48]]
+
+
 def test_pickles_wrong_shapes_and_other_files_are_refused(tmp_path):
     np.savez(tmp_path / "pickled.npz", keypoints=np.array([{}], dtype=object))
     np.savez(tmp_path / "flat.npz", keypoints=np.ones((2, 3)))

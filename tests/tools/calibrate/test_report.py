@@ -1,5 +1,6 @@
 """The page of a calibration: one file, whole, escaped, readable without scripts."""
 
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -12,12 +13,14 @@ from followspot_calibrate.report import (
     Page,
     calibration_page,
     drift_charts,
+    hue_bars,
     pair_table,
     plain_table,
     write_report,
 )
+from followspot_calibrate.report.elements import html
 from followspot_calibrate.report.pictures import cell_counts
-from followspot_calibrate.report.scene import axes
+from followspot_calibrate.report.scene import axes, floor_grid
 from followspot_calibrate.triangulation import triangulate
 
 VOID = {"meta", "br"}
@@ -107,6 +110,43 @@ def test_the_scene_is_drawn_without_scripts_and_carries_its_points_for_them(tmp_
 def test_axes_are_a_metre_long_or_as_long_as_can_be_seen(radius: float, length: float) -> None:
     ends = [line[1] for (line,), _ in axes(radius)]
     np.testing.assert_allclose(ends, length * np.eye(3))
+
+
+@pytest.mark.parametrize(("radius", "step"), [(4.0, 1.0), (250.0, 10.0)])
+def test_the_grid_of_the_floor_covers_the_scene_in_equal_squares(radius: float, step: float) -> None:
+    center = np.array([3.3, -2.2, 1.0])
+    lines = np.array(floor_grid(center, radius))
+    assert (lines[..., 2] == 0).all()
+    for axis in (0, 1):
+        at = np.unique(lines[lines[:, 0, axis] == lines[:, 1, axis], 0, axis])
+        np.testing.assert_allclose(np.diff(at), step)
+        assert at[0] <= center[axis] - radius
+        assert at[-1] >= center[axis] + radius
+
+
+def test_hues_stand_beside_each_other_in_their_own_colours() -> None:
+    text = html(hue_bars("Hues", {"cam0": np.arange(16.0)}, "").content[0])
+    bars = re.findall(
+        r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)" fill="hsl\((\d+)', text
+    )
+    x, y, width, height, hue = np.array(bars, float).T
+    assert (x[1:] > x[:-1] + width[:-1]).all()
+    np.testing.assert_allclose(y + height, y[0] + height[0], atol=0.1)
+    np.testing.assert_allclose(height, height[-1] * np.arange(16) / 15, atol=0.1)
+    assert hue.tolist() == [int(360 * (n + 0.5) / 16 + 0.5) for n in range(16)]
+
+
+def test_what_was_left_out_is_crossed(tmp_path: Path) -> None:
+    number = r"(-?[\d.]+)"
+    cross = rf"M{number},{number}l{number},{number}m0,{number}l{number},{number}"
+    drawn = [
+        [float(value) for value in found]
+        for path in Outline(written(tmp_path, page())).paths
+        for found in re.findall(cross, path["d"] or "")
+    ]
+    assert len(drawn) > 5
+    for _, _, right, down, back_up, left, down_again in drawn:
+        assert right == down == down_again == -back_up == -left > 0
 
 
 def test_residuals_that_are_lengths_only_are_drawn_too(tmp_path: Path) -> None:

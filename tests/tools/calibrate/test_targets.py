@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -189,4 +190,17 @@ def test_targets_that_look_alike_are_warned_about(studio: Path, capsys: pytest.C
     assert "in the worst camera" in capsys.readouterr().out
     page = (studio / "room.targets.html").read_text()
     assert "look alike in cam0" in page
+    assert 'class="verdict look"' in page
     assert page.count("<rect") == 16 * 3  # a bar for each hue of green, red and rose, seen by one camera
+
+
+def test_targets_that_are_told_apart_are_good(studio: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.rmtree(studio / "clips" / "rose")
+    room = load(studio / "room.yaml")
+    save(replace(room, targets={}), studio / "room.yaml")
+    words = ["--room", str(studio / "room.yaml"), "--clips", str(studio / "clips")]
+    assert main(["calibrate", "targets", *words]) == 0
+    assert capsys.readouterr().err == ""
+    page = (studio / "room.targets.html").read_text()
+    assert 'class="verdict good"' in page
+    assert "2 targets learnt, told apart by colour" in page

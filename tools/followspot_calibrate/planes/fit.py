@@ -19,6 +19,8 @@ TRIALS = 500
 """Random triples of points that are tried as planes."""
 NEAR = 3.0
 """Points within so many sigma of a plane lie on it."""
+MOST = 0.6
+"""Share of the points that should lie on the plane; the one that is found has half of any points on it."""
 NARROW = 0.1
 """Width over length of the points' extent under which they count as lying on a line."""
 UNEVEN = 0.02
@@ -58,7 +60,7 @@ class FittedPlane:
         known = int(np.isfinite(self.distance).sum())
         if self.width < NARROW:
             found.append(f"the points of {self.name} lie nearly on a line; spread them over the plane")
-        if self.kept.sum() < known / 2:
+        if self.kept.sum() < MOST * known:
             found.append(
                 f"only {self.kept.sum()} of {known} points of {self.name} lie on one plane; "
                 "do they belong to several?"
