@@ -13,6 +13,7 @@ from uuid import UUID
 from followspot.deploy.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
 from followspot.deploy.parcel import packed, unpacked
 from followspot.deploy.security.admission import FORMAT, Admission, Asked
+from followspot.deploy.security.grants import Grants
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
@@ -66,7 +67,7 @@ def request_target() -> Target:
 def _unpacked(order: Any) -> object:
     """What an agent does with an order before it starts a worker."""
     found = order_from_data(order)
-    plan = unpacked(found.plan, HOST, None, ())
+    plan = unpacked(found.plan, HOST, Grants(), ())
     return found.here(plan, "out"), plan_from_data(plan).graph
 
 

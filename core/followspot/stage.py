@@ -53,12 +53,25 @@ class PathOut:
     """Marks a parameter that names a file to write, below the run's output folder."""
 
 
+class NetworkOut:
+    """Marks a parameter that names a receiver in the network: a host, or an address with one in it."""
+
+
+class DeviceIn:
+    """Marks a parameter that names a device, or the address of a stream, to open."""
+
+
 Latest = Annotated[T | None, LatestInput()]
 """The newest message, or None before the first."""
 Joined = Annotated[tuple[T, ...], JoinedInput()]
 """One message per connected camera that has one at this time, in the order of the room's cameras."""
 InputPath = Annotated[Path, PathIn()]
 OutputPath = Annotated[Path, PathOut()]
+OutputHost = Annotated[str, NetworkOut()]
+"""An agent lets orders from elsewhere send to its own host alone, unless its owner allows more."""
+InputDevice = Annotated[int | str, DeviceIn()]
+InputAddress = Annotated[str, DeviceIn()]
+"""An agent lets orders from elsewhere open cameras by number alone, unless its owner allows more."""
 
 
 def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any) -> Any:  # noqa: N802
@@ -136,6 +149,9 @@ class Stage:
     """Whether a source delivers in its own time (a device); live sources drop their oldest frame."""
     per_camera: ClassVar[bool] = False
     """Whether an instance serves exactly one camera (`self.camera`)."""
+    tap: ClassVar[bool] = False
+    """Whether a sink may be put at a port of a graph that runs, from outside: it tells those who look on, and
+    nobody else."""
 
     process_together: ClassVar[Callable[..., Any] | None] = None
     """Optional: what `process` of several stages would return, bit for bit, for less than one by one.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cv2
 
-from followspot import Field, StageParams
+from followspot import Field, InputDevice, StageParams
 from followspot_cameras.live import Capture, LiveCamera
 
 
@@ -12,7 +12,9 @@ class Device(LiveCamera):
     """Grab from a USB or built-in camera; connects again when it is unplugged and comes back."""
 
     class Params(StageParams):
-        device: int | str = Field(0, description="number of the camera, or its path, for example /dev/video0")
+        device: InputDevice = Field(
+            0, description="number of the camera, or its path, for example /dev/video0"
+        )
         fps: float = Field(0.0, ge=0, le=1000, description="frame rate to ask for; 0: its own", unit="1/s")
         fourcc: str = Field("", pattern="^(....)?$", description="pixel format to ask for, for example MJPG")
 

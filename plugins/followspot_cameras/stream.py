@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 import cv2
 from pydantic import field_validator
 
-from followspot import Field, StageParams
+from followspot import Field, InputAddress, StageParams
 from followspot_cameras.live import Capture, LiveCamera
 
 SCHEMES = ("rtsp", "rtsps", "http", "https", "udp", "tcp")
@@ -17,7 +17,7 @@ class Stream(LiveCamera):
     """Play a network stream (RTSP, HTTP, UDP, TCP); connects again when it breaks."""
 
     class Params(StageParams):
-        url: str = Field(max_length=2000, description=f"address, one of {', '.join(SCHEMES)}")
+        url: InputAddress = Field(max_length=2000, description=f"address, one of {', '.join(SCHEMES)}")
         open_timeout: float = Field(5.0, gt=0, le=60, description="longest wait for a connection", unit="s")
         read_timeout: float = Field(2.0, gt=0, le=60, description="longest wait for a picture", unit="s")
 

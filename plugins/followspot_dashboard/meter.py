@@ -41,6 +41,7 @@ class Meter(Stage):
         every: float = Field(0.5, gt=0, le=60, description="shortest time between two reports", unit="s")
 
     params: Params
+    tap = True
     line: Line | PostLine | None = None
     monotonic_ns: Callable[[], int] = staticmethod(time.monotonic_ns)
     """A clock, ns."""

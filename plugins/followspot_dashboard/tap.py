@@ -29,6 +29,7 @@ class Tap(Stage):
         longest: int = Field(320, ge=16, le=1920, description="longest side of a picture", unit="px")
 
     params: Params
+    tap = True
     line: Line | PostLine | None = None
 
     def setup(self) -> None:

@@ -20,6 +20,7 @@ class RecordingTap(Stage):
         port: str = Field("", description="port that is recorded, STAGE.PORT; this stage's name unless told")
 
     params: Params
+    tap = True
     courier: Courier | None = None
     heard = False
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from followspot import Field, Stage, StageParams
+from followspot import Field, OutputHost, Stage, StageParams
 from followspot.people import Poses
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import Datagrams
@@ -20,7 +20,7 @@ class OscSink(Stage):
     class Params(StageParams):
         """Where to send, and under which addresses."""
 
-        host: str = Field("127.0.0.1", description="receiver: name, address or multicast group")
+        host: OutputHost = Field("127.0.0.1", description="receiver: name, address or multicast group")
         port: int = Field(9000, ge=1, le=65535, description="UDP port of the receiver", unit="1")
         interface: str = Field("127.0.0.1", description="own address to send into, for a multicast group")
         prefix: str = Field("/followspot", pattern=r"^(/[\w.-]+)+$", description="start of every address")

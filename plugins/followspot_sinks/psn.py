@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Field, Stage, StageParams
+from followspot import Field, OutputHost, Stage, StageParams
 from followspot.messages import Array
 from followspot.people import Poses
 from followspot.tracking import Tracks
@@ -19,7 +19,7 @@ class PsnSink(Stage):
     class Params(StageParams):
         """Where to send, and how the stage lies in the room."""
 
-        host: str = Field(
+        host: OutputHost = Field(
             "236.10.10.10", description="receiver; the group of the standard unless told otherwise"
         )
         port: int = Field(56565, ge=1, le=65535, description="UDP port", unit="1")

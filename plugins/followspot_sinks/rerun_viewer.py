@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from followspot import Field, Message, OutputPath, Stage, StageParams
+from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot_sinks.line_sink import below
 from followspot_sinks.rerun_scene import entity_of, log_cameras, shape_of
@@ -23,7 +23,7 @@ class Rerun(Stage):
 
     class Params(StageParams):
         path: OutputPath = Field("show.rrd", description="the file, below the output folder")
-        viewer: str = Field(
+        viewer: OutputHost = Field(
             "", description="address of a running viewer, rerun+http://HOST:PORT/proxy, instead of a file"
         )
         name: str = Field("", description="what it is called there; this stage's name unless told")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from followspot import Field, Message, Stage, StageParams
+from followspot import Field, Message, OutputHost, Stage, StageParams
 from followspot_sinks.datagrams import Datagrams
 from followspot_sinks.json_lines import as_json
 
@@ -16,7 +16,7 @@ class UdpJson(Stage):
     """Send a JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
 
     class Params(StageParams):
-        host: str = Field("127.0.0.1", description="receiver: name, address or multicast group")
+        host: OutputHost = Field("127.0.0.1", description="receiver: name, address or multicast group")
         port: int = Field(9001, ge=1, le=65535, description="UDP port of the receiver", unit="1")
         interface: str = Field("127.0.0.1", description="own address to send into, for a multicast group")
 

@@ -1,4 +1,4 @@
-"""What may be changed from the page: parameters that are no paths, and stages with the same ports.
+"""What may be changed from the page: parameters that name nothing outside, and stages with the same ports.
 
 A browser sends words, not data: they are checked here, and what they ask for is checked by the run.
 """
@@ -14,12 +14,13 @@ from typing import Any, get_args
 import pydantic
 
 from followspot.errors import FollowspotError
+from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.successor import misfits
 from followspot.plugins.description import describe
 from followspot.plugins.registry import PluginError, catalogue, load_stage
 from followspot.ports import ports
-from followspot.stage import Stage
+from followspot.stage import DeviceIn, NetworkOut, Stage
 
 
 def forms(plan: Plan) -> dict[str, dict[str, Any]]:
@@ -79,7 +80,8 @@ def words_of(change: Change, plan: Plan) -> list[str]:
 
 def _form(planned: PlannedStage, stage: type[Stage], plan: Plan) -> dict[str, Any]:
     paths = {name for name, info in stage.Params.model_fields.items() if _is_path(info.annotation)}
-    parameters = [p for p in describe(planned.uses, stage)["parameters"] if p["name"] not in paths]
+    kept = {*paths, *(n for mark in (DeviceIn, NetworkOut) for n in path_parameters(stage.Params, mark))}
+    parameters = [p for p in describe(planned.uses, stage)["parameters"] if p["name"] not in kept]
     others = [name for name in _importable() if not misfits(planned, stage, load_stage(name), plan)]
     return {"parameters": parameters, "alternatives": sorted({planned.uses, *others})}
 

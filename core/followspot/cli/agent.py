@@ -16,6 +16,22 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", required=True, help="of this host, as rooms and placements know it")
     parser.add_argument("--media", metavar="DIR", help="folder with the files that cameras here may read")
     parser.add_argument(
+        "--send-to",
+        action="append",
+        default=[],
+        metavar="HOST",
+        help="let operators have stages here send to this host or multicast group, as sinks.osc does, "
+        "beside this one; repeatable; any: to every one",
+    )
+    parser.add_argument(
+        "--open",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="let operators have stages here open this device or stream and those below, for example "
+        "/dev/v4l or rtsp://192.168.0.9, beside cameras by number; repeatable; any: every one",
+    )
+    parser.add_argument(
         "--runs", metavar="DIR", default="runs", help="folder for the outputs of stages here (default: runs)"
     )
     parser.add_argument(
@@ -49,13 +65,14 @@ def _seconds(text: str) -> float:
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.agent import Agent, AgentOptions
     from followspot.deploy.security.door import Door
+    from followspot.deploy.security.grants import Grants
     from followspot.transport.zenoh_network import AGENT, everywhere
 
     network = network_of(args, everywhere(args.certificates) if args.discover else AGENT, ())
     options = AgentOptions(
         args.name,
         network,
-        Path(args.media) if args.media else None,
+        Grants(Path(args.media) if args.media else None, tuple(args.send_to), tuple(args.open)),
         Path(args.runs),
         tuple(str(Path(file).absolute()) for file in args.plugin_files),
         round(args.clock_offset * 1e6),
@@ -82,7 +99,8 @@ COMMAND = Command(
   followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
   followspot agent --name pc-left --discover --certificates certs          found by those who discover, too
 
-It runs installed plugins only, and reads and writes files only below --media and --runs.
+It runs installed plugins only, reads and writes files only below --media and --runs, and sends and opens
+only what --send-to and --open allow.
 """,
     _configure,
     _run,

@@ -21,6 +21,7 @@ from followspot.deploy.parcel import tappings_from_data, unpacked, unpacked_stag
 from followspot.deploy.part import Part
 from followspot.deploy.parts import Parts
 from followspot.deploy.requests import Answers, Asker, agents
+from followspot.deploy.security.grants import Grants
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
@@ -41,7 +42,7 @@ _RUN = re.compile(r"[0-9a-f]{8,64}")
 class AgentOptions:
     """What the owner of a host says.
 
-    name: of the host, as rooms and placements know it; media: folder with camera files, None for none;
+    name: of the host, as rooms and placements know it; grants: what operators may have stages use here;
     runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here;
     clock_offset: what the clock of this host is known to be behind, ns; operator_timeout: seconds without a
     word of its operator after which a run ends here, if it is not to go on alone.
@@ -49,7 +50,7 @@ class AgentOptions:
 
     name: str
     network: Network = Network()
-    media: Path | None = None
+    grants: Grants = Grants()
     runs: Path = Path("runs")
     plugin_files: tuple[str, ...] = ()
     clock_offset: int = 0
@@ -153,7 +154,7 @@ class Agent:
         if not _RUN.fullmatch(found.run):
             raise FollowspotError(f"{found.run[:80]!r} cannot be the name of a run")
         self.parts.check_room(found.run)
-        plan = unpacked(found.plan, name, self.options.media, self.options.plugin_files)
+        plan = unpacked(found.plan, name, self.options.grants, self.options.plugin_files)
         graph = plan_from_data(plan).graph
         out = self._folder(found.run)
         hub = (*self.locators, *self.options.network.connect)
@@ -189,7 +190,7 @@ class Agent:
         own = {stage.name for stage in part.run.plan.stages if stage.worker in part.run.workers}
         if strangers := {stage.name for stage in order.stages} - own:
             raise FollowspotError(f"{', '.join(sorted(strangers))} of run {run[:8]} does not run here")
-        part.run.change(replace(order, stages=unpacked_stages(order.stages, self.options.media)))
+        part.run.change(replace(order, stages=unpacked_stages(order.stages, self.options.grants)))
         if order.step == "take_over":
             plan = with_stages(plan_from_data(part.order.plan), order.stages)
             part.order = replace(part.order, plan=plan_to_data(plan))
@@ -201,8 +202,8 @@ class Agent:
         part = self.parts.part(run)
         order = move_from_data(move)
         if order.plan is not None:
-            name, media = self.options.name, self.options.media
-            plan = unpacked(order.plan, name, media, self.options.plugin_files)
+            name, grants = self.options.name, self.options.grants
+            plan = unpacked(order.plan, name, grants, self.options.plugin_files)
             if order.trial:
                 return
             part.order = replace(part.order, plan=order.plan)

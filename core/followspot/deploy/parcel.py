@@ -7,13 +7,13 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
 
+from followspot.deploy.security.grants import Grants
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.plugins.registry import load_stage
-from followspot.ports import ports
-from followspot.runtime.tapping import Tapping
+from followspot.runtime.tapping import Tapping, check_taps
 from followspot.stage import PathIn, PathOut
 
 
@@ -35,10 +35,10 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
     return plan_to_data(replace(plan, room=room, stages=stages, plugin_files=()))
 
 
-def unpacked(data: Any, host: str, media: Path | None, plugin_files: tuple[str, ...]) -> dict[str, Any]:
-    """The plan as the host's workers get it: input files below its own folder `media`, its own plugins.
+def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]) -> dict[str, Any]:
+    """The plan as the host's workers get it: input files below its own media folder, its own plugins.
 
-    Raises FollowspotError where the plan asks for a file elsewhere, or for a stage that is not installed.
+    Raises FollowspotError where the plan asks for what is not granted, or for a stage that is not installed.
     """
     plan = plan_from_data(data)
     if plan.plugin_files:
@@ -48,8 +48,7 @@ def unpacked(data: Any, host: str, media: Path | None, plugin_files: tuple[str, 
     def stage_here(stage: PlannedStage) -> PlannedStage:
         if stage.worker not in mine:
             return stage
-        _check_outputs(stage)
-        return _with_inputs(stage, lambda name: _path_below(name, media, stage.name))
+        return _granted(stage, grants)
 
     stages = tuple(stage_here(stage) for stage in plan.stages)
     return plan_to_data(replace(plan, stages=stages, plugin_files=plugin_files))
@@ -63,24 +62,28 @@ def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedS
     return tuple(_with_inputs(s, lambda p, n=s.name: _name_below(p, media, n)) for s in stages)  # type: ignore[misc]
 
 
-def unpacked_stages(stages: Sequence[PlannedStage], media: Path | None) -> tuple[PlannedStage, ...]:
+def unpacked_stages(stages: Sequence[PlannedStage], grants: Grants) -> tuple[PlannedStage, ...]:
     """Stages as the host's workers get them. Raises FollowspotError; see `unpacked`."""
-    for stage in stages:
-        _check_outputs(stage)
-    return tuple(_with_inputs(s, lambda p, n=s.name: _path_below(p, media, n)) for s in stages)  # type: ignore[misc]
+    return tuple(_granted(stage, grants) for stage in stages)
 
 
 def tappings_from_data(data: Any) -> list[Tapping]:
-    """Taps that came from elsewhere: sinks that neither read nor write files. Raises FollowspotError."""
+    """Taps that came from elsewhere, which have no files here. Raises FollowspotError."""
     found = [Tapping(str(tap["port"]), str(tap["uses"]), dict(tap["params"])) for tap in data]
+    check_taps(found)
     for tapping in found:
         kind = load_stage(tapping.uses)
-        if ports(kind).outputs:
-            raise FollowspotError(f"{tapping.uses} is no sink, so it cannot look at {tapping.port}")
         for mark in (PathIn, PathOut):
             if any(tapping.params.get(name) is not None for name in path_parameters(kind.Params, mark)):
                 raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
     return found
+
+
+def _granted(stage: PlannedStage, grants: Grants) -> PlannedStage:
+    """The stage with its input files as they are here. Raises FollowspotError where it may not be so."""
+    _check_outputs(stage)
+    grants.check(stage)
+    return _with_inputs(stage, lambda name: _path_below(name, grants.media, stage.name))
 
 
 def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:

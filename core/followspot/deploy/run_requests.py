@@ -12,7 +12,7 @@ from followspot.deploy.dispatch import Dispatcher, Request
 from followspot.deploy.log.record import LogPage
 from followspot.deploy.status import RunStatus
 from followspot.graph.ship import plan_to_data
-from followspot.runtime.tapping import Tapping
+from followspot.runtime.tapping import Tapping, check_taps
 from followspot.transport.zenoh_network import Network
 
 
@@ -89,6 +89,10 @@ def run_dispatcher(run: Coordinator, surroundings: Surroundings) -> Dispatcher:
         found = run.status()
         return replace(found, workers=tuple(replace(worker, report=None) for worker in found.workers))
 
+    def tap(request: PlaceTaps) -> None:
+        check_taps(request.taps)
+        run.tap(request.taps)
+
     return Dispatcher(
         {
             GetPlan: lambda _: plan_to_data(run.plan),
@@ -97,7 +101,7 @@ def run_dispatcher(run: Coordinator, surroundings: Surroundings) -> Dispatcher:
             GetSurroundings: lambda _: surroundings,
             ChangeStages: lambda request: run.change(request.words, request.folder, fresh=request.fresh),
             MoveStages: lambda request: run.move(request.stages, request.place),
-            PlaceTaps: lambda request: run.tap(request.taps),
+            PlaceTaps: tap,
             StopRun: lambda _: run.stop(),
         }
     )

@@ -59,7 +59,7 @@ def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[s
 
 
 def path_parameters(params: type[StageParams], mark: type) -> list[str]:
-    """Names of the parameters that are input files (PathIn) or output files (PathOut)."""
+    """Names of the parameters with this mark: PathIn, PathOut, NetworkOut or DeviceIn."""
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]
 
 

@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from followspot.errors import FollowspotError
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
+from followspot.ports import ports
 from followspot.runtime.outlet import Outlet
 from followspot.runtime.worker import Worker
 from followspot.stage import Post, Stage
@@ -48,6 +50,17 @@ class Tap:
         self._stage.close()
 
 
+def check_taps(tappings: Iterable[Tapping]) -> None:
+    """Raises FollowspotError where a stage does not say of itself that it may be put at a port so."""
+    for tapping in tappings:
+        kind = load_stage(tapping.uses)
+        if not kind.tap or ports(kind).outputs:
+            raise FollowspotError(
+                f"{tapping.uses} cannot look at {tapping.port} while the graph runs: it is no tap; "
+                "a sink that other programs need stands in the graph"
+            )
+
+
 def close_taps(worker: Worker) -> None:
     """Let every sink that looks at the worker's ports complete what it does; the last thing in its life."""
     for cell in worker.cells:
@@ -67,6 +80,8 @@ def tap(
     outlets = {
         f"{cell.name}.{port}": (cell, outlet) for cell in worker.cells for port, outlet in cell.outlets
     }
+    tappings = tuple(tappings)
+    check_taps(tappings)
     for tapping in tappings:
         cell, outlet = outlets.get(tapping.port, (None, None))
         if cell is None or outlet is None or tapping in _tappings(outlet):

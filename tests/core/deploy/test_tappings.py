@@ -23,11 +23,13 @@ def test_a_sink_without_files_is_taken() -> None:
     ("taps", "why"),
     [
         (asked("dashboard.tap", folder="/etc"), "no files"),
-        (asked("sinks.csv", path="../tracks.csv"), "no files"),
-        (asked("balls.kalman"), "no sink"),
+        (asked("recording.tap", socket="/run/anything"), "no files"),
+        (asked("sinks.csv", path="../tracks.csv"), "no tap"),
+        (asked("sinks.udp_json", host="203.0.113.9"), "no tap"),
+        (asked("balls.kalman"), "no tap"),
         (asked("nobody.knows"), "nobody.knows"),
     ],
 )
-def test_what_has_files_or_is_no_sink_is_refused(taps: list[dict[str, Any]], why: str) -> None:
+def test_what_has_files_or_is_no_tap_is_refused(taps: list[dict[str, Any]], why: str) -> None:
     with pytest.raises(FollowspotError, match=why):
         tappings_from_data(taps)

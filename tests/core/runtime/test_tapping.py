@@ -26,6 +26,7 @@ stages:
 class Seen(Stage):
     """Remembers what it sees; raises at the fifth if it is told so."""
 
+    tap = True
     seen: ClassVar[list[int]] = []
     closed: ClassVar[list[str]] = []
     raises: ClassVar[type[Exception] | None] = None
