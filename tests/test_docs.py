@@ -80,9 +80,9 @@ def test_every_part_of_a_graph_shown_fits_a_ready_graph(page: str, tmp_path: Pat
 
 
 def test_no_page_shows_python_that_no_test_runs() -> None:
-    """Here, in test_readme.py and in test_tutorial.py."""
+    """Here, in test_readme.py, test_notebook.py and test_tutorial.py."""
     shown = {page for page in PAGES if blocks(page, "python")}
-    assert shown == {"README.md", "calibration.md", "plugins.md", "tutorial.md", "wire.md"}
+    assert shown == {"README.md", "calibration.md", "notebook.md", "plugins.md", "tutorial.md", "wire.md"}
 
 
 def test_the_decoder_of_the_wire_format_decodes() -> None:

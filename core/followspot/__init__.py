@@ -1,5 +1,7 @@
 """followspot: plugin-based dataflow for room-scale multi-camera tracking.
 
+In scripts and notebooks: `run`, `connect`, `check`, `Graph` and `open_recording`.
+
 What plugin authors import: stages (`Stage`, `StageParams`, `Field`, `Latest`, `Joined`), messages
 (`Message`, `column`, `at`) and the room. The message types of tracking stand in `followspot.tracking`.
 Nothing is imported before it is asked for, so that the command line answers at once.
@@ -12,6 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from followspot.errors import FollowspotError, InputError
+    from followspot.library.connect import ConnectedRun, connect
+    from followspot.library.graph import Graph
+    from followspot.library.recording import open_recording
+    from followspot.library.report import Report
+    from followspot.library.run import OwnRun, RunFailed, check, run
+    from followspot.library.subscription import Subscription
     from followspot.messages import Array, Header, Message, at, column
     from followspot.room import Camera, Room, Target
     from followspot.stage import (
@@ -28,10 +36,22 @@ if TYPE_CHECKING:
         Stage,
         StageParams,
     )
+    from followspot.transport.zenoh_network import Network
 
 _HOME = {
     "FollowspotError": "errors",
     "InputError": "errors",
+    "ConnectedRun": "library.connect",
+    "connect": "library.connect",
+    "Graph": "library.graph",
+    "open_recording": "library.recording",
+    "Report": "library.report",
+    "OwnRun": "library.run",
+    "RunFailed": "library.run",
+    "check": "library.run",
+    "run": "library.run",
+    "Subscription": "library.subscription",
+    "Network": "transport.zenoh_network",
     "Array": "messages",
     "Header": "messages",
     "Message": "messages",
@@ -57,9 +77,11 @@ _HOME = {
 __all__ = [
     "Array",
     "Camera",
+    "ConnectedRun",
     "Context",
     "Field",
     "FollowspotError",
+    "Graph",
     "Header",
     "InputAddress",
     "InputDevice",
@@ -68,15 +90,24 @@ __all__ = [
     "Joined",
     "Latest",
     "Message",
+    "Network",
     "OutputHost",
     "OutputPath",
+    "OwnRun",
+    "Report",
     "Room",
+    "RunFailed",
     "Source",
     "Stage",
     "StageParams",
+    "Subscription",
     "Target",
     "at",
+    "check",
     "column",
+    "connect",
+    "open_recording",
+    "run",
 ]
 
 
@@ -84,3 +115,7 @@ def __getattr__(name: str) -> Any:
     if name in _HOME:
         return getattr(import_module(f"followspot.{_HOME[name]}"), name)
     raise AttributeError(f"module 'followspot' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -77,6 +77,9 @@ class Mistake:
         """What to do, in words."""
         return str(self.help)
 
+    def __str__(self) -> str:
+        return self.render()
+
     def render(self, lines_of: Callable[[str], Sequence[str]] | None = None) -> str:
         """The mistake as help: place and text, then the line with a caret and the remedy below it.
 

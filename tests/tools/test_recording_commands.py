@@ -12,10 +12,10 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 
 from followspot.cli.main import main
+from followspot.graph.output_ports import chosen_ports
 from followspot.graph.plan import Plan, PlannedStage, PlannedWorker
 from followspot.testing import tiny_room
 from followspot_record.embedded import recorded_plan
-from followspot_record.ports import chosen
 from followspot_record.record import Target, with_recording
 from followspot_recording.recording import Recording
 
@@ -285,9 +285,9 @@ def test_what_is_no_recording_is_named(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_words_choose_ports() -> None:
     ports = ("camera/cam0.out", "camera/cam1.out", "track.tracks", "track.forecast")
-    assert chosen("camera", ports, "--ports") == ports[:2]
-    assert chosen("track.tracks, camera/cam1", ports, "--ports") == ports[1:3]
-    assert chosen(None, ports, "--ports") == ports
+    assert chosen_ports("camera", ports, "--ports") == ports[:2]
+    assert chosen_ports("track.tracks, camera/cam1", ports, "--ports") == ports[1:3]
+    assert chosen_ports(None, ports, "--ports") == ports
 
 
 @pytest.mark.parametrize(

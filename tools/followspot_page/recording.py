@@ -16,11 +16,11 @@ from typing import Any
 
 from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError
+from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.runtime.tapping import Tapping
 from followspot.transport.keys import look_key
 from followspot_record.order import Order
-from followspot_record.ports import chosen, output_ports
 
 TAP = "recording.tap"
 _BEGINNING, _ENDING = 30.0, 8.0
@@ -52,7 +52,7 @@ class RecordButton:
             raise FollowspotError('recordings need mcap: pip install "followspot[recording]"')
         if self._process is not None:
             raise FollowspotError("it is recorded already")
-        names = chosen(words or None, output_ports(plan), "record")
+        names = chosen_ports(words or None, output_ports(plan), "record")
         around = await asyncio.to_thread(run.surroundings)
         if around.out is None:
             raise FollowspotError("recordings are written on the operator's host; start them there")

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from followspot import Room
 from followspot.errors import InputError, Mistake
+from followspot.graph.output_ports import chosen_ports
 from followspot.messages import Message
 from followspot.people import Gradients
 from followspot.tracking import Frame
 from followspot_record.embedded import plan_of_recording
 from followspot_record.formats import FORMATS, Port
-from followspot_record.ports import chosen
 from followspot_record.record import PLAN
 from followspot_recording.contract import contract_of, message_type, type_name
 from followspot_recording.decoding import decoded
@@ -35,7 +35,7 @@ def export_command(args: argparse.Namespace) -> int:
         raise InputError([Mistake(None, f"export --to {args.to} needs {form.needs}", remedy)])
     folder = Path(args.folder)
     with Recording(args.recording) as recording:
-        names = chosen(args.ports, recording.ports, "--ports")
+        names = chosen_ports(args.ports, recording.ports, "--ports")
         if args.ports is None:
             left_out = HEAVY if form.pictures else (*HEAVY, PICTURES)
             names = tuple(name for name in names if recording.ports[name].schema not in left_out)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import importlib.util
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from followspot.cli.graph_options import add_change_options, add_graph_options, add_plugin_option
 from followspot.cli.run import add_run_options
 from followspot.errors import InputError, Mistake
-from followspot.plugins.hooks import Command, PlanOptions, hookimpl, load_plan_options
+from followspot.plugins.hooks import Command, PlanOptions, RecordingReader, hookimpl, load_plan_options
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -56,6 +57,18 @@ def followspot_commands() -> Sequence[Command]:
         Command("verify", VERIFY, configure_verify, verify),
         Command("export", EXPORT, configure_export, export),
     ]
+
+
+@hookimpl
+def followspot_recording_readers() -> Sequence[RecordingReader]:
+    """MCAP files."""
+    return [RecordingReader(".mcap", _open)]
+
+
+def _open(path: Path) -> Any:
+    from followspot_record.recorded import RecordedRun
+
+    return RecordedRun(path)
 
 
 @hookimpl

@@ -15,10 +15,10 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.document import Node, child, read
 from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.graph.ship import plan_to_data
 from followspot.plugins.registry import catalogue, load_stage
-from followspot_record.ports import chosen, output_ports
 
 SINK = "recording.sink"
 PLAN = "plan.json"
@@ -72,7 +72,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
     path = Path(args.record).absolute()
     if problem := _unsuitable(path):
         raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
-    names = chosen(args.record_ports, output_ports(plan), "--record-ports")
+    names = chosen_ports(args.record_ports, output_ports(plan), "--record-ports")
     params = {
         "pictures": args.record_pictures,
         "compression": args.record_compression,

@@ -15,6 +15,7 @@ from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.graph.compile import compile_graph
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.load import Loaded
+from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.plugins.hooks import load_plan_options
@@ -22,7 +23,6 @@ from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_record.embedded import recorded_plan
 from followspot_record.played import NAMES, Clip, played, replays
-from followspot_record.ports import chosen, output_ports
 from followspot_recording.recording import Recording
 
 
@@ -34,7 +34,7 @@ def replay_command(args: argparse.Namespace) -> int:
     with Recording(args.recording) as recording:
         if recording.problem:
             print(f"followspot: {recording.problem}", file=sys.stderr)
-        more = chosen(args.ports, recording.ports, "--ports") if args.ports else ()
+        more = chosen_ports(args.ports, recording.ports, "--ports") if args.ports else ()
         plan = _other_graph(args, recording) if args.graph else recorded_plan(recording, args.plugin_files)
         if args.seed is not None:
             plan = replace(plan, seed=args.seed)

@@ -15,9 +15,8 @@ from typing import Any
 
 from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError, did_you_mean
+from followspot.graph.output_ports import output_ports, port_names
 from followspot.messages import InvalidMessage, Message
-from followspot.plugins.registry import load_stage
-from followspot.ports import ports
 from followspot.runtime.tapping import Tapping
 from followspot.transport.bell import Bell
 from followspot.wire import unpack
@@ -49,14 +48,13 @@ def chosen(word: str | None, run: RunHandle) -> list[HeardPort]:
     """
     plan, near = run.plan(), run.surroundings().out is not None
     hosts = {worker.name: worker.host for worker in plan.workers}
+    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
     known = [
-        HeardPort(f"{stage.name}.{port.name}", port.type, hosts[stage.worker])
-        for stage in plan.stages
-        for port in ports(load_stage(stage.uses)).outputs
+        HeardPort(name, kind, home[name.rpartition(".")[0]]) for name, kind in output_ports(plan).items()
     ]
-    found = [port for port in known if word is None or word in _names(port.name)]
+    found = [port for port in known if word is None or word in port_names(port.name)]
     if not found:
-        remedy = did_you_mean(str(word), {name for port in known for name in _names(port.name)}, "ports")
+        remedy = did_you_mean(str(word), {name for port in known for name in port_names(port.name)}, "ports")
         raise FollowspotError(f'there is no port "{word}"; {remedy}')
     heard = [port for port in found if port.host or near]
     if not heard:
@@ -182,9 +180,3 @@ def _listen_afar(stack: ExitStack, ear: Ear, run: RunHandle, far: Mapping[str, s
         looking(session, look_key(run.run, host, port, uses), ear.taker(port)) for port, host in far.items()
     ]
     stack.callback(undeclare, subscribers)
-
-
-def _names(port: str) -> tuple[str, str, str, str]:
-    stage, _, name = port.rpartition(".")
-    group = stage.partition("/")[0]
-    return group, stage, f"{group}.{name}", port

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.cli.summary import table
 from followspot.deploy.connect import connected_run
 from followspot.deploy.run_handle import RunHandle
 from followspot.deploy.status import is_unheard
+from followspot.deploy.summary import table
 from followspot.plugins.registry import use_plugin_files
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK

@@ -9,9 +9,9 @@ import time
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.cli.summary import table
 from followspot.deploy.clocks.status import LIMIT_MS
 from followspot.deploy.connect import connected_run
+from followspot.deploy.summary import table
 from followspot.runtime.ledger import LOSSES
 from followspot.transport.zenoh_network import AGENT, LOOPBACK
 from followspot_watch.picture_of_run import RunPicture

@@ -21,8 +21,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
+    from followspot.deploy import summary
     from followspot.deploy.attach import attached
     from followspot.deploy.launch import interruptible
     from followspot.transport.zenoh_network import AGENT, LOOPBACK

@@ -60,9 +60,9 @@ def _run(args: argparse.Namespace) -> int:
 def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan as the options say and print the summary. Returns the exit code."""
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
-    from followspot.cli import summary
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
+    from followspot.deploy import summary
     from followspot.deploy.launch import run_plan
     from followspot.deploy.truth import run_person_scores, run_scores
     from followspot.runtime.wiring import RunOptions

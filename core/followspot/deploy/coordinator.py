@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import uuid
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from threading import Lock
@@ -87,13 +87,18 @@ class Coordinator:
         self.stopped = True
         self._stop_asked = True
 
-    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+    def execute(
+        self, on_progress: OnProgress | None = None, on_begin: Callable[[], None] = lambda: None
+    ) -> RunReport:
         """Start all workers together, run to the end, gather the report. Leaves nothing behind.
 
-        Raises FollowspotError where a host refuses its part.
+        on_begin: called when all have begun, or will not. Raises FollowspotError where a host refuses its
+        part.
         """
         try:
-            return self.watch(on_progress if self.begin() else None)
+            begun = self.begin()
+            on_begin()
+            return self.watch(on_progress if begun else None)
         finally:
             self._close()
 

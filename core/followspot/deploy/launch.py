@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import signal
+import socket
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from types import FrameType
 from typing import Protocol
@@ -14,6 +18,7 @@ from followspot.deploy.progress import OnProgress
 from followspot.deploy.reachable import reachable
 from followspot.deploy.report import RunReport
 from followspot.deploy.run_requests import Surroundings, run_dispatcher
+from followspot.deploy.worker_process import Process, start_process
 from followspot.graph.plan import Plan
 from followspot.runtime.wiring import RunOptions
 from followspot.transport.zenoh_network import Network
@@ -48,30 +53,63 @@ def run_plan(
     too, as they are in live runs; on_log: gets each record of the log. Raises InputError where an agent is
     missing.
     """
-    order = order_of(plan, options, restart=restart or any(stage.live for stage in plan.stages))
+    ready = prepared(plan, options, network=network, media=media, restart=restart, on_log=on_log)
+    with ready as (run, around):
+        return _reachable(run, on_progress, around)
+
+
+@contextmanager
+def prepared(
+    plan: Plan,
+    options: RunOptions,
+    *,
+    network: Network = Network(),
+    media: Path = Path(),
+    restart: bool = False,
+    on_log: OnLog | None = None,
+    in_process: Collection[str] = (),
+) -> Iterator[tuple[Coordinator, Surroundings]]:
+    """A run that has not begun, and what is around it; see `run_plan`.
+
+    in_process: workers of this host that are threads of this process; a plan's only worker always is.
+    Raises InputError where an agent is missing.
+    """
+    restart = restart or plan.live
     if network.public or any(worker.host for worker in plan.workers):
         from followspot.deploy.reach import reached
 
-        with reached(plan, network, media) as (hosts, others):
+        start = partial(_started, in_process)
+        order = order_of(plan, options, restart=restart)
+        with reached(plan, network, media, start) as (hosts, others):
             around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
-            return _reachable(Coordinator(plan, hosts, order, on_log, others), on_progress, around)
-    return _reachable(
-        local_run(plan, options, on_log, restart=order.restart),
-        on_progress,
-        Surroundings(options.out.resolve()),
-    )
+            yield Coordinator(plan, hosts, order, on_log, others), around
+            return
+    run = local_run(plan, options, on_log, restart=restart, in_process=in_process)
+    yield run, Surroundings(options.out.resolve())
 
 
 def local_run(
-    plan: Plan, options: RunOptions, on_log: OnLog | None = None, *, restart: bool = False
+    plan: Plan,
+    options: RunOptions,
+    on_log: OnLog | None = None,
+    *,
+    restart: bool = False,
+    in_process: Collection[str] = (),
 ) -> Coordinator:
-    """A run on this host alone: one worker is a thread of this process, several are processes."""
-    if len(plan.workers) > 1:
-        return Coordinator(plan, [HostRun("")], order_of(plan, options, restart=restart), on_log)
+    """A run on this host alone; see `prepared`."""
+    if len(plan.workers) == 1:  # a thread cannot be started again in place of one that hangs
+        in_process, restart = (plan.workers[0].name,), False
+    host = HostRun("", start=partial(_started, in_process))
+    return Coordinator(plan, [host], order_of(plan, options, restart=restart), on_log)
+
+
+def _started(in_process: Collection[str], name: str, end: socket.socket) -> Process:
+    """A worker of this host: a thread of this process, or a process of its own. Raises OSError."""
+    if name not in in_process:
+        return start_process(name, end)
     from followspot.deploy.worker_thread import WorkerThread
 
-    host = HostRun("", start=WorkerThread)
-    return Coordinator(plan, [host], order_of(plan, options, restart=False), on_log)
+    return WorkerThread(name, end)
 
 
 def _reachable(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:

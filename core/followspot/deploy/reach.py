@@ -15,6 +15,7 @@ from followspot.deploy.far_host import FarHost
 from followspot.deploy.host import Host, Others
 from followspot.deploy.host_run import HostRun
 from followspot.deploy.requests import Asker, agents
+from followspot.deploy.worker_process import Start, start_process
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.transport.zenoh_network import Network
@@ -55,17 +56,20 @@ class Agents:
 
 
 @contextmanager
-def reached(plan: Plan, network: Network, media: Path) -> Iterator[tuple[Sequence[Host], Others]]:
+def reached(
+    plan: Plan, network: Network, media: Path, start: Start = start_process
+) -> Iterator[tuple[Sequence[Host], Others]]:
     """The hosts of a plan: this one, and agents for the others; and whoever else there is.
 
-    media: folder here whose files agents have below their own. Raises InputError where an agent is missing.
+    media: folder here whose files agents have below their own; start: of a worker here. Raises InputError
+    where an agent is missing.
     """
     names = dict.fromkeys(worker.host for worker in plan.workers)
     with operating(network) as session:
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
         others = Agents(Asker(session, network.own), media)
-        near = HostRun("", network, hub, HostClock(others.asker))
+        near = HostRun("", network, hub, HostClock(others.asker), start)
         yield [others.host(name) if name else near for name in names], others
 
 

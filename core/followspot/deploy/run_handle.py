@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +45,6 @@ Raises NoAnswer if none comes within so many seconds, FollowspotError if the run
 """
 
 
-@dataclass(frozen=True)
 class RunHandle:
     """A run: how it is, what it says, and what can be done to it.
 
@@ -55,10 +53,11 @@ class RunHandle:
     operator's process if that is on this machine.
     """
 
-    run: str
-    graph: str
-    ask: Ask
-    pid: int | None = None
+    def __init__(self, run: str, graph: str, ask: Ask, pid: int | None = None) -> None:
+        self.run = run
+        self.graph = graph
+        self.ask = ask
+        self.pid = pid
 
     @property
     def label(self) -> str:

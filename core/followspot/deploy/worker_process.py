@@ -38,11 +38,11 @@ class Process(Protocol):
         """End it at once."""
 
 
-Start = Callable[[socket.socket], Process]
-"""Starts a worker that speaks on this end of its control channel."""
+Start = Callable[[str, socket.socket], Process]
+"""Starts a worker of this name that speaks on this end of its control channel."""
 
 
-def start_process(end: socket.socket) -> Process:
+def start_process(_name: str, end: socket.socket) -> Process:
     """Start a worker in a process of its own. Raises OSError."""
     return subprocess.Popen(
         [sys.executable, "-m", "followspot.deploy.child", str(end.fileno())],
@@ -61,7 +61,7 @@ class WorkerProcess:
         """Start the worker; it waits for its plan. Raises OSError."""
         ours, theirs = socket.socketpair()
         with theirs:
-            self.process = start(theirs)
+            self.process = start(name, theirs)
         self.name = name
         self.incarnation = incarnation
         self.channel = Channel(ours, takes_descriptors=False)

@@ -15,11 +15,11 @@ from followspot.deploy.log.collector import collecting
 class WorkerThread:
     """`Process` that is a thread. It cannot be killed: it ends when its control channel is closed."""
 
-    def __init__(self, end: socket.socket) -> None:
+    def __init__(self, name: str, end: socket.socket) -> None:
         self.child = Child(Channel(end.dup()), in_process=True)
         self.pid = os.getpid()
         self._exit_code: int | None = None
-        self._thread = threading.Thread(target=self._live, name="worker", daemon=True)
+        self._thread = threading.Thread(target=self._live, name=f"worker {name}", daemon=True)
         self._thread.start()
 
     def poll(self) -> int | None:

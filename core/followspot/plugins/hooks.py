@@ -12,6 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any
 
 import pluggy
@@ -64,6 +65,17 @@ class PlanOptions:
     watch: Callable[[argparse.Namespace], AbstractContextManager[None]] = _nobody
 
 
+@dataclass(frozen=True)
+class RecordingReader:
+    """Opens recordings for scripts (`followspot.open_recording`). suffix: of the files, for example `.mcap`.
+
+    open: gets the path, returns what the script holds, raises FollowspotError.
+    """
+
+    suffix: str
+    open: Callable[[Path], Any]
+
+
 class Hooks:
     """What a package can add to followspot."""
 
@@ -74,6 +86,10 @@ class Hooks:
     @hookspec
     def followspot_plan_options(self) -> Sequence[PlanOptions]:  # type: ignore[empty-body]
         """Options to add to run, check and graph, which change the plan."""
+
+    @hookspec
+    def followspot_recording_readers(self) -> Sequence[RecordingReader]:  # type: ignore[empty-body]
+        """Formats of recordings that scripts can open."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +109,7 @@ class LoadedHooks:
     modules: tuple[HookModule, ...]
     commands: tuple[Command, ...]
     plan_options: tuple[PlanOptions, ...]
+    readers: tuple[RecordingReader, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -102,6 +119,7 @@ class _Offer:
     problem: str = ""
     commands: list[Command] = field(default_factory=list)
     plan_options: list[PlanOptions] = field(default_factory=list)
+    readers: list[RecordingReader] = field(default_factory=list)
 
 
 @cache
@@ -110,11 +128,13 @@ def load_hooks() -> LoadedHooks:
     modules: list[HookModule] = []
     commands: list[Command] = []
     plan_options: list[PlanOptions] = []
+    readers: list[RecordingReader] = []
     taken = dict.fromkeys(RESERVED, "followspot")
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         offer = _load(entry)
         problem = offer.problem
         plan_options += offer.plan_options
+        readers += offer.readers
         for command in offer.commands:
             other = taken.get(command.title) or taken.get(command.parent or "")
             if other:
@@ -124,7 +144,7 @@ def load_hooks() -> LoadedHooks:
                 commands.append(command)
         distribution = entry.dist.name if entry.dist is not None else "?"
         modules.append(HookModule(entry.name, entry.value, distribution, problem))
-    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options))
+    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options), tuple(readers))
 
 
 def load_commands() -> Sequence[Command]:
@@ -148,13 +168,16 @@ def _load(entry: EntryPoint) -> _Offer:
         problem = _silent(module)
         commands = [command for offered in manager.hook.followspot_commands() for command in offered]
         options = [option for offered in manager.hook.followspot_plan_options() for option in offered]
+        readers = [reader for offered in manager.hook.followspot_recording_readers() for reader in offered]
     except (Exception, SystemExit) as error:
         return _Offer(" ".join(f"{type(error).__name__}: {error}".split()))
     if not all(isinstance(command, Command) for command in commands):
         return _Offer("followspot_commands returns something that is no Command")
     if not all(isinstance(option, PlanOptions) for option in options):
         return _Offer("followspot_plan_options returns something that is no PlanOptions")
-    return _Offer(problem, commands, options)
+    if not all(isinstance(reader, RecordingReader) for reader in readers):
+        return _Offer("followspot_recording_readers returns something that is no RecordingReader")
+    return _Offer(problem, commands, options, readers)
 
 
 def _silent(module: object) -> str:

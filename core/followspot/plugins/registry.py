@@ -68,6 +68,24 @@ def use_plugin_files(paths: Sequence[str]) -> None:
             _files[stage.name] = stage
 
 
+_offered: dict[str, type[Stage]] = {}
+"""Stages of this process alone, by name."""
+OFFERED = "here."
+"""What the names of stages begin with that exist in this process only."""
+
+
+def offer_stage(stage: type[Stage]) -> str:
+    """Let graphs of this process use a class that stands in no installed package; its name in a graph.
+
+    A later class of the same name takes its place, as when the cell of a notebook is run again.
+    Raises SignatureError if it is no stage.
+    """
+    ports(stage)
+    name = OFFERED + re.sub(r"(?<!^)(?=[A-Z])", "_", stage.__name__).lower()
+    _offered[name] = stage
+    return name
+
+
 @cache
 def catalogue() -> Mapping[str, StageEntry]:
     """All installed stages by name; nothing is imported."""
@@ -101,6 +119,13 @@ def load_stage(name: str) -> type[Stage]:
         return _for_port(general, port.removesuffix("]"))
     if name in _files:
         return _files[name].stage
+    if name in _offered:
+        return _offered[name]
+    if name.startswith(OFFERED):
+        raise PluginError(
+            f"{name} exists only in the process that offers it",
+            "put it into a file, and name that with --plugin",
+        )
     entry = catalogue().get(name)
     if entry is None:
         raise PluginError(f'no stage "{name}" is installed', did_you_mean(name, stage_names(), "stages"))

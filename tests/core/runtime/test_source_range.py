@@ -26,7 +26,7 @@ def run(folder: Path, stage: str, time: int, seq: int = 0) -> tuple[str, ...]:
 
 @pytest.mark.parametrize("stage", ["at", "stamped"])
 @pytest.mark.parametrize(
-    ("time", "seq"), [(MAX_TIME + 1, 0), (-MAX_TIME - 1, 0), (2**63 - 1, 0), (2**63, 0), (0, MAX_SEQ + 1)]
+    ("time", "seq"), [(MAX_TIME + 1, 0), (-MAX_TIME - 1, 0), (2**63 - 1, 0), (0, MAX_SEQ + 1)]
 )
 def test_a_source_out_of_range_fails_by_name(tmp_path: Path, stage: str, time: int, seq: int) -> None:
     (error,) = run(tmp_path, stage, time, seq)

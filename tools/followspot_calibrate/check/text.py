@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.cli.summary import table
+from followspot.deploy.summary import table
 from followspot.messages import Array
 from followspot_calibrate.check.against import Comparison
 from followspot_calibrate.check.agreement import Agreement

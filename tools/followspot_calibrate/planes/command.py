@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from followspot import Room
-from followspot.cli.summary import table
+from followspot.deploy.summary import table
 from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
 from followspot.messages import Array
 from followspot.room_file import load, update

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Camera
-from followspot.cli.summary import table
+from followspot.deploy.summary import table
 from followspot.messages import Array
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rods import measured

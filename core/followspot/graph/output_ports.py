@@ -1,0 +1,46 @@
+"""The output ports of a plan, and which of them a word such as `camera` or `track.tracks` names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+
+from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.graph.plan import Plan
+from followspot.messages import Message
+from followspot.plugins.registry import load_stage
+from followspot.ports import ports as ports_of
+
+
+def output_ports(plan: Plan) -> Mapping[str, type[Message]]:
+    """Every output port of the plan, STAGE.PORT, with the type of its messages."""
+    outputs = {stage.name: ports_of(load_stage(stage.uses)).outputs for stage in plan.stages}
+    return {f"{name}.{port.name}": port.type for name, found in outputs.items() for port in found}
+
+
+def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[str, ...]:
+    """The ports, STAGE.PORT each, that the words name; all if nothing is said. Raises InputError.
+
+    A word is a stage (all its cameras and ports), STAGE.PORT (of all its cameras), STAGE/CAMERA, or both;
+    several are separated by commas. option: what the user wrote them after.
+    """
+    known = tuple(ports)
+    if words is None:
+        return known
+    mistakes = []
+    found: set[str] = set()
+    for word in dict.fromkeys(word.strip() for word in words.split(",")):
+        named = [port for port in known if word in port_names(port)]
+        found.update(named)
+        if not named:
+            remedy = did_you_mean(word, {name for port in known for name in port_names(port)}, "ports")
+            mistakes.append(Mistake(None, f'{option}: there is no port "{word}"', remedy))
+    if mistakes:
+        raise InputError(mistakes)
+    return tuple(port for port in known if port in found)
+
+
+def port_names(port: str) -> tuple[str, str, str, str]:
+    """What a port may be called: cam0's `camera/cam0.out` is camera, camera/cam0 and camera.out, too."""
+    stage, _, name = port.rpartition(".")
+    group = stage.partition("/")[0]
+    return group, stage, f"{group}.{name}", port

@@ -1,0 +1,42 @@
+"""A run that goes on elsewhere, held by a script."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from types import TracebackType
+from typing import Self
+
+from followspot.deploy.connect import connected_run
+from followspot.deploy.run_handle import RunHandle
+from followspot.transport.zenoh_network import Network
+
+
+class ConnectedRun(RunHandle):
+    """A run of another process, or under agents. Closing it leaves the run to itself."""
+
+    def __init__(self, wanted: str | None, network: Network | None) -> None:
+        """Raises FollowspotError if there is no such run, or several."""
+        self._stack = ExitStack()
+        found = self._stack.enter_context(connected_run(wanted, network))
+        super().__init__(found.run, found.graph, found.ask, found.pid)
+
+    def close(self) -> None:
+        """Let go of the run; it goes on."""
+        self._stack.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+def connect(run: str | None = None, *, network: Network | None = None) -> ConnectedRun:
+    """A handle on a run that goes on: on this machine, else under agents that `network` leads to.
+
+    run: the graph's name, the beginning of the run's, or the process id of its operator; None if there is
+    one run. Raises FollowspotError if there is no such run, or several.
+    """
+    return ConnectedRun(run, network)

@@ -1,0 +1,174 @@
+"""A graph that is composed in Python instead of a file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal
+
+import yaml
+
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.expand import ROOM_SOURCE
+from followspot.graph.plan import Plan
+from followspot.graph.show import svg
+from followspot.plugins.registry import load_stage, offer_stage
+from followspot.ports import ports
+from followspot.stage import Stage
+
+
+@dataclass(frozen=True)
+class PortOf:
+    """An output port of a stage, to feed inputs from; port: "" for the only one."""
+
+    stage: str
+    port: str = ""
+    delay: int = 0
+    depth: int | None = None
+    policy: Literal["block", "drop_oldest", "latest"] | None = None
+
+    def delayed(self, firings: int) -> PortOf:
+        """Feedback: the message of so many firings ago."""
+        return replace(self, delay=firings)
+
+    def queued(self, depth: int, policy: Literal["block", "drop_oldest", "latest"] | None = None) -> PortOf:
+        """With room for so many messages, and what happens in a live run if they are more."""
+        return replace(self, depth=depth, policy=policy)
+
+    def to_data(self) -> Any:
+        """As a graph file has it."""
+        name = f"{self.stage}.{self.port}" if self.port else self.stage
+        more = {"delay": self.delay or None, "depth": self.depth, "policy": self.policy}
+        given = {key: value for key, value in more.items() if value is not None}
+        return {"from": name, **given} if given else name
+
+
+class StageOf:
+    """A stage of a graph. Its outputs are attributes: ``track.forecast``."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __getattr__(self, port: str) -> PortOf:
+        if port.startswith("_"):
+            raise AttributeError(port)
+        return PortOf(self.name, port)
+
+    def __repr__(self) -> str:
+        return f"<stage {self.name}>"
+
+
+class Graph:
+    """A graph under construction; `run` and `check` take it in place of a file.
+
+    ::
+
+        graph = fs.Graph("mine", room="rooms/simulated.yaml")
+        camera = graph.add("camera", "room.source", each="cameras")
+        color = graph.add("color", "balls.color_blobs", each="cameras[kind=color]", frame=camera)
+        graph.save("mine.yaml")
+    """
+
+    def __init__(self, name: str, *, room: str | Path | None = None, seed: int | None = None) -> None:
+        """room: a room file, relative to the present folder; seed: of all random numbers."""
+        self.name = name
+        self.room = None if room is None else Path(room)
+        self.seed = seed
+        self.stages: dict[str, dict[str, Any]] = {}
+
+    def add(
+        self,
+        name: str,
+        uses: str | type[Stage],
+        /,
+        *,
+        each: str | None = None,
+        on_error: Literal["fail", "skip", "restart"] | None = None,
+        tolerance: float | None = None,
+        deadline: float | None = None,
+        **arguments: Any,
+    ) -> StageOf:
+        """Add a stage.
+
+        uses: the plugin stage, or a class of this process, which can run in this process only; each: what the
+        stage fans out over, for example ``cameras[kind=color]``; arguments: inputs (a stage, a port of one,
+        or a list of them) and parameters, by name. tolerance, deadline: s. Raises FollowspotError if the
+        stage is not known, or the name is taken.
+        """
+        if name in self.stages:
+            raise FollowspotError(f'stage "{name}" is there already')
+        used = uses if isinstance(uses, str) else offer_stage(uses)
+        inputs = set() if used == ROOM_SOURCE else {port.name for port in ports(load_stage(used)).inputs}
+        feeds = {key: _feed(value) for key, value in arguments.items() if key in inputs}
+        params = {key: _plain(value) for key, value in arguments.items() if key not in inputs}
+        entry = {
+            "uses": used,
+            "each": each,
+            "in": feeds or None,
+            "with": params or None,
+            "on_error": on_error,
+            "tolerance": tolerance,
+            "deadline": deadline,
+        }
+        self.stages[name] = {key: value for key, value in entry.items() if value is not None}
+        return StageOf(name)
+
+    def port(self, name: str) -> PortOf:
+        """A port of a stage that may be added later: ``graph.port("track.forecast").delayed(1)``."""
+        stage, _, port = name.partition(".")
+        return PortOf(stage, port)
+
+    def to_yaml(self, room: Path | None = None) -> str:
+        """The graph as a file; room: as it is to be named there, as it was given unless told."""
+        named = self.room if room is None else room
+        data: dict[str, Any] = {"graph": self.name}
+        data |= {} if named is None else {"room": str(named)}
+        data |= {} if self.seed is None else {"seed": self.seed}
+        return str(yaml.safe_dump({**data, "stages": self.stages}, sort_keys=False, width=110))
+
+    def save(self, path: str | Path) -> Path:
+        """Write the graph file; the room is named relative to it where it can be. Raises OSError."""
+        target = Path(path)
+        room = self.room and self.room.absolute()
+        if room is not None and room.is_relative_to(target.absolute().parent):
+            room = room.relative_to(target.absolute().parent)
+        target.write_text(self.to_yaml(room), encoding="utf-8")
+        return target
+
+    def plan(self, **options: Any) -> Plan:
+        """What `followspot.graph.compile.compile_graph` makes of it. Raises InputError with every mistake."""
+        with TemporaryDirectory(prefix="followspot-graph-") as folder:
+            path = Path(folder) / f"{self.name}.yaml"
+            path.write_text(self.to_yaml(self.room and self.room.absolute()), encoding="utf-8")
+            return compile_graph(path, **options)
+
+    def _repr_svg_(self) -> str:
+        return svg(self.plan())
+
+    def __repr__(self) -> str:
+        return f"<Graph {self.name}: {', '.join(self.stages) or 'no stages'}>"
+
+
+def _feed(value: Any) -> Any:
+    """What feeds an input, as a graph file has it. Raises FollowspotError."""
+    if isinstance(value, StageOf):
+        return value.name
+    if isinstance(value, PortOf):
+        return value.to_data()
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [_feed(item) for item in value]
+    raise FollowspotError(f"an input is fed from a stage or a port, not from {value!r}")
+
+
+def _plain(value: Any) -> Any:
+    """A parameter in YAML's types."""
+    if isinstance(value, Path):
+        return str(value.absolute())
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return value

@@ -1,0 +1,132 @@
+"""What a run did, for people and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from followspot.accuracy import PersonsScore, TargetScore, persons_table, table, to_json
+from followspot.deploy import summary
+from followspot.deploy.report import RunReport
+from followspot.runtime.ledger import COUNTS
+
+
+class Table:
+    """Rows under headings; `to_pandas` where pandas is installed."""
+
+    def __init__(self, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        self.columns = tuple(columns)
+        self.rows = tuple(tuple(row) for row in rows)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return (dict(zip(self.columns, row, strict=True)) for row in self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame. Raises ImportError where pandas is not installed."""
+        import pandas
+
+        return pandas.DataFrame(list(self.rows), columns=list(self.columns))
+
+    def __repr__(self) -> str:
+        return summary.table(self.columns, [[_text(cell) for cell in row] for row in self.rows])
+
+    def _repr_html_(self) -> str:
+        def line(cells: Sequence[Any], tag: str) -> str:
+            return "<tr>" + "".join(f"<{tag}>{escape(_text(cell))}</{tag}>" for cell in cells) + "</tr>"
+
+        return f"<table>{line(self.columns, 'th')}{''.join(line(row, 'td') for row in self.rows)}</table>"
+
+
+class Report:
+    """The end of a run: its ledger, latency and accuracy as tables, warnings and errors.
+
+    out: the folder of its outputs; targets, persons: how well each was tracked, if the room knows the truth.
+    """
+
+    def __init__(
+        self,
+        run: RunReport,
+        out: Path,
+        targets: Mapping[str, TargetScore],
+        persons: PersonsScore | None,
+    ) -> None:
+        self.run = run
+        self.out = out
+        self.targets = dict(targets)
+        self.persons = persons
+
+    @property
+    def frames(self) -> int:
+        """Messages that the busiest source sent."""
+        return self.run.frames
+
+    @property
+    def seconds(self) -> float:
+        """From the start of all workers to the end of the last."""
+        return self.run.seconds
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it was ended before its sources were."""
+        return self.run.stopped
+
+    @property
+    def ok(self) -> bool:
+        """Whether the run did what it was asked, and every message is accounted for."""
+        return self.run.ok
+
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """What went wrong; empty if nothing did."""
+        return (*self.run.errors, *self.run.unbalanced)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Of all workers, and what broke and was mended."""
+        return self.run.warnings
+
+    @cached_property
+    def ledger(self) -> Table:
+        """What became of the messages of each edge."""
+        rows = [
+            (
+                f"{edge.from_stage}.{edge.from_port}",
+                f"{edge.to_stage}.{edge.to_port}",
+                edge.kind,
+                *(getattr(count, name) for name in COUNTS),
+            )
+            for edge, count in self.run.edges
+        ]
+        return Table(("from", "to", "kind", *COUNTS), rows)
+
+    @cached_property
+    def latency(self) -> Table:
+        """From each source to each sink, ms; worst_id: the message that took longest."""
+        paths = [path for worker in self.run.workers for path in worker.paths]
+        rows = [(p.origin, p.sink, p.count, p.p50_ms, p.p95_ms, p.worst_ms, p.worst_id) for p in paths]
+        return Table(("from", "to", "count", "p50_ms", "p95_ms", "worst_ms", "worst_id"), rows)
+
+    @cached_property
+    def accuracy(self) -> Table:
+        """A row for each target; empty if the room knows no truth."""
+        found = to_json(self.targets)
+        columns = list(next(iter(found.values()), {}))
+        return Table(("target", *columns), [(name, *row.values()) for name, row in found.items()])
+
+    def __repr__(self) -> str:
+        tables = [table(self.targets)] * bool(self.targets)
+        tables += [persons_table(self.persons)] if self.persons is not None else []
+        return summary.text(self.run, "\n\n".join(tables))
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{escape(repr(self))}</pre>"
+
+
+def _text(cell: Any) -> str:
+    return f"{cell:.2f}" if isinstance(cell, float) else str(cell)

@@ -1,0 +1,202 @@
+"""A run that a script or a notebook starts and holds."""
+
+from __future__ import annotations
+
+import json
+import threading
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from followspot.deploy.dispatch import Dispatcher, Request
+from followspot.deploy.launch import prepared
+from followspot.deploy.reachable import reachable
+from followspot.deploy.report import RunReport
+from followspot.deploy.run_handle import RunHandle
+from followspot.deploy.run_requests import run_dispatcher
+from followspot.deploy.truth import run_person_scores, run_scores
+from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.graph.arrange import EdgeChoice
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.library.graph import Graph
+from followspot.library.report import Report
+from followspot.library.subscribed import Subscribed
+from followspot.library.subscription import Subscription
+from followspot.runtime.wiring import RunOptions
+from followspot.transport.zenoh_network import Network
+
+_BEGIN = 120.0
+"""Seconds that stages may take to be set up before a run answers."""
+
+
+class RunFailed(FollowspotError):
+    """The run ended with errors; the text has them."""
+
+
+def plan_of(
+    graph: str | Path | Graph,
+    *,
+    room: str | Path | None = None,
+    set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
+    placement: str | Path | None = None,
+    seed: int | None = None,
+    plugin_files: Sequence[str | Path] = (),
+    edges: EdgeChoice = "auto",
+) -> Plan:
+    """The plan of a graph with these options, as `followspot run` has them. Raises InputError."""
+    options: dict[str, Any] = {
+        "room": room,
+        "placement": placement,
+        "overrides": [f"{name}={_word(value)}" for name, value in (set or {}).items()],
+        "plugin_files": plugin_files,
+        "edges": edges,
+        "seed": seed,
+    }
+    return graph.plan(**options) if isinstance(graph, Graph) else compile_graph(graph, **options)
+
+
+def check(graph: str | Path | Graph, **options: Any) -> list[Mistake]:
+    """Every mistake in a graph, its room and its placement, as data; nothing is started.
+
+    options: room, set, placement, seed, plugin_files and edges, as `run` takes them.
+    """
+    try:
+        plan_of(graph, **options)
+    except InputError as error:
+        return list(error.mistakes)
+    return []
+
+
+def run(
+    graph: str | Path | Graph,
+    *,
+    room: str | Path | None = None,
+    set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
+    placement: str | Path | None = None,
+    ports: Sequence[str] = (),
+    out: str | Path | None = None,
+    frames: int | None = None,
+    seed: int | None = None,
+    plugin_files: Sequence[str | Path] = (),
+    edges: EdgeChoice = "auto",
+    restart: bool = False,
+    network: Network = Network(),
+    media: str | Path = ".",
+) -> OwnRun:
+    """Start a graph and return a handle on the run; use it in a ``with`` block, which ends the run.
+
+    ports: STAGE.PORT of subscriptions that miss nothing: ``run["track.tracks"]`` iterates over the messages
+    from the first one on; in a replay a slow loop holds up the run, in a live run it misses messages, which
+    are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, a new
+    one below ``runs`` unless told; frames: of each source; the rest is as `followspot run` has it. Raises
+    InputError with every mistake.
+    """
+    plan = plan_of(
+        graph, room=room, set=set, placement=placement, seed=seed, plugin_files=plugin_files, edges=edges
+    )
+    subscribed = Subscribed(plan, ports)
+    folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
+    folder.mkdir(parents=True, exist_ok=True)
+    ready = prepared(
+        subscribed.plan,
+        RunOptions(folder, frames),
+        network=network,
+        media=Path(media),
+        restart=restart,
+        in_process=subscribed.in_process,
+    )
+    return OwnRun(subscribed, ready, folder)
+
+
+class OwnRun(RunHandle):
+    """A run of this process. Its thread goes on until the sources end, `stop`, or the end of the block."""
+
+    def __init__(self, subscribed: Subscribed, ready: Any, out: Path) -> None:
+        super().__init__("", subscribed.plan.graph, self._asked)
+        self.out = out
+        self._subscribed = subscribed
+        self._dispatcher: Dispatcher | None = None
+        self._report: RunReport | None = None
+        self._error: BaseException | None = None
+        self._begun = threading.Event()
+        subscribed.failure = self._failure
+        self._thread = threading.Thread(target=self._live, args=(ready,), name="run", daemon=True)
+        self._thread.start()
+        self._begun.wait(_BEGIN)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._subscribed.close()
+        if self._thread.is_alive() and self._dispatcher is not None:
+            self.stop()
+        self._thread.join()
+        if kind is None:
+            self._raise()
+
+    def __getitem__(self, port: str) -> Subscription:
+        """The messages of a port; one of `ports=` gives all of them, any other the newest from now on."""
+        found = self._subscribed.found(port)
+        if found is None:
+            raise KeyError(f"{port} is not subscribed to: name it in ports=")
+        return found
+
+    def wait(self) -> Report:
+        """Wait for the end of the run; what it did. Raises RunFailed if it failed."""
+        self._thread.join()
+        self._raise()
+        return self.report
+
+    @property
+    def report(self) -> Report:
+        """What the run did, after its end. Raises FollowspotError before it."""
+        if self._thread.is_alive():
+            raise FollowspotError("the run goes on; leave its block, or wait() for its end")
+        if self._report is None:
+            raise RunFailed(str(self._error)) from self._error
+        plan, frames = self._subscribed.plan, self._report.frames
+        targets, persons = run_scores(plan, self.out, frames), run_person_scores(plan, self.out, frames)
+        return Report(self._report, self.out, targets, persons)
+
+    def _live(self, ready: Any) -> None:
+        try:
+            with ready as (coordinator, around):
+                self.run = coordinator.name
+                self._dispatcher = run_dispatcher(coordinator, around)
+                with reachable(self.run, self.graph, self._dispatcher):
+                    self._report = coordinator.execute(on_begin=self._begun.set)
+        except BaseException as error:
+            self._error = error
+        finally:
+            self._begun.set()
+            self._subscribed.end()
+
+    def _asked(self, request: Request, timeout: float) -> Any:
+        if self._dispatcher is None or not self._thread.is_alive():
+            raise FollowspotError("the run has ended")
+        return self._dispatcher.dispatch(request)
+
+    def _failure(self) -> Exception | None:
+        """What the run failed with, once it is over."""
+        self._thread.join()
+        if isinstance(self._error, FollowspotError):
+            return self._error
+        if self._error is not None:
+            return RunFailed(repr(self._error))
+        errors = self._report.errors if self._report is not None else ()
+        return RunFailed("\n".join(errors)) if errors else None
+
+    def _raise(self) -> None:
+        if (error := self._failure()) is not None:
+            raise error
+
+
+def _word(value: Any) -> str:
+    """A value as `--set` takes it."""
+    return value if isinstance(value, str) else json.dumps(value, default=str)

@@ -1,0 +1,103 @@
+"""A plan with sinks for the ports that a script subscribes to before the run begins."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from uuid import uuid4
+
+from followspot.errors import FollowspotError
+from followspot.graph.output_ports import chosen_ports, output_ports
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.library.sink import offer_subscriptions, withdraw_subscriptions
+from followspot.library.subscription import Subscription
+from followspot.plugins.registry import OFFERED
+
+_WORKER = "python"
+"""The worker of the sinks, a thread of this process, if the graph has several workers."""
+_SINK = "followspot.subscription"
+
+
+class Subscribed:
+    """plan: with the sinks; in_process: the workers that are threads of this process."""
+
+    def __init__(self, plan: Plan, words: Sequence[str]) -> None:
+        """words: ports, as people name them.
+
+        Raises InputError if a port is not there, FollowspotError if a class of this process is to run
+        elsewhere.
+        """
+        self.in_process = (plan.workers[0].name,) if len(plan.workers) == 1 else (_WORKER,)
+        self.failure: Callable[[], Exception | None] = lambda: None
+        """What the run failed with."""
+        self._subscriptions: dict[str, Subscription] = {}
+        self._keys: list[str] = []
+        _check_offered(plan)
+        self.plan = self._with_sinks(plan, words)
+
+    def found(self, word: str) -> Subscription | None:
+        """The subscription of this name, if it was asked for in time."""
+        return self._subscriptions.get(word)
+
+    def close(self) -> None:
+        """Nobody reads any more."""
+        for subscription in self._subscriptions.values():
+            subscription.close()
+
+    def end(self) -> None:
+        """The run is over."""
+        for key in self._keys:
+            withdraw_subscriptions(key)
+        for subscription in self._subscriptions.values():
+            subscription.end()
+
+    def _with_sinks(self, plan: Plan, words: Sequence[str]) -> Plan:
+        known = output_ports(plan)
+        takers: dict[str, list[Subscription]] = defaultdict(list)
+        for word in words:
+            subscription = Subscription(
+                word,
+                lossless=not plan.live,
+                failure=lambda: self.failure(),
+                siblings=self._subscriptions.values(),
+            )
+            self._subscriptions[word] = subscription
+            for port in chosen_ports(word, known, "ports"):
+                takers[port].append(subscription)
+                subscription.join()
+        for port, subscriptions in takers.items():
+            plan = self._with_sink(plan, port, subscriptions)
+        worker = self.in_process[0]
+        if takers and worker not in {found.name for found in plan.workers}:
+            plan = replace(plan, workers=(*plan.workers, PlannedWorker(worker)))
+        return plan
+
+    def _with_sink(self, plan: Plan, port: str, subscriptions: Sequence[Subscription]) -> Plan:
+        key = uuid4().hex
+        self._keys.append(key)
+        offer_subscriptions(key, subscriptions)
+        sender, _, output = port.rpartition(".")
+        worker = self.in_process[0]
+        name = f"subscription-{port.replace('/', '-').replace('.', '-')}"
+        sink = PlannedStage(name, name, _SINK, {"key": key}, None, worker, live=False)
+        edge = PlannedEdge(sender, output, name, "message", _kind(plan, sender, worker))
+        return replace(plan, stages=(*plan.stages, sink), edges=(*plan.edges, edge))
+
+
+def _kind(plan: Plan, sender: str, worker: str) -> EdgeKind:
+    """The nearest kind of edge from a stage to a worker of this host."""
+    (home,) = (stage.worker for stage in plan.stages if stage.name == sender)
+    if home == worker:
+        return "reference"
+    return "zenoh" if any(found.host for found in plan.workers if found.name == home) else "ring"
+
+
+def _check_offered(plan: Plan) -> None:
+    """Classes of this process can run in this process only. Raises FollowspotError."""
+    offered = [stage.name for stage in plan.stages if stage.uses.startswith(OFFERED)]
+    if offered and len(plan.workers) > 1:
+        raise FollowspotError(
+            f"{', '.join(offered)}: a class of this process cannot run beside several workers; "
+            "put it into a file and name that in plugin_files, or run without a placement"
+        )

@@ -1,0 +1,223 @@
+"""followspot in a script: graphs are composed, checked and run, and a run is held by a handle."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from pathlib import Path
+
+import pytest
+
+import followspot as fs
+from followspot.graph.compile import compile_graph
+from followspot.graph.ship import plan_to_data
+from followspot.tracking import Blobs, Tracks
+
+GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
+ROOM = GRAPH.parent / "rooms" / "simulated.yaml"
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+ENDLESS = """
+graph: endless
+stages:
+  a: {uses: ticks.live, with: {count: 1000000, period: 0.001}}
+  b: {uses: ticks.add, in: {number: a}}
+"""
+
+
+class Low(fs.Stage):
+    """Keep the tracks below a height."""
+
+    class Params(fs.StageParams):
+        height: float = fs.Field(1.0, gt=0, description="highest position kept", unit="m")
+
+    params: Params
+
+    def process(self, tracks: Tracks) -> Tracks:
+        return tracks.where(tracks.xyz[:, 2] < self.params.height)
+
+
+def composed() -> fs.Graph:
+    """graphs/glowballs.yaml without its bridge, and with a stage of this file at its end."""
+    graph = fs.Graph("mine", room=ROOM)
+    forecast = graph.port("track.forecast").delayed(1)
+    camera = graph.add("camera", "room.source", each="cameras")
+    color = graph.add(
+        "color", "balls.color_blobs", each="cameras[kind=color]", frame=camera, forecast=forecast
+    )
+    infrared = graph.add(
+        "infrared", "balls.ir_blobs", each="cameras[kind=infrared]", frame=camera, forecast=forecast
+    )
+    verify = graph.add("verify", "balls.verify_pairs", blobs=[color, infrared], forecast=forecast)
+    found = graph.add("triangulate", "balls.triangulate", pairs=verify, forecast=forecast)
+    fuse = graph.add("fuse", "balls.mean_shift", candidates=found, forecast=forecast, steps=40)
+    track = graph.add("track", "balls.kalman", positions=fuse)
+    graph.add("low", Low, tracks=track.tracks, height=1.2)
+    return graph
+
+
+@pytest.mark.parametrize("placement", [None, "camera"])
+def test_a_subscription_misses_nothing_and_the_run_is_changed_on_the_way(
+    tmp_path: Path, placement: str | None
+) -> None:
+    seen = []
+    with fs.run(
+        GRAPH,
+        set={"fuse.uses": "balls.bundle", "color.similarity": 0.8},
+        frames=60,
+        placement=placement,
+        ports=["track.tracks"],
+        out=tmp_path,
+    ) as run:
+        for tracks in run["track.tracks"]:
+            seen.append(tracks.header.seq)
+            if len(seen) == 1:
+                assert run.set("color.similarity", 0.85).stages[0].params == {"similarity": 0.85}
+                assert run.swap("fuse", "balls.mean").stages[0].uses == "balls.mean"
+    assert seen == list(range(60))
+    report = run.report
+    assert report.ok
+    assert report.frames == 60
+    assert {row["target"] for row in report.accuracy} == {"green", "red", "blue"}
+    assert all(row["in_flight"] == 0 for row in report.ledger)
+    assert (tmp_path / "tracks.csv").exists()
+    assert "<table>" in report.ledger._repr_html_()
+    assert "accuracy against ground truth" in repr(report)
+
+
+def test_two_ports_in_one_subscription_come_as_they_are_made(tmp_path: Path) -> None:
+    with fs.run(GRAPH, frames=10, ports=["track.tracks,color"], out=tmp_path) as run:
+        kinds = [type(message) for message in run["track.tracks,color"]]
+    assert (kinds.count(Tracks), kinds.count(Blobs)) == (10, 30)
+
+
+def test_a_port_that_nobody_reads_is_named_before_it_holds_up_the_run_for_ever(tmp_path: Path) -> None:
+    with (
+        fs.run(GRAPH, frames=200, ports=["track.tracks", "color"], out=tmp_path) as run,
+        pytest.raises(fs.FollowspotError, match="nobody reads color, which holds up the run"),
+    ):
+        list(run["track.tracks"])
+
+
+def test_leaving_the_loop_ends_the_run_at_the_end_of_the_block(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], ports=["b"], out=tmp_path / "out") as run:
+        for number in run["b"]:
+            if number.header.seq > 3:
+                break
+        assert run.status().fired >= 0
+        assert not run.over()
+    assert run.over()
+    assert run.report.stopped
+    assert run.report.ok
+    with pytest.raises(fs.FollowspotError, match="the run has ended"):
+        run.set("b.term", 2)
+
+
+def test_an_exception_in_the_block_ends_the_run_and_is_the_one_that_is_raised(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    run = fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], ports=["b"], out=tmp_path / "out")
+
+    def interrupted() -> None:
+        with run:
+            next(run["b"])
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert run.over()
+
+
+def test_a_stage_that_fails_ends_the_loop_with_its_error(tmp_path: Path) -> None:
+    class Fails(fs.Stage):
+        """Raises at the third message."""
+
+        def process(self, tracks: Tracks) -> Tracks:
+            if tracks.header.seq == 3:
+                raise ValueError("three is too many")
+            return tracks
+
+    graph = composed()
+    graph.add("fails", Fails, tracks=graph.port("low"))
+    run = fs.run(graph, frames=10, ports=["fails"], out=tmp_path)
+    with pytest.raises(fs.RunFailed, match="three is too many"):
+        list(run["fails"])
+    with pytest.raises(fs.RunFailed, match="three is too many"):
+        run.wait()
+    assert not run.report.ok
+
+
+def test_messages_come_to_an_event_loop_as_well(tmp_path: Path) -> None:
+    async def count() -> int:
+        with fs.run(GRAPH, frames=20, ports=["track.tracks"], out=tmp_path) as run:
+            return len([tracks async for tracks in run["track.tracks"]])
+
+    assert asyncio.run(count()) == 20
+
+
+def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_process(tmp_path: Path) -> None:
+    graph = composed()
+    assert fs.check(graph) == []
+    assert graph._repr_svg_().startswith("<svg")
+    with fs.run(graph, frames=15, ports=["low"], out=tmp_path) as run:
+        heights = [tracks.xyz[:, 2].max(initial=0.0) for tracks in run["low"]]
+    assert len(heights) == 15
+    assert max(heights) < 1.2
+    with pytest.raises(fs.FollowspotError, match="low: a class of this process cannot run beside"):
+        fs.run(graph, placement="camera", out=tmp_path)
+
+
+def test_a_saved_graph_is_the_same_as_the_composed_one(tmp_path: Path) -> None:
+    graph = composed()
+    del graph.stages["low"]
+    assert plan_to_data(compile_graph(graph.save(tmp_path / "mine.yaml"))) == plan_to_data(graph.plan())
+
+
+def test_mistakes_are_data_with_their_places() -> None:
+    (mistake,) = fs.check(GRAPH, set={"fuse.stepz": 3})
+    assert 'no parameter "stepz"' in mistake.text
+    assert 'did you mean "steps"' in mistake.remedy
+    graph = composed()
+    with pytest.raises(fs.FollowspotError, match="is there already"):
+        graph.add("camera", "room.source")
+    with pytest.raises(fs.FollowspotError, match="did you mean"):
+        graph.add("other", "balls.mean_shif")
+
+
+def test_another_script_holds_the_same_run(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], out=tmp_path / "out") as run:
+        with fs.connect(run.run) as other:
+            assert other.plan().graph == "endless"
+            assert other.set("b.term", 5).stages[0].params == {"term": 5}
+            assert [worker.phase for worker in other.status().workers] == ["running"]
+        assert not run.over()
+        with fs.connect(run.run) as other:
+            other.stop()
+        assert run.wait().stopped
+
+
+def test_the_handle_is_safe_from_many_threads(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], out=tmp_path / "out") as run:
+        problems: list[BaseException] = []
+
+        def meddle(number: int) -> None:
+            try:
+                for term in range(5):
+                    run.set("b.term", 10 * number + term)
+                    run.status()
+            except BaseException as error:
+                problems.append(error)
+
+        threads = [threading.Thread(target=meddle, args=(number,)) for number in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert problems == []
+
+
+def test_editors_see_everything() -> None:
+    assert {"run", "connect", "check", "Graph", "open_recording", "Stage", "at"} <= set(dir(fs))
+    for name in dir(fs):
+        assert getattr(fs, name) is not None

@@ -1,0 +1,95 @@
+"""A recording as scripts hold it: `followspot.open_recording("show.mcap")`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+from followspot import Room
+from followspot.errors import FollowspotError, did_you_mean
+from followspot.graph.plan import Plan
+from followspot.messages import Message
+from followspot_record.embedded import plan_of_recording
+from followspot_record.export import recorded_room, type_of
+from followspot_record.rows import headings, rows
+from followspot_recording.decoding import decoded
+from followspot_recording.recording import Recording
+
+
+class RecordedPort:
+    """The messages of one port, in order: iterate over them, or take them as a table."""
+
+    def __init__(self, recording: Recording, name: str) -> None:
+        """Raises FollowspotError if the messages cannot be read by this version."""
+        self.name = name
+        self.type: type[Message] = type_of(recording.ports[name])
+        self._recording = recording
+
+    def __iter__(self) -> Iterator[Message]:
+        return iter(decoded(self._recording, self.name, self.type))
+
+    def to_pandas(self) -> Any:
+        """A DataFrame with a row for each row of each message. Raises ImportError without pandas."""
+        import pandas
+
+        found = [row for message in self for row in rows(message)]
+        return pandas.DataFrame(found, columns=list(headings(self.type)))
+
+    def __repr__(self) -> str:
+        return f"<{self.name}: {self.type.__name__}>"
+
+
+class RecordedRun:
+    """A recorded run: its ports by name, the plan that was run and its room. Close it, or use ``with``."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises FollowspotError if the file is no recording."""
+        self._recording = Recording(path)
+        self.path = path
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """STAGE.PORT of all that was recorded."""
+        return tuple(self._recording.ports)
+
+    @property
+    def plan(self) -> Plan:
+        """What was run. Raises FollowspotError if the file does not say."""
+        return plan_of_recording(self._recording)
+
+    @property
+    def room(self) -> Room:
+        """The room that it was recorded in; an empty one if the file does not say."""
+        return recorded_room(self._recording)
+
+    @property
+    def problem(self) -> str:
+        """Why the file ends early, as far as is known by now; empty if it is whole."""
+        return self._recording.problem
+
+    def __getitem__(self, port: str) -> RecordedPort:
+        if port not in self._recording.ports:
+            raise FollowspotError(
+                f'{self.path} has no port "{port}"; {did_you_mean(port, self.ports, "ports")}'
+            )
+        return RecordedPort(self._recording, port)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.ports)
+
+    def close(self) -> None:
+        """Close the file."""
+        self._recording.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<recording {self.path}: {', '.join(self.ports) or 'no ports'}>"
