@@ -30,6 +30,8 @@ STEP = 50_000_000
 """By how much the clock of a host jumps, ns."""
 CUT_S = 2.5
 """Seconds for which cables are pulled and agents stopped: longer than a peer may be silent."""
+LONG_S = 12.0
+"""Seconds for which hosts do not hear of each other: after 10 s an agent counts its operator as silent."""
 _DISK = 8 << 20
 """Bytes of the disk that the run writes to."""
 _LAST = 10_000
@@ -114,6 +116,33 @@ class Show:
         time.sleep(CUT_S)
         self.hosts.link(name, "up")
 
+    def cut_link_for_long(self) -> None:
+        """The same for longer."""
+        name = self.chance.choice(SIDES)
+        self.hosts.link(name, "down")
+        time.sleep(LONG_S)
+        self.hosts.link(name, "up")
+
+    def cut_one_way(self) -> None:
+        """What is sent to a host, or to the desk, does not arrive; what it sends does."""
+        name = self.chance.choice(("desk", *SIDES))
+        self.hosts.deafen(name, True)
+        time.sleep(LONG_S)
+        self.hosts.deafen(name, False)
+
+    def stop_operator(self) -> None:
+        """The operator's process is suspended; the workers of the desk go on."""
+        self.run.send_signal(signal.SIGSTOP)
+        time.sleep(LONG_S)
+        self.run.send_signal(signal.SIGCONT)
+
+    def keep_router_away(self) -> None:
+        """The router dies and is started again later."""
+        self.router.kill()
+        self.router.communicate()
+        time.sleep(LONG_S)
+        self.router = self._router()
+
     def restart_router(self) -> None:
         """The router dies and is started again."""
         self.router.kill()
@@ -151,6 +180,9 @@ class Show:
         router: subprocess.Popen[str] = self.hosts.start(
             "middle", "router", "--listen", self.endpoint, "--insecure"
         )
+        assert router.stderr is not None
+        while "listens on" not in (line := router.stderr.readline()):
+            assert line, "the router ended"
         return router
 
     def _agent(self, name: str) -> Agent:
@@ -165,9 +197,13 @@ FAULTS: dict[str, Callable[[Show], None]] = {
     "agent killed": Show.kill_agent,
     "agent hangs": Show.stop_agent,
     "link down": Show.cut_link,
+    "link down for long": Show.cut_link_for_long,
+    "cut one way": Show.cut_one_way,
+    "operator suspended": Show.stop_operator,
     "router restarted": Show.restart_router,
+    "router away": Show.keep_router_away,
     "disk full": Show.fill_disk,
     "clock steps": Show.step_clock,
 }
-UNSEEN = ("router restarted", "disk full", "clock steps")
-"""Faults after which no worker or host is away for long enough to be missed."""
+UNSEEN = ("operator suspended", "router restarted", "disk full", "clock steps")
+"""Faults in which no worker or host is away for long enough to be missed, or nobody is there to miss them."""
