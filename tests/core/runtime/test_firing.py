@@ -97,13 +97,14 @@ def test_join_goes_on_without_a_stream_that_ended() -> None:
     assert join.bound() == END
 
 
-def test_plain_input_without_its_partner_is_unmatched_not_fired() -> None:
+@pytest.mark.parametrize("start", [0, 500 * MS])
+def test_plain_input_without_its_partner_is_unmatched_not_fired(start: int) -> None:
     bench = Bench(2)
     join = bench.plain()
-    bench.inlets[0].put(tick(0))
-    bench.inlets[0].put(tick(33 * MS))
-    bench.inlets[1].put(tick(33 * MS))
-    assert join.ready() == 33 * MS
+    bench.inlets[0].put(tick(start))
+    bench.inlets[0].put(tick(start + 33 * MS))
+    bench.inlets[1].put(tick(start + 33 * MS))
+    assert join.ready() == start + 33 * MS
     assert bench.ledger.count(0).unmatched == 1
 
 

@@ -65,6 +65,7 @@ def test_stages_that_are_alike_work_together_and_give_what_each_gives_alone(tmp_
     assert sum(sizes) >= 10 + 9 + 7 - 2, "at most the gap is bridged alone"
     assert report.ok
     assert [fired(report)[name] for name in "xyz"] == [10, 9, 7]
+    assert 0 < sum(stage.busy_ms for worker in report.workers for stage in worker.stages) < 60_000
 
 
 def test_stages_with_other_parameters_work_alone(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import mmap
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 from followspot.messages import Array, Header, Message, column, identical, seal, stamped
 from followspot.tracking import Frame
 from followspot.transport.ring_writer import RingWriter
+from followspot.transport.slots import Slots
 
 
 class Stereo(Message):
@@ -41,6 +43,11 @@ def address(array: Array) -> int:
 
 def mapped_slots() -> int:
     return Path("/proc/self/maps").read_text().count("followspot-slots")
+
+
+@pytest.mark.parametrize(("smallest", "pages"), [(1, 1), (4096, 1), (4097, 2), (8192, 2), (3 * 4096, 4)])
+def test_a_slot_takes_the_next_power_of_two_in_whole_pages(smallest: int, pages: int) -> None:
+    assert Slots(0, 2, smallest).arena.capacity == max(pages * 4096, mmap.PAGESIZE)
 
 
 def test_arrays_are_read_only_views_in_shared_memory(ring: Ring) -> None:
