@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -11,6 +12,8 @@ import pytest
 import yaml
 
 import bench_cost
+import bench_edges
+import bench_hop
 import bench_replay
 from followspot.room_file import load, save
 
@@ -48,3 +51,18 @@ def test_the_room_of_the_long_replay_is_valid_and_small(tmp_path: Path) -> None:
         "cam2": (160, 120),
     }
     assert all(camera.source.params["frames"] == 40 for camera in room.cameras.values() if camera.source)
+
+
+def test_the_costs_of_hops_and_edges_are_measured(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(
+        sys, "argv", ["bench_hop.py", *["--hops", "2", "--messages", "20", "--rounds", "1", "--json"]]
+    )
+    bench_hop.main()
+    assert set(json.loads(capsys.readouterr().out)) == {"hop_us", "call_us", "ratio"}
+    options = argparse.Namespace(messages=5, rate=200.0)
+    for edge in ("ring in place", "zenoh"):
+        p50, p99, flooded = bench_edges.measure(edge, "640x480", options)
+        assert 0 < p50 <= p99
+        assert flooded > 0
