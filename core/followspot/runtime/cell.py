@@ -247,9 +247,11 @@ class Cell:
                 raise StageError(self.name, None, error) from error
 
     def _discard_rest(self) -> None:
-        """Feedback that comes after the last firing has no reader."""
+        """What comes after the last firing has no reader: feedback, or a sender that was started again."""
         for held in self.join.held:
             held.inlet.clear()
+        for inlet in self.join.members:
+            inlet.clear()
 
     def _idle(self) -> None:
         """Nothing to fire: pass the bound on, end with the last input, or start the deadline."""

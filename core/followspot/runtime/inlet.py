@@ -86,16 +86,14 @@ class Inlet:
     def poll(self) -> bool:
         """Take over what has arrived from another worker; whether nothing more comes from its reader."""
         assert self.reader is not None
-        for token in self.reader.poll():
-            self.accept(token)
-        if self.reader.lost:
-            self.settle(self.after_loss)
-        return self.bound == END or self.reader.broken
+        self._receive(self.reader)
+        return self.reader.broken
 
     def adopt(self, reader: PortReader) -> None:
-        """Another writer feeds this edge from now on, after what the former one sent."""
+        """Another writer feeds this edge from now on, after all that the former one sent."""
         assert self.reader is not None
-        self.poll()
+        while self._receive(self.reader):
+            pass
         self.reader.close()
         self.reader = reader
         self.stale = len(self.queue)
@@ -151,6 +149,15 @@ class Inlet:
         """Let the sender in another worker send one more."""
         if self.reader is not None:
             self.reader.consumed()
+
+    def _receive(self, reader: PortReader) -> bool:
+        """Take over what the reader has, which may be a part of what has arrived; whether it had anything."""
+        tokens = reader.poll()
+        for token in tokens:
+            self.accept(token)
+        if reader.lost:
+            self.settle(self.after_loss)
+        return bool(tokens)
 
     def _pop(self) -> Message:
         message = self.queue.popleft()

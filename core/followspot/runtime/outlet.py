@@ -40,6 +40,7 @@ class Outlet:
         "rows",
         "slack",
         "taps",
+        "told",
         "type",
         "words",
         "writers",
@@ -67,6 +68,8 @@ class Outlet:
         self.taps: tuple[Callable[[Message], None], ...] = ()
         """Called with every message; see `followspot.runtime.tapping`."""
         self.bound = -END
+        self.told = -END
+        """What readers know: the bound, or that nothing comes for now."""
         self.refused: Callable[[str], None] = _nothing
         self.patient = False
         """Whether to wait for a reader that is away and will be back: in replays, which lose nothing."""
@@ -110,8 +113,8 @@ class Outlet:
 
     def returned(self, writer: PortWriter) -> None:
         """Another reader is there: tell it how far the stream is."""
-        if writer in self.writers and -END < self.bound < END:
-            writer.send(Settled(self.bound))
+        if writer in self.writers and -END < self.told < END:
+            writer.send(Settled(self.told))
 
     def has_room(self) -> bool:
         """Whether every edge takes another message."""
@@ -140,7 +143,7 @@ class Outlet:
             return
         if message.header is not header:
             message = stamped(message, header)
-        self.bound = header.time + 1 + self.slack
+        self.bound = self.told = header.time + 1 + self.slack
         for tap in self.taps:
             tap(message)
         for inlet in self.inlets:
@@ -158,7 +161,7 @@ class Outlet:
         """Tell every reader that nothing earlier than `bound`, ns, will come."""
         if bound <= self.bound:
             return
-        self.bound = bound
+        self.bound = self.told = bound
         for inlet in self.inlets:
             inlet.settle(bound)
         for writer in self.writers:
@@ -168,6 +171,7 @@ class Outlet:
         """Nothing comes for now, for nothing comes in; readers need not wait."""
         if self.bound == END:
             return
+        self.told = ABSENT
         for inlet in self.inlets:
             inlet.settle(ABSENT)
         for writer in self.writers:

@@ -88,7 +88,7 @@ class ZenohReader:
         self._session = session
         self._start_key = f"{key}/start/{name}"
         said = reader_key(key, host)
-        self._done_key = f"{said}/done/{name}/{incarnation}"
+        self._done_key = f"{said}/done/{name}"
         self._report = publisher(session, f"{said}/credit/{name}")
         self._declared = [
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
@@ -173,7 +173,7 @@ class ZenohReader:
             return  # another one has taken its place
         if writer > self._writer:
             self._unread += self._got - self._consumed
-            self._writer, self._got, self._consumed = writer, 0, 0
+            self._writer, self._got, self._consumed, self._ended = writer, 0, 0, False
         missing = max(0, given - self._got)
         tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
         self._got += missing
@@ -238,7 +238,8 @@ class ZenohReader:
     def _declare_done(self) -> None:
         """Tell the writer that the end is here, in a way that the news of leaving cannot overtake."""
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._declared.insert(0, self._session.liveliness().declare_token(self._done_key))
+            done = self._session.liveliness().declare_token(f"{self._done_key}/{self._writer}")
+            self._declared.insert(0, done)
 
     def _send_report(self) -> None:
         """In the writer's own numbers: what this reader was not there for counts as consumed."""

@@ -43,7 +43,7 @@ _REPEAT = 0.5
 
 
 class _News(NamedTuple):
-    """A liveliness token of a reader came or went."""
+    """A liveliness token of a reader came or went; incarnation: its own, or of the writer that is done."""
 
     role: str
     reader: int
@@ -94,8 +94,8 @@ class ZenohWriter:
         self._silent: set[int] = set()
         """Readers that have not reported since they were told where to start."""
         self._told_at = 0.0
-        self._ended: dict[int, int] = {}
-        """Incarnation of each reader that has taken the end."""
+        self._done: set[int] = set()
+        """Readers that have taken the end of this writer."""
         self._gone: set[int] = set(range(len(readers))) if incarnation else set()
         self._tokens = 0
         self._messages = 0
@@ -178,7 +178,7 @@ class ZenohWriter:
         self._waiting = True
         self._tell_again()
         self._send_held()
-        arrived = len(self._done() | self._gone) == len(self._reports)
+        arrived = len(self._done | self._gone) == len(self._reports)
         return self._held is None and (arrived or not self._ending)
 
     def filenos(self) -> list[int]:
@@ -206,17 +206,17 @@ class ZenohWriter:
         """Take over what Zenoh's threads saw."""
         while self._news:
             role, index, incarnation, there = self._news.popleft()
-            if incarnation < self._known.get(index, 0):
-                continue  # another one has taken its place
             if role == "done":
-                self._ended[index] = incarnation
+                self._done |= {index} if incarnation == self._incarnation else set()
+            elif incarnation < self._known.get(index, 0):
+                continue  # another one has taken its place
             elif there:
                 self._welcome(index, incarnation)
             elif self._present.get(index) == incarnation:
                 del self._present[index]
                 self._left[index] = self._messages
                 self._silent.discard(index)
-                self._gone |= {index} - self._done()
+                self._gone |= {index} - self._done
 
     def _welcome(self, index: int, incarnation: int) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
@@ -225,6 +225,7 @@ class ZenohWriter:
         self._left.pop(index, None)
         if self._known.get(index) != incarnation:
             self._given[index] = 0
+            self._done.discard(index)
         self._present[index] = self._known[index] = incarnation
         self._gone.discard(index)
         self._reports[index] = self._messages, self._tokens
@@ -239,7 +240,7 @@ class ZenohWriter:
     def _tell_again(self) -> None:
         """A new link may have swallowed the first words; who does not report is told them again."""
         if self._silent and time.monotonic() > self._told_at + _REPEAT:
-            for index in self._silent - self._done():
+            for index in self._silent:
                 self._tell_start(index)
 
     def _tell_start(self, index: int) -> None:
@@ -257,12 +258,8 @@ class ZenohWriter:
 
     def _living(self) -> list[tuple[int, int]]:
         """What those report who are there and have not taken the end."""
-        over = self._gone | self._done() if self._ended else self._gone
+        over = self._gone | self._done
         return [report for index, report in enumerate(self._reports) if index not in over]
-
-    def _done(self) -> set[int]:
-        """Readers that have taken the end; who comes in the place of one that did has yet to."""
-        return {index for index, number in self._ended.items() if number >= self._known.get(index, 0)}
 
     def _full(self, reports: Sequence[tuple[int, int]]) -> bool:
         """Whether as many tokens are under way as may be."""
@@ -283,7 +280,7 @@ class ZenohWriter:
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
             self._present.clear()
-            self._gone = set(range(len(self._reports))) - self._done()
+            self._gone = set(range(len(self._reports))) - self._done
             self._bell.ring()
 
     def _on_report(self, sample: zenoh.Sample) -> None:

@@ -267,7 +267,7 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
     assert pair.writer.credit() == 0
     pair.writer.drain()
     assert pair.writer.lost == frozenset()
-    assert pair.writer._done() == {0}, "it was its own host that said so"
+    assert pair.writer._done == {0}, "it was its own host that said so"
     assert pair.writer._present == {0: 0}
     assert pair.writer.strangers == 1 + len(tokens)
 
