@@ -1,0 +1,200 @@
+"""What an edge promises, without sockets, memory or sessions: the judge of those that have them.
+
+It knows of an edge what `followspot.transport.edge` says, and nothing of how it is done. A port speaks; each
+reader that is there is owed every word, in order. Settled times that follow each other may become the last of
+them. Messages that are on their way when a link is cut come as invalid, in their place. Nothing else goes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import takewhile
+from typing import NamedTuple
+
+END = 2**63 - 1
+"""The settled time of a stream that is over."""
+ABSENT = END - 1
+"""The settled time of a stream that says nothing for now."""
+
+
+class Spoken(NamedTuple):
+    """A message that a port sent; time: of its capture, ns; slot: whether it lies in shared memory."""
+
+    number: int
+    time: int
+    slot: bool = False
+
+
+class Settles(NamedTuple):
+    """Nothing earlier than this will come, ns."""
+
+    bound: int
+
+
+class Missing(NamedTuple):
+    """What a reader was given in the place of a message."""
+
+    reason: str
+
+
+Word = Spoken | Settles | Missing
+
+
+@dataclass
+class Owed:
+    """What one reader is owed by the writer that it knows."""
+
+    due: deque[Spoken | Settles] = field(default_factory=deque)
+    """Said and not yet received."""
+    given: int = 0
+    """Messages that were sent to this reader."""
+    got: int = 0
+    """Messages that it received, or `Missing`s in their place."""
+    consumed: int = 0
+    """Of these, how many it gave credit for."""
+    ended: bool = False
+    """Whether it received the end."""
+    leaks: bool = False
+    """Whether the link was cut since: messages may be missing, and settled times gone."""
+    joins: bool = False
+    """Whether nothing came yet, and the writer may not have known of this reader at first."""
+    settled: set[int] = field(default_factory=set)
+    """All times that the writer ever settled: any reader may be told so, also again, once it is true."""
+    watermark: int = -END
+    """The latest settled time that it received, unless absence was said."""
+    _heard: Settles | None = None
+    """The last that it received, where that was a settled time."""
+
+    def say(self, word: Spoken | Settles) -> None:
+        """The writer sends something, and this reader is there."""
+        self.given += isinstance(word, Spoken)
+        self.due.append(word)
+
+    def receive(self, word: Word) -> None:
+        """The reader got something. Raises AssertionError where that is not what comes next."""
+        self._join(word)
+        if isinstance(word, Settles):
+            self._settle(word)
+            return
+        self._skip_settled()
+        assert self.due, f"{word} came, and nothing is due"
+        due = self.due.popleft()
+        assert isinstance(due, Spoken), f"{word} came before {due}"
+        self.got += 1
+        self._heard = None
+        if isinstance(word, Missing):
+            assert self.leaks, f"{due} came as {word}, and no link was cut"
+            return
+        assert self._is(due, word), f"{word} came in the place of {due}"
+        assert word.time >= self.watermark, f"{word} came after {self.watermark} was settled"
+
+    def consume(self, count: int = 1) -> None:
+        """The reader gives credit for messages that it has got."""
+        self.consumed += count
+        assert self.consumed <= self.got
+
+    def __str__(self) -> str:
+        """For a test that failed."""
+        first, last = list(self.due)[:3], list(self.due)[-3:]
+        return (
+            f"{len(self.due)} words due, {first} to {last}, after {self._heard}, {self.got} of {self.given}"
+        )
+
+    @property
+    def waiting(self) -> int:
+        """Messages for which this reader has given no credit."""
+        return self.given - self.consumed
+
+    @property
+    def in_slots(self) -> set[int]:
+        """Numbers of the messages in shared memory that the reader has not looked at."""
+        return {word.number for word in self.due if isinstance(word, Spoken) and word.slot}
+
+    def expects(self, word: Word) -> bool:
+        """Whether this writer said that, and it did not come yet."""
+        if isinstance(word, Missing):
+            return self.leaks
+        return any(self._is(due, word) for due in self.due)
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether nothing is due any more that must come."""
+        if self.joins and Settles(END) not in self.due:
+            return True
+        self._skip_settled()
+        return not self.due
+
+    def _join(self, word: Word) -> None:
+        """The first that comes says where this reader was let in."""
+        if self.joins and not isinstance(word, Missing) and self.expects(word):
+            while not self._is(self.due[0], word):
+                self.given -= isinstance(self.due.popleft(), Spoken)
+            self.joins = False
+
+    @staticmethod
+    def _is(due: Spoken | Settles, word: Word) -> bool:
+        return word == (due._replace(slot=False) if isinstance(due, Spoken) else due)
+
+    def _settle(self, word: Settles) -> None:
+        if word.bound == END and self.ended:
+            return
+        row = self._settled_next()
+        if word in row:
+            for _ in range(row.index(word) + 1):
+                self.due.popleft()
+        else:
+            assert word.bound in self.settled, f"{word} came, and was never said"
+            due = next((word for word in self.due if isinstance(word, Spoken)), None)
+            assert due is None or due.time >= word.bound or word.bound == ABSENT, f"{word} came before {due}"
+        self._heard = word
+        self.ended = word.bound == END
+        if word.bound < ABSENT:
+            self.watermark = word.bound
+
+    def _settled_next(self) -> list[Settles]:
+        """Those before the next message."""
+        return [
+            word
+            for word in takewhile(lambda word: isinstance(word, Settles), self.due)
+            if isinstance(word, Settles)
+        ]
+
+    def _skip_settled(self) -> None:
+        """Settled times in a row may have become the last of them; where a link was cut, all may be gone."""
+        row = self._settled_next()
+        if row and (row[-1] == self._heard or (self.leaks and row[-1].bound != END)):
+            for _ in row:
+                self.due.popleft()
+
+
+@dataclass
+class Port:
+    """A writer and those whom it knows to be there; None for one that is away."""
+
+    depth: int
+    readers: list[Owed | None]
+
+    @property
+    def credit(self) -> int:
+        """Messages that may be sent as far as the readers' queues are concerned."""
+        present = [owed.waiting for owed in self.readers if owed is not None]
+        return max(0, self.depth - max(present, default=0))
+
+    def credit_of_memory(self, lent: int, kept: Sequence[int]) -> int:
+        """Messages that the slots leave room for, at least.
+
+        lent: arrays that the writer's process holds; kept: messages that each reader holds.
+        Each may hold one more than the edge is deep without being in the way of the others.
+        """
+        share = self.depth + 1
+        slots = share * (len(self.readers) + 1) + 2
+        present = [number for number, owed in enumerate(self.readers) if owed is not None]
+        unread = set().union(*(self._unread(number) for number in present))
+        held = min(lent, share) + sum(min(kept[number], share) for number in present)
+        return min(self.credit, slots - held - len(unread)) if present else self.depth
+
+    def _unread(self, number: int) -> set[int]:
+        owed = self.readers[number]
+        return owed.in_slots if owed is not None else set()

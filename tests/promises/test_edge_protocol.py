@@ -1,0 +1,448 @@
+"""A ring keeps what an edge promises, in whatever order its ends send, read, sleep, die and return."""
+
+from __future__ import annotations
+
+import select
+import socket
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from tests.promises.edge_model import ABSENT, END, Owed, Port, Settles, Spoken
+from tests.promises.edge_words import SMALL, Picture, intact, picture, word
+
+from followspot.messages import Array, Message
+from followspot.transport.ring_reader import RingReader
+from followspot.transport.ring_writer import RingWriter
+from followspot.transport.token import Settled
+
+READERS = st.integers(0, 2)
+SIZES = st.sampled_from([SMALL, 5_000, 5_000, 9_000, 40_000])
+"""In the datagram, in a slot, and in slots that are larger than those before."""
+FEW = st.integers(1, 4)
+ROUNDS = 2_000
+"""Most turns until everybody sleeps; one of them would take a few dozen."""
+
+
+class RingEdge(RuleBasedStateMachine):
+    """A port with three readers; each end is moved by what its descriptors say, and at odd times."""
+
+    @initialize(readers=st.integers(1, 3), depth=st.sampled_from([1, 2, 4]))
+    def begin(self, readers: int, depth: int) -> None:
+        self.descriptors = open_descriptors()
+        self.port = Port(depth, [None] * readers)
+        self.readers: list[RingReader | None] = [None] * readers
+        self.kept: list[list[Message]] = [[] for _ in range(readers)]
+        self.loans: list[Array] = []
+        self.sent: list[Message] = []
+        self.number = self.time = 0
+        self.over = self.asleep = self.silent = False
+        self.deaf: set[int] = set()
+        """Readers that died, which the writer may not have noticed."""
+        self.writer: RingWriter | None = None
+        self.writer_returns()
+
+    # What the writer does.
+
+    @precondition(lambda self: self.speaks and self.writer.credit())
+    @rule(size=SIZES, lent=st.booleans(), keeps=st.booleans())
+    def send(self, size: int, lent: bool, keeps: bool) -> None:
+        assert self.writer is not None
+        self.time += 10
+        loan = self.writer.loan((size,), "u1") if lent and self.writer.credit() else None
+        if self.writer.credit() == 0:
+            return
+        spoken = Spoken(self.number, self.time, slot=size > SMALL)
+        message = picture(spoken, size, loan)
+        self.writer.send(message)
+        self.number += 1
+        self.say(spoken)
+        if keeps:
+            self.sent.append(message)
+
+    @precondition(lambda self: self.speaks)
+    @rule(size=SIZES, count=st.sampled_from([1, 2, 9]))
+    def borrow(self, size: int, count: int) -> None:
+        """A stage takes arrays and does not send them yet, or never."""
+        assert self.writer is not None
+        before = self.writer.credit()
+        for _ in range(count):
+            loan = self.writer.loan((size,), "u1")
+            if loan is not None:
+                loan[:] = 255
+                self.loans.append(loan)
+        assert self.writer.credit() > 0 or before == 0
+        assert all((loan == 255).all() for loan in self.loans)
+
+    @precondition(lambda self: self.loans)
+    @rule(count=FEW)
+    def give_back(self, count: int) -> None:
+        del self.loans[:count]
+
+    @precondition(lambda self: self.sent)
+    @rule(count=FEW)
+    def forget_sent(self, count: int) -> None:
+        assert all(map(intact, self.sent))
+        del self.sent[: max(0, count)]
+
+    @precondition(lambda self: self.speaks)
+    @rule(times=st.sampled_from([1, 1, 2, 400]))
+    def settle(self, times: int) -> None:
+        """As many as fill any socket, or a few."""
+        assert self.writer is not None
+        for _ in range(times):
+            self.time += 10
+            self.writer.send(Settled(self.time))
+            self.say(Settles(self.time))
+
+    @precondition(lambda self: self.speaks and not self.silent)
+    @rule()
+    def be_absent(self) -> None:
+        assert self.writer is not None
+        self.writer.send(Settled(ABSENT))
+        self.say(Settles(ABSENT))
+
+    @precondition(lambda self: self.speaks)
+    @rule(really=st.integers(0, 5))
+    def end(self, really: int) -> None:
+        if really == 5:
+            assert self.writer is not None
+            self.writer.send(Settled(END))
+            self.say(Settles(END))
+            self.over = True
+
+    @precondition(lambda self: self.writer)
+    @rule()
+    def drain(self) -> None:
+        """Whether or not there was anything to wake it."""
+        assert self.writer is not None
+        self.writer.drain()
+        self.notice()
+
+    @precondition(lambda self: self.writer)
+    @rule()
+    def flush(self) -> None:
+        assert self.writer is not None
+        self.writer.flush()
+
+    @precondition(lambda self: self.speaks and not self.writer.credit())
+    @rule()
+    def sleep(self) -> None:
+        """Until there is credit: from now on it must be woken by that."""
+        assert self.writer is not None
+        self.drain()
+        self.writer.want_credit()
+        self.asleep = not self.writer.credit()
+
+    @precondition(lambda self: self.speaks)
+    @rule(size=SIZES, lent=st.booleans(), keeps=st.booleans())
+    def burst(self, size: int, lent: bool, keeps: bool) -> None:
+        """As many as there is credit for; where nobody reads there is always some."""
+        assert self.writer is not None
+        for _ in range(self.port.depth):
+            if self.writer.credit():
+                self.send(size, lent, keeps)
+
+    @precondition(lambda self: self.speaks and any(self.readers))
+    @rule(
+        count=st.integers(5, 40), size=SIZES, lent=st.booleans(), keeps=st.booleans(), hoards=st.sets(READERS)
+    )
+    def flow(self, count: int, size: int, lent: bool, keeps: bool, hoards: set[int]) -> None:
+        """Many messages, as a run sends them; some readers keep them, the others let go."""
+        assert self.writer is not None
+        for _ in range(count):
+            while not self.writer.credit():
+                self.sleep()
+                assert self.everybody_reads(hoards), "all was taken, and there is no credit"
+                self.who_sleeps_is_woken_by_credit()
+            self.credit_is_what_the_readers_have_given()
+            self.send(size, lent, keeps)
+            if keeps:
+                self.forget_sent(len(self.sent) - 3)
+
+    @precondition(lambda self: self.speaks and any(self.readers))
+    @rule(size=SIZES)
+    def crowd(self, size: int) -> None:
+        """Everybody holds the share that it may hold, and the writer sends what it still can."""
+        self.borrow(size, count=9)
+        self.flow(2 * self.port.depth + 4, size, lent=False, keeps=False, hoards={0, 1, 2})
+        self.burst(size, lent=False, keeps=False)
+
+    # What readers do.
+
+    @rule(index=READERS)
+    def read(self, index: int) -> None:
+        if (found := self.reader(index)) is not None:
+            self.take(index, found)
+
+    @rule(index=READERS, count=FEW, forget=st.booleans())
+    def consume(self, index: int, count: int, forget: bool) -> None:
+        found = self.reader(index)
+        owed = self.port.readers[index] if found is not None else None
+        if found is None or owed is None:
+            return
+        count = min(count, owed.got - owed.consumed)
+        if count:
+            owed.consume(count)
+            found.consumed(count)
+        if forget:
+            self.forget(index, count)
+
+    @precondition(lambda self: any(self.kept))
+    @rule(index=READERS, count=FEW)
+    def forget(self, index: int, count: int) -> None:
+        """The reading stage lets go of messages that it kept, unchanged as they are."""
+        if index < len(self.kept):
+            assert all(map(intact, self.kept[index]))
+            del self.kept[index][:count]
+
+    # Deaths and returns.
+
+    @precondition(lambda self: any(self.readers))
+    @rule(index=READERS)
+    def reader_dies(self, index: int) -> None:
+        found = self.reader(index)
+        if found is not None:
+            found.close()
+            self.readers[index] = None
+            self.kept[index].clear()
+            self.deaf.add(index)
+
+    @precondition(lambda self: self.writer and None in self.readers)
+    @rule(index=READERS)
+    def reader_returns(self, index: int) -> None:
+        """Whether or not the writer has noticed that the one before died."""
+        if index >= len(self.readers) or self.readers[index] is not None:
+            return
+        assert self.writer is not None
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.writer.replace(index, ours)
+        self.mourn([index] if self.port.readers[index] is not None else [])
+        self.welcome(index, theirs)
+
+    @precondition(lambda self: self.writer)
+    @rule()
+    def writer_dies(self) -> None:
+        """What is in the sockets is still read; what waits for room is gone."""
+        assert self.writer is not None
+        waits = not self.writer.flush()
+        self.writer.close()
+        self.writer = None
+        self.sent.clear()
+        self.loans.clear()
+        self.asleep = False
+        for index, found in enumerate(self.readers):
+            owed = self.port.readers[index]
+            while found is not None and not found.broken:
+                self.take(index, found)
+            if found is not None and owed is not None:
+                assert waits or not owed.due, f"reader {index} never got {owed.due}"
+                assert found.lost is not owed.ended
+                assert self.readable(found.fileno()), "a dead writer must wake whoever sleeps"
+
+    @precondition(lambda self: not self.writer)
+    @rule()
+    def writer_returns(self) -> None:
+        """It begins with all those that are there; the others return later."""
+        pairs = [socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) for _ in self.readers]
+        away = {index for index, found in enumerate(self.readers) if found is None}
+        self.writer = RingWriter([ours for ours, _ in pairs], self.port.depth)
+        self.over = False
+        for index, (_, theirs) in enumerate(pairs):
+            self.port.readers[index] = Owed()
+            if index in away and self.number:
+                theirs.close()
+                self.deaf.add(index)
+            else:
+                if (found := self.readers[index]) is not None:
+                    found.close()
+                self.welcome(index, theirs)
+
+    # What must hold at any time.
+
+    @invariant()
+    def credit_is_what_the_readers_have_given(self) -> None:
+        if self.writer is None:
+            return
+        credit = self.writer.credit()
+        lent = len(self.loans) + len(self.sent)
+        assert credit <= self.port.credit
+        if not self.deaf:
+            assert credit >= self.port.credit_of_memory(lent, [len(kept) for kept in self.kept])
+
+    @invariant()
+    def who_sleeps_is_woken_by_credit(self) -> None:
+        if self.asleep and self.writer is not None and self.writer.credit():
+            assert any(map(self.readable, self.writer.filenos())), "there is credit, and nobody is woken"
+            self.asleep = False
+
+    @invariant()
+    def only_the_dead_are_lost(self) -> None:
+        if self.writer is not None:
+            assert self.writer.lost <= self.deaf
+            assert not any(found.lost for found in self.readers if found is not None)
+
+    def teardown(self) -> None:
+        """Everybody comes to rest: each reader has all, and the writer all its credit."""
+        try:
+            if self.writer is not None:
+                self.come_to_rest()
+                self.end_it()
+        finally:
+            self.close()
+        assert open_descriptors() == self.descriptors, "descriptors are left open"
+
+    @precondition(lambda self: self.writer)
+    @rule()
+    def come_to_rest(self) -> None:
+        """Each end acts when it is woken, and at no other time: all comes, and all credit is there again."""
+        assert self.writer is not None
+        self.turn_until_all_sleep()
+        for index, found in enumerate(self.readers):
+            owed = self.port.readers[index]
+            if found is not None and owed is not None:
+                assert owed.satisfied, f"reader {index} waits for ever for {owed}"
+        assert self.writer.flush()
+        self.loans.clear()
+        self.sent.clear()
+        for index, owed in enumerate(self.port.readers):
+            self.forget(index, len(self.kept[index]))
+            if owed is not None and self.readers[index] is not None:
+                self.consume(index, owed.got - owed.consumed, forget=False)
+        self.drain()
+        assert self.writer.credit() == self.port.depth, "credit is lost"
+
+    def end_it(self) -> None:
+        """The end comes to everybody."""
+        assert self.writer is not None
+        if not self.over:
+            self.end(5)
+        self.turn_until_all_sleep()
+        assert self.writer.flush()
+        assert all(
+            owed.ended
+            for owed, found in zip(self.port.readers, self.readers, strict=True)
+            if found is not None and owed is not None
+        )
+
+    def turn_until_all_sleep(self) -> None:
+        for _ in range(ROUNDS):
+            assert self.writer is not None
+            woken = [i for i, found in enumerate(self.readers) if found and self.readable(found.fileno())]
+            called = any(map(self.readable, self.writer.filenos()))
+            if not (woken or called):
+                return
+            for index in woken:
+                self.read(index)
+            if called:
+                self.drain()
+        raise AssertionError("an end is woken again and again for nothing")
+
+    def close(self) -> None:
+        if self.writer is not None:
+            self.writer.close()
+        for found in self.readers:
+            if found is not None:
+                found.close()
+        self.writer = None
+        self.readers.clear()
+        self.kept.clear()
+        self.loans.clear()
+        self.sent.clear()
+
+    # The pieces.
+
+    def everybody_reads(self, hoards: set[int]) -> bool:
+        """Whoever is woken reads and consumes, and lets go of it or keeps it; whether anybody did."""
+        moved = False
+        for index, owed in enumerate(self.port.readers):
+            if (found := self.readers[index]) is not None and owed is not None:
+                woken, before = self.readable(found.fileno()), owed.consumed
+                if woken:
+                    self.take(index, found)
+                self.consume(index, self.port.depth, forget=False)
+                if index not in hoards:
+                    self.forget(index, len(self.kept[index]))
+                moved |= woken or owed.consumed > before
+        return moved
+
+    @property
+    def speaks(self) -> bool:
+        return self.writer is not None and not self.over
+
+    def say(self, spoken: Spoken | Settles) -> None:
+        self.silent = spoken == Settles(ABSENT)
+        for owed in self.port.readers:
+            if owed is not None:
+                owed.say(spoken)
+
+    def notice(self) -> None:
+        """The writer has looked after its readers: the dead hold up nothing any more."""
+        assert self.writer is not None
+        assert self.over or self.deaf == self.writer.lost
+        self.mourn(index for index, owed in enumerate(self.port.readers) if owed and index in self.deaf)
+        for index in self.deaf:
+            self.port.readers[index] = None
+        self.asleep = False
+
+    def mourn(self, dead: Iterable[int]) -> None:
+        """The writer says how many messages were on their way to each that died, once."""
+        assert self.writer is not None
+        owed = {index: self.port.readers[index] for index in dead}
+        waiting = {index: found.waiting for index, found in owed.items() if found is not None}
+        assert dict(self.writer.perished()) == waiting
+        assert self.writer.perished() == []
+
+    def welcome(self, index: int, sock: socket.socket) -> None:
+        self.readers[index] = RingReader(sock, Picture)
+        self.deaf.discard(index)
+        self.port.readers[index] = owed = Owed()
+        if self.over:
+            owed.say(Settles(END))
+        assert self.writer is not None
+        assert index not in self.writer.lost
+
+    def reader(self, index: int) -> RingReader | None:
+        return self.readers[index] if index < len(self.readers) else None
+
+    def take(self, index: int, reader: RingReader) -> None:
+        owed = self.port.readers[index]
+        assert owed is not None
+        for token in reader.poll():
+            owed.receive(word(token))
+            if isinstance(token, Message):
+                self.kept[index].append(token)
+
+    @staticmethod
+    def readable(fileno: int) -> bool:
+        ready = select.poll()
+        ready.register(fileno, select.POLLIN)
+        return bool(ready.poll(0))
+
+
+def open_descriptors() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
+class TestRing(RingEdge.TestCase):
+    settings = settings(
+        max_examples=60,
+        stateful_step_count=60,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+        report_multiple_bugs=False,
+    )
+
+
+@pytest.mark.thorough
+class TestRingManyTimes(RingEdge.TestCase):
+    settings = settings(
+        max_examples=3_000,
+        stateful_step_count=100,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+        report_multiple_bugs=False,
+    )

@@ -1,0 +1,381 @@
+"""Whatever befalls the ends of a port's edges, the ledger knows each message, and nobody waits for ever."""
+
+from __future__ import annotations
+
+import socket
+from collections import deque
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from tests.promises.edge_model import ABSENT, END, Spoken
+from tests.promises.edge_words import SMALL, Picture, header, intact, picture
+
+from followspot import Context, Source, Stage
+from followspot.runtime.cell import Cell
+from followspot.runtime.firing import Join
+from followspot.runtime.inlet import UNCHANGED, Inlet
+from followspot.runtime.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
+from followspot.runtime.outlet import Outlet
+from followspot.runtime.pace import Pace
+from followspot.runtime.worker import Worker
+from followspot.transport.dropping_writer import DroppingWriter
+from followspot.transport.ring_reader import RingReader
+from followspot.transport.ring_writer import RingWriter
+
+NEAR, LEFT, RIGHT, LOOSE = EDGES = range(4)
+"""Edges: one within the worker, two over a ring that they share, one that drops, over a ring of its own."""
+FAR = (LEFT, RIGHT, LOOSE)
+ANY, ANY_FAR = st.sampled_from(EDGES), st.sampled_from(FAR)
+SIZES = st.sampled_from([SMALL, 9_000])
+SLACK = 3
+"""ns beyond its own time for which a message promises that nothing else comes."""
+AHEAD = 2
+"""Messages on their way to the reader of an edge that drops."""
+ROUNDS = 2_000
+PAIR = socket.AF_UNIX, socket.SOCK_SEQPACKET
+
+
+class Count(Stage):
+    """The stage of the port; the machine sends in its name."""
+
+    def process(self) -> Source[Picture]:
+        yield from ()
+
+
+@dataclass
+class Reader:
+    """A stage that reads one edge, and what must come to it."""
+
+    inlet: Inlet
+    worker: Worker
+    owed: deque[Spoken] = field(default_factory=deque)
+    """Sent to it, and not in its queue yet; on an edge that drops, some of them come."""
+    over: bool = False
+    """Whether it was told the end, maybe by a sender before: only a message opens the stream again."""
+
+
+class PortOfRun(RuleBasedStateMachine):
+    """One output port, its worker, and those who read it, one here and three in workers of their own."""
+
+    @initialize(depth=st.sampled_from([1, 2, 4]), live=st.booleans())
+    def begin(self, depth: int, live: bool) -> None:
+        self.depth = depth
+        self.live = live
+        self.ledger = Ledger(len(EDGES))
+        self.number = self.time = self.produced = 0
+        self.accounted = [0] * len(EDGES)
+        """Messages that readers took or threw away, by edge."""
+        self.astray = [0] * len(EDGES)
+        """Messages of which nobody can tell any more what became of them, until the run ends."""
+        self.told = -END
+        """How far the port last said to be, or that it is absent."""
+        self.over = self.ended_once = False
+        self.left_all = True
+        """Whether nothing waited in the last sender when it died."""
+        self.readers: dict[int, Reader] = {}
+        self.unheard: deque[Spoken] = deque()
+        """What was sent on the edge that drops when nobody read it: the next reader may get it."""
+        self.sender: Worker | None = None
+        self.sender_begins()
+
+    # The sender.
+
+    @precondition(lambda self: self.speaks and self.outlet.has_room())
+    @rule(size=SIZES, count=st.integers(1, 6))
+    def produce(self, size: int, count: int) -> None:
+        for _ in range(count):
+            if self.outlet.has_room():
+                self.time += 10
+                spoken = Spoken(self.number, self.time)
+                self.number += 1
+                self.expect(spoken)
+                self.outlet.send(picture(spoken, size), header(spoken))
+                self.told = self.time + 1 + SLACK
+
+    @precondition(lambda self: self.speaks and self.outlet.has_room())
+    @rule()
+    def produce_what_is_refused(self) -> None:
+        """It lies before what was settled, so nobody gets it."""
+        self.time += 10
+        self.outlet.settle(self.time + 5)
+        self.produced += 1
+        self.outlet.send(picture(Spoken(-1, self.time), SMALL), header(Spoken(-1, self.time)))
+        self.told = self.time = self.time + 5
+
+    @precondition(lambda self: self.speaks)
+    @rule(times=st.sampled_from([1, 1, 260, 400]))
+    def settle(self, times: int) -> None:
+        for _ in range(times):
+            self.time += 10
+            self.outlet.settle(self.time)
+        self.told = self.time if times else self.told
+
+    @precondition(lambda self: self.speaks and self.live)
+    @rule()
+    def be_absent(self) -> None:
+        self.outlet.absent()
+        self.told = ABSENT
+
+    @precondition(lambda self: self.speaks)
+    @rule(really=st.integers(0, 5))
+    def end(self, really: int) -> None:
+        if really == 5:
+            self.outlet.end()
+            self.told = END
+            self.over = self.ended_once = True
+
+    @precondition(lambda self: self.sender)
+    @rule()
+    def sender_looks(self) -> None:
+        """The sender's worker sees to whatever wakes it."""
+        assert self.sender is not None
+        self.sender._receive(0)
+
+    # The readers.
+
+    @rule(edge=ANY_FAR)
+    def reader_looks(self, edge: int) -> None:
+        reader = self.readers.get(edge)
+        if reader is not None:
+            before = len(reader.inlet.queue), reader.inlet.bound
+            reader.worker._receive(0)
+            self.check_arrivals(edge, *before)
+
+    @rule(edge=ANY, count=st.integers(1, 4))
+    def take(self, edge: int, count: int) -> None:
+        """A firing takes messages."""
+        reader = self.readers.get(edge)
+        if reader is not None:
+            for _ in range(min(count, len(reader.inlet.queue))):
+                assert intact(reader.inlet.take())
+                self.accounted[edge] += 1
+
+    @rule(edge=ANY, count=st.integers(1, 4), column=st.sampled_from([DROPPED, LATE, UNMATCHED]))
+    def throw_away(self, edge: int, count: int, column: int) -> None:
+        reader = self.readers.get(edge)
+        if reader is not None:
+            for _ in range(min(count, len(reader.inlet.queue))):
+                reader.inlet.discard(column)
+                self.accounted[edge] += 1
+
+    # Deaths and returns.
+
+    @rule(edge=ANY_FAR)
+    def reader_dies(self, edge: int) -> None:
+        """With what it had in its queue."""
+        reader = self.readers.pop(edge, None)
+        if reader is not None:
+            self.unheard = reader.owed if edge == LOOSE else self.unheard
+            self.astray[edge] += reader.inlet.stale  # of which this sender knows nothing
+            reader.worker.close()
+
+    @precondition(lambda self: self.sender and len(self.readers) < len(EDGES))
+    @rule(edge=ANY_FAR)
+    def reader_returns(self, edge: int) -> None:
+        """Whether or not the sender has noticed that the one before died."""
+        if edge in self.readers:
+            return
+        assert self.sender is not None
+        ours, theirs = socket.socketpair(*PAIR)
+        writer, index = self.writers[edge]
+        writer.replace(index, ours)
+        self.readers[edge] = self.reader(edge, theirs)
+        self.sender.adopt_link(writer, ours.fileno())
+
+    @precondition(lambda self: self.sender)
+    @rule(heard=st.booleans())
+    def sender_dies(self, heard: bool) -> None:
+        """With what it had in hand, and with the stage that reads in its worker.
+
+        heard: whether the others read what is left before the next one begins.
+        """
+        assert self.sender is not None
+        del self.readers[NEAR]
+        self.left_all = self.writers[LEFT][0].flush()
+        self.sender.close()
+        self.sender = None
+        for edge, reader in self.readers.items() if heard else ():
+            while readable(reader.worker):
+                self.reader_looks(edge)
+            assert reader.inlet.bound in (END, ABSENT) or not self.live, (
+                "nobody tells that the sender is away"
+            )
+
+    @precondition(lambda self: not self.sender)
+    @rule()
+    def sender_begins(self) -> None:
+        """Another one, with rings to those who are there; the others come back later."""
+        pairs = {edge: socket.socketpair(*PAIR) for edge in FAR}
+        self.outlet = Outlet(Picture, self.ledger.words, slack=SLACK)
+        self.outlet.patient = not self.live
+        near = self.inlet(NEAR)
+        self.outlet.connect([near])
+        ring = RingWriter([pairs[LEFT][0], pairs[RIGHT][0]], self.depth)
+        loose = DroppingWriter(RingWriter([pairs[LOOSE][0]], AHEAD), self.depth)
+        self.writers = {LEFT: (ring, 0), RIGHT: (ring, 1), LOOSE: (loose, 0)}
+        self.outlet.attach(ring, ["left", "right"], [self.ledger.row(LEFT), self.ledger.row(RIGHT)])
+        self.outlet.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
+        join = Join((), window=0, slack=SLACK)
+        cell = Cell("count", 0, lambda: Count(Context()), join, {"out": self.outlet})
+        self.sender = Worker([cell], [], [(ring, 0), (loose, 0)], Pace())
+        first = not self.number and not self.produced
+        self.over, self.told = False, -END
+        self.unheard = deque()
+        self.readers[NEAR] = Reader(near, self.sender)
+        for edge, (_, theirs) in pairs.items():
+            if edge in self.readers:
+                self.adopt(edge, theirs)
+            elif first:
+                self.readers[edge] = self.reader(edge, theirs)
+            else:
+                theirs.close()
+        self.astray = [self.count(edge).in_flight - self.queued(edge) for edge in EDGES]
+
+    @precondition(lambda self: self.speaks)
+    @rule(times=st.sampled_from([0, 1, 260]))
+    def sender_is_started_again_while_nobody_reads(self, times: int) -> None:
+        """What it had sent is longer than readers take at a time."""
+        self.settle(times)
+        if self.outlet.has_room():
+            self.produce(SMALL, 2)
+        self.sender_dies(heard=False)
+        self.sender_begins()
+
+    # What must hold at any time.
+
+    @invariant()
+    def every_message_is_in_one_column(self) -> None:
+        for edge in EDGES:
+            count = self.count(edge)
+            parts = count.delivered, count.dropped, count.late, count.unmatched, count.invalid, count.lost
+            assert min(vars(count).values()) >= 0, count
+            assert count.surplus == 0, count
+            assert count.produced == self.produced == count.sent + count.away
+            assert count.sent == sum(parts) + count.in_flight
+            taken = count.delivered + count.late + count.unmatched
+            assert taken <= self.accounted[edge] <= taken + count.dropped
+
+    @invariant()
+    def no_queue_is_longer_than_its_edge_is_deep(self) -> None:
+        for reader in self.readers.values():
+            assert len(reader.inlet.queue) - reader.inlet.stale <= max(self.depth, AHEAD)
+
+    def teardown(self) -> None:
+        try:
+            if self.sender is None:
+                self.sender_begins()
+            for edge in FAR:
+                self.reader_returns(edge)
+            self.come_to_rest()
+            if not self.over:
+                self.end(5)
+            self.come_to_rest()
+            assert all(writer.flush() for writer, _ in self.writers.values())
+        finally:
+            for worker in {self.sender, *(reader.worker for reader in self.readers.values())} - {None}:
+                worker.close()
+
+    @precondition(lambda self: self.sender)
+    @rule()
+    def come_to_rest(self) -> None:
+        """All act when woken, and at no other time, until all have what they are owed."""
+        assert self.sender is not None
+        for edge in self.readers:
+            self.take(edge, ROUNDS)
+        for _ in range(ROUNDS):
+            woken = [edge for edge in FAR if edge in self.readers and readable(self.readers[edge].worker)]
+            if not woken and not readable(self.sender):
+                break
+            self.sender_looks()
+            for edge in woken:
+                self.reader_looks(edge)
+                self.take(edge, ROUNDS)
+        else:
+            raise AssertionError("somebody is woken again and again for nothing")
+        for edge in EDGES:
+            assert self.count(edge).in_flight == self.astray[edge], f"{edge}: {self.count(edge)}"
+        for edge, reader in self.readers.items():
+            assert edge == LOOSE or not reader.owed, f"edge {edge} waits for ever for {reader.owed}"
+            known = self.told in (-END, reader.inlet.bound)
+            assert known or (reader.over and reader.inlet.bound == END), (
+                f"edge {edge} does not know {self.told}"
+            )
+        assert self.over or self.outlet.has_room() or self.outlet.patient
+
+    # The pieces.
+
+    @property
+    def speaks(self) -> bool:
+        return self.sender is not None and not self.over
+
+    def count(self, edge: int) -> EdgeCount:
+        return self.ledger.count(edge)
+
+    def queued(self, edge: int) -> int:
+        return len(self.readers[edge].inlet.queue) if edge in self.readers else 0
+
+    def inlet(self, edge: int) -> Inlet:
+        row = self.ledger.row(edge)
+        inlet = Inlet(str(edge), self.ledger.words, row, depth=self.depth, slack=SLACK)
+        inlet.after_loss = ABSENT if self.live else UNCHANGED
+        return inlet
+
+    def reader(self, edge: int, sock: socket.socket) -> Reader:
+        inlet = self.inlet(edge)
+        inlet.reader = RingReader(sock, Picture)
+        return Reader(inlet, Worker([], [inlet], [], Pace()), self.unheard if edge == LOOSE else deque())
+
+    def adopt(self, edge: int, sock: socket.socket) -> None:
+        """The reader goes over to another sender, after all that the one before had sent."""
+        reader = self.readers[edge]
+        assert reader.inlet.reader is not None
+        before = len(reader.inlet.queue), reader.inlet.bound
+        reader.worker.adopt_reader(reader.inlet.reader, RingReader(sock, Picture))
+        self.check_arrivals(edge, *before)
+        assert edge == LOOSE or not (reader.owed and self.left_all), f"{reader.owed} were sent and not read"
+        reader.owed.clear()
+
+    def expect(self, spoken: Spoken) -> None:
+        """All who are there are owed this message."""
+        self.produced += 1
+        for edge in FAR:
+            if edge in self.readers:
+                self.readers[edge].owed.append(spoken)
+            elif edge == LOOSE:
+                self.unheard.append(spoken)
+
+    def check_arrivals(self, edge: int, queued: int, bound: int) -> None:
+        """What came is what was owed, in order, and not before what was settled."""
+        reader = self.readers[edge]
+        for message in list(reader.inlet.queue)[queued:]:
+            said = Spoken(message.header.seq, message.header.time)
+            assert said in reader.owed, f"{said} came on edge {edge}, and was not sent, or came before"
+            while (due := reader.owed.popleft()) != said:
+                assert edge == LOOSE, f"{said} came on edge {edge} before {due}"
+            again = bound == ABSENT or (bound == END and reader.over)
+            assert again or said.time >= bound, f"{said} came after {bound} was settled"
+        assert reader.inlet.bound >= bound or bound == ABSENT or len(reader.inlet.queue) > queued
+        reader.over |= reader.inlet.bound == END and self.ended_once
+
+
+def readable(worker: Worker) -> bool:
+    """Whether something wakes this worker."""
+    return any(event for _, event in worker._poll.poll(0))
+
+
+class TestPort(PortOfRun.TestCase):
+    settings = settings(
+        max_examples=60,
+        stateful_step_count=50,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+        report_multiple_bugs=False,
+    )
+
+
+@pytest.mark.thorough
+class TestPortManyTimes(PortOfRun.TestCase):
+    settings = settings(TestPort.settings, max_examples=3_000, stateful_step_count=100)
