@@ -9,8 +9,9 @@ cameras of the simulated room with their detectors beside them; graphs/glowballs
 seventh camera ends, like a camera file. After each fault every worker must be at work, all six cameras used
 together, and each target that a colour and an infrared camera see tracked within 15 cm of the truth, all of
 that within --within seconds; who dies, hangs or is cut off must be noticed within --notice seconds. At the
-end every message must be accounted for, memory must be where it was, and nothing may be left behind. Exit
-code 1 where a promise was broken.
+end every message must be accounted for, memory must be where it was, and nothing may be left behind. All
+stages keep journals: they must agree with the ledger, but for the one message that a killed process had in
+hand, and no status that was seen meanwhile may show what cannot be. Exit code 1 where a promise was broken.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+
+from books import Books, books_of, disagreements  # type: ignore[import-not-found]
 
 from soak_room import CAMERAS
 from soak_show import FAULTS, SIDES, UNSEEN, Hosts, Show, children, unused_memory
@@ -136,6 +139,11 @@ def summary_of(show: Show) -> dict[str, Any]:
     return found
 
 
+def compared(summary: dict[str, Any], books: Books) -> dict[str, Any]:
+    """How many lines the journals of all stages have, and where they differ from the ledger."""
+    return {"lines": books.lines(), "differences": disagreements(summary["edges"], books)}
+
+
 def report(seen: list[dict[str, Any]], within: float, notice: float) -> dict[str, Any]:
     """Each kind of fault: how often, medians and the worst, s, and how often that was too long."""
     table = {}
@@ -178,6 +186,8 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
             time.sleep(1.0)
             seen = soak(show, args.faults, args.only, lambda line: print(line, file=sys.stderr, flush=True))
             summary = summary_of(show)
+            said = show.watch.news.union(summary.get("warnings", ()))
+            journals = compared(summary, books_of(show.books, said, show.killed))
             show.end()
             left = left_over(hosts, before)
         finally:
@@ -189,6 +199,8 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
         "ok": summary["ok"],
         "errors": summary.get("errors", []),
         "unaccounted": {e["from"]: e["in_flight"] for e in summary["edges"] if e["in_flight"]},
+        "journals": journals,
+        "statuses": {"seen": show.watch.seen, "impossible": sorted(show.watch.impossible)},
         "edges": summary["edges"],
         "memory_growth": round(growth(seen), 3),
         "left_over": left,
@@ -216,7 +228,8 @@ def main() -> int:
     print(json.dumps(found) if args.json else json.dumps(found, indent=1))
     late = sum(kind["late"] + kind.get("noticed_late", 0) for kind in found["kinds"].values())
     grown = found["memory_growth"] > _GROWTH and found["faults"] >= _MANY
-    broken = late or grown or not found["ok"] or found["unaccounted"] or found["left_over"]
+    untrue = found["journals"]["differences"] or found["statuses"]["impossible"]
+    broken = late or grown or not found["ok"] or found["unaccounted"] or found["left_over"] or untrue
     return int(bool(broken))
 
 

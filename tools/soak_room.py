@@ -19,6 +19,16 @@ FPS = 10
 _MISSING = 4
 """Frames after which a target that is not seen is sought everywhere: as long as at 60 frames a second."""
 PERFORMANCE = {"fps": FPS, "seed": 7, "people": 2}
+JOURNALED = {
+    "balls.color_blobs": "soak_stages.color_blobs",
+    "balls.ir_blobs": "soak_stages.ir_blobs",
+    "balls.verify_pairs": "soak_stages.verify_pairs",
+    "balls.triangulate": "soak_stages.triangulate",
+    "balls.mean_shift": "soak_stages.mean_shift",
+    "balls.bridge": "soak_stages.bridge",
+    "balls.kalman": "soak_stages.kalman",
+    "sinks.csv": "soak_stages.csv_tracks",
+}
 PLACEMENT = f"""
 placement: soak
 workers:
@@ -36,6 +46,8 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
     """
     graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
     graph["room"] = "room.yaml"
+    for stage in graph["stages"].values():  # those that keep journals
+        stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
     graph["stages"]["save"]["on_error"] = "skip"
     graph["stages"]["track"]["with"] = {"missing": _MISSING}
     judge = {"uses": "soak_stages.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT / "tests" / "integration"))
+sys.path[:0] = [str(ROOT / "tests" / "integration"), str(ROOT / "tests" / "promises")]
 
 from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
 from running import alive, children, unused_memory  # type: ignore[import-not-found]  # noqa: E402
@@ -46,6 +46,11 @@ class Show:
         self.folder = hosts.folder
         self.chance = chance
         self.clocks: dict[str, int] = {}
+        self.books = self.folder / "books"
+        self.books.mkdir()
+        os.environ["BOOKS"] = str(self.books)
+        self.killed: set[int] = set()
+        """Workers that were killed, or stopped until their host killed them."""
         self.out = self.folder / "out"
         self.out.mkdir()
         subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={_DISK}", "soak", str(self.out)], check=True)
@@ -174,7 +179,9 @@ class Show:
     def _signal_worker(self, number: signal.Signals) -> None:
         pids = self.workers()
         if pids:
-            os.kill(self.chance.choice(pids), number)
+            pid = self.chance.choice(pids)
+            self.killed.add(pid)
+            os.kill(pid, number)
 
     def _router(self) -> subprocess.Popen[str]:
         router: subprocess.Popen[str] = self.hosts.start(

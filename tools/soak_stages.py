@@ -1,21 +1,136 @@
-"""Stages for tools/soak.py: live cameras of the simulated room, and who judges what is tracked."""
+"""Stages for tools/soak.py: live cameras of the simulated room, the tracker, and who judges what is tracked.
+
+All of them keep journals in the folder BOOKS of the environment: a line for each message before it is handed
+out, and when it is given, with the id of the process, the message's source and its number. They are compared
+with the ledger (tests/promises/books.py), and nothing here looks at that.
+"""
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 import threading
 import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
-from followspot import Field, OutputPath, Source, Stage, at
+from followspot import Field, Message, OutputPath, Source, Stage, at
+from followspot.ports import Ports, ports
 from followspot.tracking import TRACKED, Frame, Tracks
+from followspot_balls.bridge import Bridge as PlainBridge
+from followspot_balls.color_blobs import ColorBlobs as PlainColorBlobs
+from followspot_balls.ir_blobs import IrBlobs as PlainIrBlobs
+from followspot_balls.kalman import Kalman as PlainKalman
+from followspot_balls.mean_shift import MeanShift as PlainMeanShift
+from followspot_balls.triangulate import Triangulate as PlainTriangulate
+from followspot_balls.verify_pairs import VerifyPairs as PlainVerifyPairs
 from followspot_sim.camera import SimCamera
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.truth import SimTruth
+from followspot_sinks.csv_tracks import CsvTracks as PlainCsvTracks
+
+_files: dict[str, int] = {}
+_seen: dict[str, Message] = {}
+"""The last message at each input, for one that is sampled is seen more than once."""
 
 
+def note(stage: str, port: str, source: str, seq: int) -> None:
+    """Append a line to the journal of a port, in.NAME or out.NAME, with one call."""
+    name = f"{stage.replace('/', '~')}.{port}"
+    if name not in _files:
+        flags = os.O_WRONLY | os.O_CREAT | os.O_APPEND
+        _files[name] = os.open(os.path.join(os.environ["BOOKS"], name), flags, 0o600)  # noqa: PTH118
+    os.write(_files[name], f"{os.getpid()} {source} {seq}\n".encode())
+
+
+def journaled(stage: type[Stage]) -> type[Stage]:
+    """The stage, and before each message that it gets or makes a line is written."""
+    known = ports(stage)
+    if known.source:
+        body: dict[str, Any] = {"process": _noted_source(stage)}
+    elif stage.process_together is not None:  # `process` calls it
+        body = {"process_together": classmethod(_noted_together(stage, known))}
+    else:
+        body = {"process": _noted(stage, known)}
+    return type(stage.__name__, (stage,), {"__module__": __name__, "__doc__": stage.__doc__, **body})
+
+
+def _noted_source(stage: type[Stage]) -> Callable[..., Any]:
+    original = stage.process
+
+    @functools.wraps(original)
+    def process(self: Stage) -> Iterator[Any]:
+        for item in original(self):
+            note(self.context.name, "out.out", self.context.name, item.header.seq)
+            yield item
+
+    return process
+
+
+def _noted(stage: type[Stage], known: Ports) -> Callable[..., Any]:
+    original = stage.process
+
+    @functools.wraps(original)
+    def process(self: Stage, *arguments: Any) -> Any:
+        first = _got(self.context.name, known, arguments)
+        made = original(self, *arguments)
+        _made(self.context.name, known, made, first)
+        return made
+
+    return process
+
+
+def _noted_together(stage: type[Stage], known: Ports) -> Callable[..., Any]:
+    original: Any = stage.process_together
+
+    def process_together(cls: type[Stage], stages: Sequence[Stage], inputs: Sequence[Any]) -> Sequence[Any]:
+        firsts = [_got(one.context.name, known, each) for one, each in zip(stages, inputs, strict=True)]
+        results = original(stages, inputs)
+        for one, made, first in zip(stages, results, firsts, strict=True):
+            _made(one.context.name, known, made, first)
+        return list(results)
+
+    return process_together
+
+
+def _got(stage: str, known: Ports, arguments: Sequence[Any]) -> Message:
+    """Note what came; the earliest message, for what is made bears its name."""
+    firing: list[Message] = []
+    for port, value in zip(known.inputs, arguments, strict=True):
+        for message in value if isinstance(value, tuple) else (value,):
+            here = f"{stage}.{port.name}"
+            if message is None or not message.header.source:  # nothing yet, or what feedback begins with
+                continue
+            if port.kind != "latest":
+                firing.append(message)
+            elif _seen.get(here) is message:
+                continue
+            _seen[here] = message
+            note(stage, f"in.{port.name}", message.header.source, message.header.seq)
+    return min(firing, key=lambda message: message.header.time)
+
+
+def _made(stage: str, known: Ports, made: Any, first: Message) -> None:
+    for port in known.outputs:
+        message = made if port.name == "out" or made is None else getattr(made, port.name)
+        if message is not None:
+            note(stage, f"out.{port.name}", first.header.source, first.header.seq)
+
+
+ColorBlobs = journaled(PlainColorBlobs)
+IrBlobs = journaled(PlainIrBlobs)
+VerifyPairs = journaled(PlainVerifyPairs)
+Triangulate = journaled(PlainTriangulate)
+MeanShift = journaled(PlainMeanShift)
+Bridge = journaled(PlainBridge)
+Kalman = journaled(PlainKalman)
+CsvTracks = journaled(PlainCsvTracks)
+
+
+@journaled
 class LiveCamera(SimCamera):
     """A camera that looks into a room where time goes on: one that comes back sees what the others see."""
 
@@ -52,6 +167,7 @@ class LiveCamera(SimCamera):
             frame = max(frame + 1, math.floor((time.monotonic() - opened) * fps))
 
 
+@journaled
 class Judge(Stage):
     """Writes for each frame when it was tracked, s of the monotonic clock, and how well, m.
 

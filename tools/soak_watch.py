@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import ctypes
 import os
+import sys
 import threading
 import time
 from collections import Counter, deque
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from followspot.deploy.reachable import socket_of
 from followspot.deploy.run_handle import RunHandle
 from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, PlannedEdge
+from followspot.runtime.ledger import COUNTS, EdgeCount
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "promises"))
+
+from books import impossible  # type: ignore[import-not-found]
 
 _PERIOD = 0.1
 """Seconds between two questions."""
@@ -43,6 +49,12 @@ class Watch:
         self._pid = pid
         self._space = space
         self._glances: deque[Glance] = deque(maxlen=_KEPT)
+        self.seen = 0
+        """Statuses that were looked at."""
+        self.impossible: set[str] = set()
+        """What a ledger must never show, and one of them did."""
+        self.news: set[str] = set()
+        """All lines that the run has ever told: it keeps only the newest."""
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._keep_asking, name="watch", daemon=True)
         self._thread.start()
@@ -77,7 +89,13 @@ class Watch:
             with suppress(FollowspotError, OSError, StopIteration):  # it has not begun, or has ended
                 run = RunHandle("", "", socket_of(self._socket(), "", self._pid), self._pid)
                 plan = plan or run.plan()
-                self._glances.append(_glance(run.status(), plan))
+                status = run.status()
+                self._glances.append(_glance(status, plan))
+                self.seen += 1
+                self.impossible.update(
+                    impossible(_columns(edge, count) for edge, count in status.edges(plan))
+                )
+                self.news.update(status.news)
 
     def _socket(self) -> str:
         """Raises StopIteration where the run has none yet."""
@@ -91,6 +109,12 @@ def _glance(status: RunStatus, plan: Plan) -> Glance:
     edges = [(edge, count) for edge, count in status.edges(plan) if edge.to_stage == "verify"]
     used = {edge.from_stage: count.delivered for edge, count in edges if not edge.delay}
     return Glance(time.monotonic(), Counter(status.news), away, used)
+
+
+def _columns(edge: PlannedEdge, count: EdgeCount) -> dict[str, Any]:
+    """As in the summary of a run."""
+    ends = {"from": f"{edge.from_stage}.{edge.from_port}", "to": f"{edge.to_stage}.{edge.to_port}"}
+    return {**ends, **{name: getattr(count, name) for name in COUNTS}}
 
 
 def _enter(space: str) -> None:

@@ -153,33 +153,11 @@ def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path)
     assert any("worker left was not there at the end" in line for line in ended.summary["errors"])
 
 
-def test_a_worker_that_hangs_where_nobody_kills_it_is_old(tmp_path: Path) -> None:
-    """In a replay a worker may take as long as it likes; but nothing is known of it meanwhile."""
-    stages = """
-a:    {uses: ticks.count, with: {count: 100000}}
-b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.002}}
-save: {uses: ticks.write, in: {number: b}}
-"""
-    placement = "workers:\n  left: {stages: [a]}\n  right: {stages: [b, save]}\n"
-    with watched(tmp_path, placement, stages=stages) as run:
-        run.until(lambda told: told["fired"] > 20 and not told["faults"])
-        left, _ = workers(run.process.pid)
-        os.kill(left, signal.SIGSTOP)
-        told = run.until(lambda told: states(told)["a"] == "old")
-        assert re.fullmatch(r"worker left was last heard \d+\.\d s ago", told["faults"][0])
-        (a,) = [stage for stage in told["stages"] if stage["stage"] == "a"]
-        assert (a["rate"], a["load"]) == (None, None)
-        os.kill(left, signal.SIGCONT)
-        run.until(lambda told: not told["faults"])
-        ended = run.ended()
-    assert ended.code == 0, ended.errors
-
-
 def test_a_run_whose_operator_is_suspended_is_old_and_no_run_that_has_ended(tmp_path: Path) -> None:
     with watched(tmp_path, HERE) as run:
         run.until(lambda told: told["fired"] > 20 and not told["faults"])
         run.process.send_signal(signal.SIGSTOP)
-        told = run.until(lambda told: any("the run has not answered" in line for line in told["faults"]))
+        told = run.until(lambda told: bool(told["faults"]))
         assert re.fullmatch(r"the run has not answered for \d+ s", told["faults"][0])
         assert set(states(told).values()) == {"old"}
         assert told["rate"] is None

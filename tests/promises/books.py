@@ -18,7 +18,7 @@ _KILLED = re.compile(r"\(process (\d+)\) died: killed by SIGKILL")
 
 
 class Line(NamedTuple):
-    """Of a journal: the process that wrote it, the stage that made the message, and its number."""
+    """Of a journal: the process that wrote it, whose message it is, and its number; no other has both."""
 
     pid: int
     by: str
@@ -54,6 +54,10 @@ class Books:
         newest = max(self.journals(stage), key=lambda path: path.stat().st_mtime_ns)
         return read(newest)[-1].pid
 
+    def lines(self) -> int:
+        """Of all journals."""
+        return sum(len(read(path)) for path in self.folder.glob("*.*.*"))
+
     def in_hand(self, stage: str) -> int:
         """How many messages this stage may have had in hand when it was killed, over all its processes."""
         return len(self.killed & self._pids.get(stage, frozenset()))
@@ -67,15 +71,15 @@ class Books:
         return {stage: frozenset(pids) for stage, pids in found.items()}
 
 
-def books_of(folder: Path, summary: Mapping[str, Any], killed: Iterable[int] = ()) -> Books:
-    """The journals of a run that has ended, which says whom it saw die; killed: by others."""
-    said = {int(pid) for line in summary["warnings"] for pid in _KILLED.findall(line)}
+def books_of(folder: Path, news: Iterable[str], killed: Iterable[int] = ()) -> Books:
+    """The journals of a run. news: what it said, of workers that it saw die; killed: processes, by others."""
+    said = {int(pid) for line in news for pid in _KILLED.findall(line)}
     return Books(folder, frozenset(said | set(killed)))
 
 
-def disagreements(summary: Mapping[str, Any], books: Books) -> list[str]:
+def disagreements(edges: Sequence[Mapping[str, Any]], books: Books) -> list[str]:
     """Everything in which the ledger of a run that has ended differs from the journals."""
-    return [*impossible(summary["edges"]), *_unended(summary["edges"]), *_differing(summary["edges"], books)]
+    return [*impossible(edges), *_unended(edges), *_differing(edges, books)]
 
 
 def impossible(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
@@ -94,12 +98,16 @@ def _unended(edges: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     return (f"{_name(edge)}: {edge['in_flight']} in flight" for edge in edges if edge["in_flight"])
 
 
-def _differing(edges: Iterable[Mapping[str, Any]], books: Books) -> Iterator[str]:
+def _differing(edges: Sequence[Mapping[str, Any]], books: Books) -> Iterator[str]:
+    senders = Counter(edge["to"] for edge in edges)
     for edge in edges:
         start, _, port = edge["from"].rpartition(".")
         end, _, into = edge["to"].rpartition(".")
         made = books.of(start, f"out.{port}")
-        got = [line for line in books.of(end, f"in.{into}") if line.by == start]
+        got = books.of(end, f"in.{into}")
+        if senders[edge["to"]] > 1:
+            origins = {line.by for line in made}
+            got = [line for line in got if line.by in origins]
         unsaid = len(made) - edge["produced"]
         if not 0 <= unsaid <= books.in_hand(start):
             in_hand = f"{books.in_hand(start)} in hand"
@@ -113,10 +121,10 @@ def _differing(edges: Iterable[Mapping[str, Any]], books: Books) -> Iterator[str
 
 def _strange(name: str, made: Sequence[Line], got: Sequence[Line]) -> Iterator[str]:
     """Messages that came twice, or from nowhere."""
-    twice = [value for value, count in Counter(line.value for line in got).items() if count > 1]
+    twice = [value for value, count in Counter(line[1:] for line in got).items() if count > 1]
     if twice:
         yield f"{name}: {len(twice)} messages came twice, {twice[:3]}"
-    nowhere = {line.value for line in got} - {line.value for line in made}
+    nowhere = {line[1:] for line in got} - {line[1:] for line in made}
     if nowhere:
         yield f"{name}: {len(nowhere)} messages were never made"
 

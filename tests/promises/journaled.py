@@ -63,17 +63,17 @@ class Journaled:
             assert wait_until(lambda s=stage, n=wanted: self.lines(s) >= n, FOREVER), f"{stage} stands still"  # type: ignore[misc]
 
     def kill(self, worker: str) -> None:
-        self.killed.add(self._signal(worker, signal.SIGKILL))
+        self.killed.add(self.signal(worker, signal.SIGKILL))
 
     def hang(self, worker: str) -> None:
         """Until its host has had enough."""
-        pid = self._signal(worker, signal.SIGSTOP)
+        pid = self.signal(worker, signal.SIGSTOP)
         assert wait_until(lambda: not alive(pid), FOREVER), "nobody minds that it hangs"
         self.killed.add(pid)
 
     def suspend(self, worker: str) -> None:
         """For as long as another one makes five messages, or half a second."""
-        pid = self._signal(worker, signal.SIGSTOP)
+        pid = self.signal(worker, signal.SIGSTOP)
         other = next(stage for name, stage in self.workers.items() if name != worker)
         wanted = self.lines(other) + 5
         wait_until(lambda: self.lines(other) >= wanted, 0.5)
@@ -106,10 +106,12 @@ class Journaled:
     def judge(self, finished: Finished) -> None:
         """Compare what the run says with the journals."""
         assert finished.code == 0, finished.errors + json.dumps(finished.summary.get("errors"))
-        found = disagreements(finished.summary, books_of(self.folder, finished.summary, self.killed))
+        found = disagreements(
+            finished.summary["edges"], books_of(self.folder, finished.summary["warnings"], self.killed)
+        )
         assert not found, "\n".join(found)
 
-    def _signal(self, worker: str, number: signal.Signals) -> int:
+    def signal(self, worker: str, number: signal.Signals) -> int:
         pid = self.books.pid(self.workers[worker])
         if any(pid in children(parent) for parent in self.parents()):  # else another fault had it
             os.kill(pid, number)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import random
 import signal
+import subprocess
 import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -12,8 +13,8 @@ from pathlib import Path
 import pytest
 from books import impossible
 from hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
-from journaled import STAGES, Journaled
-from running import start, write_graph
+from journaled import FOREVER, STAGES, Journaled
+from running import COMMAND, alive, start, wait_until, write_graph
 
 LIVE = """
 cam:  {uses: journal.camera}
@@ -60,9 +61,22 @@ class TwoHosts(Journaled):
 
     def kill_agent(self) -> None:
         self.agent.process.kill()
-        self.agent.process.communicate()
+        self.agent.process.wait()  # a worker that hangs has its pipes open still
         self.goes_on("near", count=30)
         self.agent = self.new_agent()
+
+    def kill_agent_of_one_that_hangs(self, worker: str) -> None:
+        """Nobody is left who would end the worker but the agent that comes next."""
+        pid = self.signal(worker, signal.SIGSTOP)
+        self.kill_agent()
+        assert wait_until(lambda: not alive(pid), FOREVER), "two count what one stage does"
+        self.killed.add(pid)
+
+    def move(self, stage: str, place: str) -> None:
+        """As an operator does."""
+        words = [*self.within(), *COMMAND, "move", self.name, stage, place]
+        said = subprocess.run(words, capture_output=True, text=True, timeout=FOREVER, check=False)
+        assert said.returncode == 0, said.stderr
 
     def stop_agent(self) -> None:
         """Until the operator misses it."""
@@ -131,8 +145,23 @@ def befall(run: TwoHosts, chance: random.Random, faults: int) -> None:
 def test_journals_agree_with_the_ledger_of_two_hosts(tmp_path: Path) -> None:
     with Near(tmp_path) as run:
         run.goes_on()
-        run.kill("left")
-        run.kill_agent()
+        run.kill("main")
+        run.kill_agent_of_one_that_hangs("left")
+        run.goes_on()
+        assert not list(impossible(run.status()))
+        run.judge(run.end())
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(6))
+def test_journals_agree_with_the_ledger_of_stages_that_move_between_hosts(tmp_path: Path, seed: int) -> None:
+    chance = random.Random(seed)
+    with Near(tmp_path) as run:
+        for _ in range(4):
+            run.goes_on()
+            run.move(chance.choice(["step", "far", "look"]), chance.choice(["eye", "main"]))
+            run.goes_on()
+            befall(run, chance, 1)
         run.goes_on()
         assert not list(impossible(run.status()))
         run.judge(run.end())

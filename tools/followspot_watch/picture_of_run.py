@@ -68,11 +68,8 @@ class RunPicture:
 
     def faults(self) -> tuple[str, ...]:
         """What is absent or was not heard lately, the run itself first, a line each."""
-        if self._status is None:
-            return ()
-        if (age := self.age_s) <= OLD:
-            return self._status.later(age).faults()
-        return (f"the run has not answered for {age:.0f} s", *self._status.faults())
+        known = () if self._status is None else self._status.faults()
+        return (f"the run has not answered for {self.age_s:.0f} s", *known) if self.age_s > OLD else known
 
     def workers(self) -> tuple[WorkerStatus, ...]:
         """All of them."""

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 import time
 from collections import deque
-from collections.abc import Callable
 from typing import TextIO
 
 from followspot.runtime.worker import Progress
@@ -22,12 +20,12 @@ _RED, _PLAIN = "\x1b[1;31m", "\x1b[0m"
 class ProgressBar:
     """Shows frames done, the rate, the time left and what is absent. Its `show` is what a run calls."""
 
-    def __init__(self, stream: TextIO | None = None, monotonic: Callable[[], float] = time.monotonic) -> None:
-        """stream: standard error as it is now, unless told; monotonic: a clock, s."""
+    def __init__(self, stream: TextIO | None = None) -> None:
+        """stream: standard error as it is now, unless told."""
         self.stream = stream or sys.stderr
+        self.started = time.monotonic()
         self.terminal = self.stream.isatty()
-        self._clock = monotonic
-        self._next_line = monotonic() + _LINE_EVERY
+        self._next_line = self.started + _LINE_EVERY
         self._drawn = False
         self._faulty = False
         """Whether the last line told of a fault, where the output is no terminal."""
@@ -36,7 +34,7 @@ class ProgressBar:
 
     def show(self, progress: Progress, expected: int | None) -> None:
         """Draw the present state; expected: frames in all, None where nobody knows."""
-        now = self._clock()
+        now = time.monotonic()
         self._past.append((now, progress.fired))
         while len(self._past) > 2 and now - self._past[1][0] >= _WINDOW:
             self._past.popleft()
@@ -62,15 +60,14 @@ class ProgressBar:
             self._drawn = False
 
     def _line(self, progress: Progress, expected: int | None, now: float) -> str:
-        frames = self._frames(progress, expected, now)
+        return self._frames(progress, expected, now) + self._faults(progress)
+
+    def _faults(self, progress: Progress) -> str:
         if not progress.faults:
-            return frames
+            return ""
         more = f" (+{len(progress.faults) - 1})" if len(progress.faults) > 1 else ""
-        fault = f"! {progress.faults[0]}{more}"
-        if not self.terminal:
-            return f"{frames}  {fault}"
-        room = shutil.get_terminal_size().columns - len(frames) - 3  # a longer line would not be drawn over
-        return f"{frames}  {_RED}{fault[: max(room, 0)]}{_PLAIN}"
+        text = f"! {progress.faults[0]}{more}"
+        return f"  {_RED}{text}{_PLAIN}" if self.terminal else f"  {text}"
 
     def _frames(self, progress: Progress, expected: int | None, now: float) -> str:
         since, before = self._past[0]

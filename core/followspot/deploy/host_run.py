@@ -18,6 +18,7 @@ from followspot.deploy.clocks.host import HostClock, reference
 from followspot.deploy.clocks.status import ClockWarnings
 from followspot.deploy.crew import Crew
 from followspot.deploy.host import HostStatus, RunOrder
+from followspot.deploy.ledger_file import ledger_memory
 from followspot.deploy.log.record import Level
 from followspot.deploy.log.run_log import RunLog
 from followspot.deploy.supervisor import Supervisor
@@ -92,7 +93,7 @@ class HostRun:
         plan = plan_from_data(order.plan)
         edges = len(plan.edges)
         size = max(1, edges) * COLUMNS * 8
-        memory = self._memory = _memory(ledger, size)
+        memory = self._memory = ledger_memory(ledger, size)
         self.ledger = Ledger(edges, memoryview(mmap.mmap(memory, size)).cast("q"))
         order = replace(order, out=self.out)
         self.crew = Crew(self.name, order, memory, self.network, self.hub, self.log, self._start)
@@ -202,13 +203,3 @@ class HostRun:
         if level != "error":  # those stand in the reports of workers
             self.news.append(line)
             del self.news[:-_MAX_NEWS]
-
-
-def _memory(file: Path | None, size: int) -> int:
-    """A descriptor of memory for the ledger, of a file where one is given: what it holds stays."""
-    if file is None:
-        fd = os.memfd_create("followspot-ledger", os.MFD_CLOEXEC)
-    else:
-        fd = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-    os.ftruncate(fd, size)
-    return fd

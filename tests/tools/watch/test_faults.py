@@ -88,13 +88,6 @@ def test_what_a_run_that_does_not_answer_was_doing_is_old() -> None:
     assert {edge["rate"] for edge in made.data()["edges"] if edge["from"] == "fuse.out"} == {None}
 
 
-def test_a_worker_that_is_old_is_a_fault_and_has_old_stages_at_the_same_time() -> None:
-    hung = replace(WELL, workers=(replace(FUSE, age_s=0.8), SAVE))
-    made = picture(hung, later=0.5)
-    assert stage(made)["state"] == "old"
-    assert made.faults() == ("worker fuse was last heard 1.3 s ago",)
-
-
 def test_the_last_status_of_a_run_that_has_ended_stays_and_of_one_that_is_silent_grows_old() -> None:
     def silent() -> RunStatus:
         raise NoAnswer("it is suspended")
