@@ -30,10 +30,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from books import Books, books_of, disagreements  # type: ignore[import-not-found]
-
 from soak_room import CAMERAS
-from soak_show import FAULTS, SIDES, UNSEEN, Hosts, Show, children, unused_memory
+from soak_show import (
+    FAULTS,
+    SIDES,
+    UNSEEN,
+    Books,
+    Hosts,
+    Show,
+    books_of,
+    children,
+    disagreements,
+    unused_memory,
+)
 
 _RIGHT = 0.15
 """Largest error of a target that counts as tracked, m."""

@@ -15,13 +15,25 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 sys.path[:0] = [str(ROOT / "tests" / "integration"), str(ROOT / "tests" / "promises")]
 
+from books import Books, books_of, disagreements  # type: ignore[import-not-found]  # noqa: E402
 from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
 from running import alive, children, unused_memory  # type: ignore[import-not-found]  # noqa: E402
 
 from soak_room import write_files  # noqa: E402
 from soak_watch import Watch  # noqa: E402
 
-__all__ = ["FAULTS", "SIDES", "UNSEEN", "Hosts", "Show", "children", "unused_memory"]
+__all__ = [
+    "FAULTS",
+    "SIDES",
+    "UNSEEN",
+    "Books",
+    "Hosts",
+    "Show",
+    "books_of",
+    "children",
+    "disagreements",
+    "unused_memory",
+]
 
 STAGES = ROOT / "tools" / "soak_stages.py"
 SIDES = ("pc-left", "pc-right")
