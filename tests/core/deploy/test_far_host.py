@@ -25,7 +25,7 @@ class Agent:
 
     def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
         if verb == "status":
-            return HostStatus((WorkerStatus("left", "over"),), (), logged=0).to_data()
+            return HostStatus((WorkerStatus("left", "over"),), (), logged=0, age_s=0.0).to_data()
         assert verb == "log"
         self.seen.append(self.host.status().workers)
         return LogPage((LogRecord(1, "error", "the last word"),), 0).to_data()
@@ -71,6 +71,16 @@ def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch
         time.sleep(0.02)
     host.leave()
     assert set(agent.asked) == {"status", "knows"}
+
+
+def test_a_status_is_as_old_as_the_answer_that_it_came_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr(far_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    host = Agent().operated()
+    assert host.status().age_s is None  # nobody has heard of it
+    host._refresh()
+    now[0] += 7.5
+    assert host.status().age_s == 7.5
 
 
 def test_a_host_is_lost_when_it_is_silent_and_not_when_nobody_listened(

@@ -76,8 +76,17 @@ def test_a_stage_whose_worker_is_absent_is_absent_and_nobody_knows_its_rate() ->
     assert gone["fired"] == 6
     quiet = replace(WELL, workers=(*WELL.workers, WorkerStatus("track", "starting")))
     assert stage(picture(quiet), "track")["state"] == "starting"
+    old = {edge["to"]: edge["old"] for edge in picture(GONE).data()["edges"]}
+    assert (old["fuse.candidates"], old["bridge.positions"], old["save.tracks"]) == (True, True, False)
     known = {found["stage"] for found in picture(WELL).data()["stages"]}
     assert known == {"fuse", "save"}  # on workers of another operator nobody has a word here
+
+
+def test_a_stage_that_was_moved_does_what_it_does_at_its_new_place() -> None:
+    left = replace(FUSE, name="left", phase="over", stages=(StageStatus("fuse", "processing", fired=90),))
+    for workers in ((left, FUSE, SAVE), (FUSE, SAVE, left)):
+        moved = stage(picture(replace(WELL, workers=workers)))
+        assert (moved["worker"], moved["state"], moved["fired"]) == ("fuse", "processing", 6)
 
 
 def test_what_a_run_that_does_not_answer_was_doing_is_old() -> None:
