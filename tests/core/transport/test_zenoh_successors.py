@@ -9,9 +9,10 @@ from tests.core.transport.test_zenoh_edge import DEPTH, KEY, NAME, QUOTED, SAID,
 
 from followspot.messages import identical
 from followspot.tracking import Frame
+from followspot.transport.codec import pack
 from followspot.transport.token import ABSENT, END, Invalid, Settled
 from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter
-from followspot.transport.zenoh_terms import CREDIT, START
+from followspot.transport.zenoh_terms import CREDIT, NUMBER, START
 
 
 @pytest.fixture
@@ -135,6 +136,22 @@ def test_messages_that_a_reader_was_given_before_it_was_told_where_to_start_are_
     assert all(isinstance(token, Invalid) for token in arrived(late, 2))
     late.close()
     pair.close()
+
+
+@pytest.mark.parametrize(("given", "missing"), [(3, 0), (2, 0), (9, 6)])
+def test_after_a_cut_as_many_are_missing_as_were_given_and_did_not_come(
+    pair: Pair, given: int, missing: int
+) -> None:
+    for n in range(3):
+        pair.writer.send(frame(n))
+        arrived(pair.reader, 1)
+    pair.intruder(f"{KEY}/start/{QUOTED}").put(START.pack(0, 12, 11, given))
+    pair.intruder(KEY).put(pack(frame(7)), attachment=NUMBER.pack(0, 12, 12))
+    *gaps, token = arrived(pair.reader, missing + 1)
+    assert gaps == [Invalid("gap: it was on its way when the link was cut")] * missing
+    assert not isinstance(token, Settled | Invalid)
+    assert identical(token, frame(7))
+    assert pair.reader.strangers == 0
 
 
 @pytest.mark.parametrize("bound", [5, ABSENT, END])
