@@ -46,8 +46,8 @@ class Played:
 
     @property
     def stages(self) -> list[str]:
-        """Names of all instances."""
-        return sorted(self.report["stages"])
+        """Names of all instances but the recorder's."""
+        return sorted(name for name in self.report["stages"] if not name.startswith("record-"))
 
 
 def play(graph: Path, folder: Path, *options: str, record: bool) -> Played:
@@ -73,10 +73,12 @@ def play(graph: Path, folder: Path, *options: str, record: bool) -> Played:
 
 
 def recorded(path: Path) -> dict[str, list[str]]:
-    """Digests of the messages of each topic: number, times and payload."""
+    """Digests of the messages of each topic but the log, which tells of processes: number, times, payload."""
     found: dict[str, list[str]] = defaultdict(list)
     with path.open("rb") as file:
         for _, channel, message in make_reader(file).iter_messages(log_time_order=False):
+            if channel.topic == "/log":
+                continue
             head = repr((message.sequence, message.log_time, message.publish_time)).encode()
             found[channel.topic].append(hashlib.sha256(head + message.data).hexdigest())
     return dict(found)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-import yaml
 from played import Played, burners, differences, one_each, play
+from rooms import MADE, ROOMS
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 SHOWN = """
@@ -23,7 +23,10 @@ BALLS = """
 
 @dataclass(frozen=True)
 class Case:
-    """A shipped graph in a room. more: sinks beside its own; split: placement of two workers."""
+    """A shipped graph in a room: a shipped one, or one that `rooms.MADE` makes from such.
+
+    more: sinks beside its own; split: placement of two workers.
+    """
 
     graph: str
     room: str
@@ -44,8 +47,11 @@ CASES = {
     "persons": Case(
         "person_room.yaml", "simulated_persons", 24, SHOWN % ", poses: fuse", "placements/person.yaml"
     ),
-    "throws": Case("throws.yaml", "", 200, split=""),
-    "single camera": Case("single_camera.yaml", "", 200, SHOWN % "", split=""),
+    "throws": Case("throws.yaml", "one camera", 200, split=""),
+    "single camera": Case("single_camera.yaml", "one camera", 200, SHOWN % "", split=""),
+    "videos": Case("glowballs.yaml", "videos", 90, BALLS),
+    "pictures": Case("glowballs.yaml", "pictures", 60, BALLS),
+    "recording": Case("glowballs.yaml", "recording", 90, BALLS),
     "recorded": Case("experiments/recorded.yaml", "simulated", 120),
     "pairs": Case("experiments/pairs.yaml", "simulated", 60, plugin="experiments/pairs.py"),
     "search gate": Case("experiments/search_gate.yaml", "simulated", 120),
@@ -58,9 +64,7 @@ CASES = {
     ),
 }
 PLACED = ("", "camera", "stage", "two", "each")
-WAYS = [
-    (placed, edges) for placed in PLACED for edges in ("auto", "ring", "zenoh") if placed or edges != "auto"
-]
+WAYS = [(placed, edges) for placed in PLACED for edges in ("ring", "zenoh")]
 
 
 @dataclass
@@ -83,22 +87,12 @@ class Stand:
         return play(self.graph, folder, *options, record=self.record)
 
 
-def lonely_room(folder: Path) -> Path:
-    """A room with one colour camera: the first of the simulated one."""
-    room = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
-    room["cameras"] = {"cam0": room["cameras"]["cam0"]}
-    del room["truth"]
-    path = folder / "room.yaml"
-    path.write_text(yaml.safe_dump(room))
-    return path
-
-
 def stand(case: Case, folder: Path, *, record: bool) -> Stand:
     """Write the graph with the sinks that it gets beside its own, and play it in one process."""
     graph = folder / "graph.yaml"
     more = case.more or "  {}"
     graph.write_text(f"graph: g\ninclude: {GRAPHS / case.graph}\nstages:\n{more}\n")
-    room = GRAPHS / "rooms" / f"{case.room}.yaml" if case.room else lonely_room(folder)
+    room = MADE[case.room](folder) if case.room in MADE else ROOMS / f"{case.room}.yaml"
     options = ("--room", str(room), "--frames", str(case.frames))
     if case.plugin:
         options += ("--plugin", str(GRAPHS / case.plugin))
