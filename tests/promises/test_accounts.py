@@ -75,13 +75,11 @@ def look(run: Run) -> None:
     assert all(edge["in_flight"] <= 25 + 3 * len(run.killed) for edge in edges), edges
 
 
-@pytest.mark.parametrize(("edges", "size", "seed"), [("ring", 6000, 1), ("zenoh", 0, 5)])
-def test_journals_agree_with_the_ledger_after_faults_at_random(
-    tmp_path: Path, edges: str, size: int, seed: int
-) -> None:
-    with Run(tmp_path, edges, size) as run:
+@pytest.mark.parametrize("edges", ["ring", pytest.param("zenoh", marks=pytest.mark.thorough)])
+def test_journals_agree_with_the_ledger_after_faults_at_random(tmp_path: Path, edges: str) -> None:
+    with Run(tmp_path, edges, size=6000) as run:
         run.goes_on()
-        befall(run, random.Random(seed), 3)
+        befall(run, random.Random(1), 3)
         look(run)
         run.judge(run.end())
 

@@ -9,12 +9,13 @@ import subprocess
 import uuid
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from subprocess import PIPE
 
 import pytest
-from books import impossible
+from books import books_of, impossible
 from hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
 from journaled import FOREVER, STAGES, Journaled
-from running import COMMAND, alive, start, wait_until, write_graph
+from running import COMMAND, Finished, alive, finish, start, wait_until, write_graph
 
 LIVE = """
 cam:  {uses: journal.camera}
@@ -91,11 +92,11 @@ class TwoHosts(Journaled):
 class Near(TwoHosts):
     """On one host in truth."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *options: str) -> None:
         super().__init__(folder)
         self.endpoint = f"tcp/127.0.0.1:{free_port()}"
         self.agent = self.new_agent()
-        self.process = start(self.graph, self.out, *self.words, "--connect", self.endpoint)
+        self.process = start(self.graph, self.out, *self.words, "--connect", self.endpoint, *options)
 
     def new_agent(self) -> Agent:
         return near_agent("pc-left", self.root, "--plugin", STAGES, at=self.endpoint)
@@ -149,6 +150,57 @@ def test_journals_agree_with_the_ledger_of_two_hosts(tmp_path: Path) -> None:
         run.kill_agent_of_one_that_hangs("left")
         run.goes_on()
         assert not list(impossible(run.status()))
+        run.judge(run.end())
+
+
+@pytest.mark.thorough
+def test_a_host_that_never_comes_back_leaves_no_column_below_zero(tmp_path: Path) -> None:
+    with Near(tmp_path) as run:
+        run.goes_on()
+        run.agent.process.kill()
+        run.agent.process.wait()
+        run.goes_on("near", "look", count=300)
+        assert not list(impossible(run.status()))
+        finished = run.end()
+        assert finished.code == 1
+        assert any("pc-left" in line for line in finished.summary["errors"])
+        edges = finished.summary["edges"]
+        assert not list(impossible(edges))
+        here = [edge for edge in edges if edge["from"] in ("near.out", "look.out", "both.out")]
+        books = books_of(run.folder, finished.summary["warnings"])
+        for edge in here:
+            assert edge["produced"] == len(books.of(edge["from"].partition(".")[0], "out.out")), edge
+
+
+class Detached(Near):
+    """All of it under the agent, without its operator."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder, "--detach", "--host", "pc-left")
+        finished = finish(self.process, self.out)
+        assert finished.code == 0, finished.errors
+
+    def parents(self) -> list[int]:
+        return [self.agent.process.pid]
+
+    def end(self) -> Finished:
+        words = [*COMMAND, "attach", self.name, "--stop", "--json", "--connect", self.endpoint]
+        return finish(subprocess.Popen(words, stdout=PIPE, stderr=PIPE, text=True), self.out)
+
+
+@pytest.mark.thorough
+def test_journals_agree_with_the_ledger_of_a_run_that_agents_take_up_again_by_themselves(
+    tmp_path: Path,
+) -> None:
+    with Detached(tmp_path) as run:
+        run.goes_on()
+        run.kill("left")
+        run.goes_on()
+        wait_until(lambda: bool(list(tmp_path.glob("runs/*/.order"))), FOREVER)
+        run.agent.process.kill()
+        run.agent.process.wait()
+        run.agent = run.new_agent()
+        run.goes_on()
         run.judge(run.end())
 
 
