@@ -18,6 +18,8 @@ DOCUMENT = 1_000_000
 """Largest graph, room, placement or plugin file, bytes."""
 DATA = 64_000_000
 """Largest file that is read as a whole: calibrations, models, lists, summaries; bytes."""
+PICTURE = 256_000_000
+"""Largest file of one picture, bytes."""
 TABLE = 1_000_000_000
 """Largest table that is read row by row, and largest archive of arrays, bytes."""
 
@@ -54,6 +56,11 @@ def read_bytes(path: str | Path, most: int = DATA) -> bytes:
 def read_text(path: str | Path, most: int = DATA, *, errors: str = "strict") -> str:
     """The same as UTF-8 text. Raises OSError, UnicodeDecodeError."""
     return read_bytes(path, most).decode("utf-8-sig", errors)
+
+
+def require_regular(path: str | Path, most: int | None = None) -> None:
+    """Raises OSError if `open_regular` would, for a file that another library opens by its name."""
+    open_regular(path, most).close()
 
 
 def _check(found: os.stat_result, path: str | Path, most: int | None) -> None:

@@ -8,6 +8,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import BinaryIO
 
+from followspot.files import open_regular
+
 EBML = b"\x1a\x45\xdf\xa3"
 SEGMENT = b"\x18\x53\x80\x67"
 MOST_BOXES = 10_000
@@ -16,7 +18,7 @@ MOST_BOXES = 10_000
 def cut_off(path: Path) -> str:
     """' (the file is cut off: 300 of 500 bytes)' for a file shorter than it declares; else ''."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path, None) as file:
             declared = declared_size(file)
         actual = path.stat().st_size
     except OSError:

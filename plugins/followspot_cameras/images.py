@@ -9,6 +9,7 @@ import cv2
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
+from followspot.files import PICTURE, require_regular
 from followspot.messages import Array
 from followspot.tracking import Frame
 from followspot_cameras.clock import capture_time, exact_rate
@@ -70,14 +71,15 @@ class Images(Stage):
             self.context.warn(f"{len(unreadable)} pictures cannot be read, the first is {unreadable[0]}")
 
 
-def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
+def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR, *, most: int = PICTURE) -> Array | None:
     """The picture, (H, W, 3) uint8 unless flags say otherwise.
 
-    None where it cannot be read, or claims a size beyond all reason.
+    None where it cannot be read, has more than `most` bytes, or claims a size beyond all reason.
     """
     try:
+        require_regular(path, most)
         return cv2.imread(str(path), flags)
-    except cv2.error:
+    except (OSError, cv2.error):
         return None
 
 

@@ -10,6 +10,7 @@ import cv2
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
+from followspot.files import require_regular
 from followspot.tracking import Frame
 from followspot_cameras.clock import capture_time, exact_rate
 from followspot_cameras.container import cut_off
@@ -101,6 +102,11 @@ class Video(Stage):
 
 def open_video(path: Path) -> cv2.VideoCapture:
     """A decoder with a second thread, which works ahead while the graph has the first. Raises InputError."""
+    try:
+        require_regular(path)
+    except OSError as error:
+        text = f"{path} cannot be read as a video: {error.strerror}"
+        raise InputError([Mistake(None, text, "give the file of a recording")]) from None
     capture = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 2])
     if not capture.isOpened():
         raise InputError(

@@ -13,15 +13,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from followspot import Array
+from followspot.document import plain, read
 from followspot.errors import InputError, Mistake
 from followspot_persons.color_model import FIRST_VARIANCE, ColorModel
 from followspot_persons.hsi import from_plane, plane
 
 SHIPPED = Path(__file__).with_name("color_relations.yaml")
-MAX_BYTES = 1 << 20
 OBSERVATION = 0.0004
 """Variance of a mean colour that no number of observations goes below: light differs from place to place."""
 WIDEST_HUE = 1 / 12
@@ -44,9 +43,7 @@ class ColorRelations:
 def read_relations(path: Path = SHIPPED) -> ColorRelations:
     """The relations in a file: per feature mean, factors and own variances. Raises InputError."""
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError(f"larger than {MAX_BYTES} bytes")
-        rows = yaml.safe_load(path.read_text(encoding="utf-8"))["features"]
+        rows = plain(read(path))["features"]
         mean, chroma, intensity, own = (
             np.array([row[key] for row in rows], float) for key in ("mean", "chroma", "intensity", "own")
         )
@@ -54,7 +51,7 @@ def read_relations(path: Path = SHIPPED) -> ColorRelations:
             raise ValueError("each feature has a mean of 3 numbers and two own variances above 0")
         if not all(np.isfinite(a).all() for a in (mean, chroma, intensity, own)):
             raise ValueError("a number is not finite")
-    except (OSError, ValueError, TypeError, KeyError, yaml.YAMLError) as error:
+    except (ValueError, TypeError, KeyError) as error:
         remedy = 'make a file with "followspot shape colors"'
         raise InputError([Mistake(None, f"{path}: no relations of colours: {error}", remedy)]) from None
     return ColorRelations(

@@ -10,6 +10,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
+from followspot.files import open_regular
 from followspot_persons.hog_cells import LOOKS
 from followspot_persons.hog_window import FEATURES
 
@@ -75,9 +76,7 @@ def trusted(logits: Array, factor: float, mistaken: float) -> Array:
 def load(path: Path = SHIPPED) -> HogModel:
     """Read a weights file. Raises InputError where it is none."""
     try:
-        if path.stat().st_size > LARGEST:
-            raise ValueError(f"larger than {LARGEST} bytes")
-        with np.load(path, allow_pickle=False) as stored:
+        with open_regular(path, LARGEST) as file, np.load(file, allow_pickle=False) as stored:
             arrays = {field.name: stored[field.name].astype(np.float32) for field in fields(HogModel)}
         model = HogModel(**arrays)
         _check(model)

@@ -13,13 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 
 from followspot import Array
+from followspot.document import plain, read
 from followspot.errors import InputError, Mistake
 
 SHIPPED = Path(__file__).with_name("shape.yaml")
-MAX_BYTES = 1 << 20
 MAX_FEATURES = 1000
 PARTS = ("torso", "head")
 
@@ -68,10 +67,8 @@ class ShapeModel:
 def read_shape(path: Path = SHIPPED) -> ShapeModel:
     """The model in a file. Raises InputError that names the file, what is wrong and the remedy."""
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise ValueError(f"larger than {MAX_BYTES} bytes")
-        return shape_of(yaml.safe_load(path.read_text(encoding="utf-8")))
-    except (OSError, ValueError, TypeError, KeyError, AttributeError, yaml.YAMLError) as error:
+        return shape_of(plain(read(path)))
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
         reason = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         remedy = 'make a file with "followspot shape fit"'
         raise InputError([Mistake(None, f"{path}: no shape model: {reason}", remedy)]) from None

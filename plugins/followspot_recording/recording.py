@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from functools import cached_property
@@ -13,6 +14,7 @@ from mcap import records
 from mcap.opcode import Opcode
 
 from followspot.errors import FollowspotError
+from followspot.files import open_regular
 from followspot_recording.contents import read_contents
 from followspot_recording.records import (
     Channel,
@@ -41,10 +43,10 @@ class Recording:
         """Open the file and find what it holds. Raises FollowspotError."""
         self.path = Path(path)
         try:
-            self._file = self.path.open("rb")
+            self._file = open_regular(self.path, None)
         except OSError as error:
             raise FollowspotError(f"{path} cannot be read: {error.strerror}") from None
-        about = self.path.stat()
+        about = os.fstat(self._file.fileno())
         self._key = str(self.path.absolute()), about.st_mtime_ns, about.st_size
         try:
             self._contents = _known.get(self._key) or read_contents(self._file, str(path))

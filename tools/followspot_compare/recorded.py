@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from followspot.accuracy import TrackTable
+from followspot.files import open_text
 from followspot.messages import Array
 from followspot.room import Camera
 from followspot.tracking import TRACKED
@@ -109,6 +110,6 @@ def _blobs(path: Path) -> Iterator[tuple[Array, Array, Array, Array]]:
 def _messages(path: Path) -> Iterator[dict[str, Any]]:
     if not path.exists():
         return
-    with path.open(encoding="utf-8") as lines:
+    with open_text(path) as lines:
         for line in lines:
             yield json.loads(line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.document import Node, child, read
 from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.files import read_text
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.graph.ship import plan_to_data
@@ -181,8 +183,11 @@ def _names(node: Node | None) -> list[str]:
 
 def _text(path: Path) -> str | None:
     try:
-        if path.stat().st_size > _MAX_FILE:
-            raise FollowspotError(f"{path} is too large to be embedded; at most {_MAX_FILE} bytes")
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeError):
+        return read_text(path, _MAX_FILE)
+    except OSError as error:
+        if error.errno == errno.EFBIG:
+            text = f"{path} is too large to be embedded; at most {_MAX_FILE} bytes"
+            raise FollowspotError(text) from None
+        return None
+    except UnicodeError:
         return None

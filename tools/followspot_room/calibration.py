@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 from dataclasses import replace
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
+from followspot.files import read_bytes
 from followspot_room.checks import Unfit
 from followspot_room.format import Calibration, Texts
 from followspot_room.formats import (
@@ -59,15 +61,16 @@ def _texts(path: Path) -> Texts:
     left = MOST_BYTES
     try:
         for one in chosen:
-            with one.open("rb") as file:
-                data = file.read(left + 1)
+            data = read_bytes(one, left)
             left -= len(data)
-            if left < 0:
-                raise InputError([Mistake(None, f"{path} is larger than {MOST_BYTES} bytes", TOO_LARGE)])
             texts[one.name] = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return {}
     except OSError as error:
+        if error.errno == errno.EFBIG:
+            raise InputError(
+                [Mistake(None, f"{path} is larger than {MOST_BYTES} bytes", TOO_LARGE)]
+            ) from None
         text = f"{path} cannot be read: {error.strerror}"
         raise InputError([Mistake(None, text, "give a calibration file or its folder")]) from None
     return texts

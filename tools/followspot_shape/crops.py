@@ -6,11 +6,12 @@ import csv
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
+from followspot_cameras.images import read_picture
 
 COLUMNS = ("file", "body", "torso_heading", "head_pan", "head_tilt", "y0", "y1", "neck_u")
 MAX_CROPS = 20_000
@@ -39,7 +40,7 @@ def read_crops(folder: Path) -> Crops:
     """The crops in a folder. Raises InputError where the table or a picture is missing or wrong."""
     table = folder / "boxes.csv"
     try:
-        with table.open(newline="", encoding="utf-8") as file:
+        with open_text(table) as file:
             rows = [row for row, _ in zip(csv.DictReader(file), range(MAX_CROPS), strict=False)]
         columns = {name: [row[name] for row in rows] for name in COLUMNS}
         numbers = {name: np.array(columns[name], float) for name in COLUMNS[1:]}
@@ -66,7 +67,7 @@ def _pictures(folder: Path, names: list[str]) -> Array:
     for name in names:
         if Path(name).name != name:
             raise _mistake(folder / "boxes.csv", f'"{name}" is not the name of a file beside it')
-        picture = cv2.imread(str(folder / name), cv2.IMREAD_COLOR)
+        picture = read_picture(folder / name)
         if picture is None or (pictures and picture.shape != pictures[0].shape):
             raise _mistake(folder / name, "no picture, or not as large as the others")
         pictures.append(np.asarray(picture))

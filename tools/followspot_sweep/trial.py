@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from followspot.files import read_bytes
 from followspot_sweep.axes import Point
 from followspot_sweep.figures import figures_of
 
@@ -53,7 +54,7 @@ def folder_name(point: Point) -> str:
 def kept(task: Task) -> Result | None:
     """The result of an earlier sweep of the same; None where there is none that is whole."""
     try:
-        found = json.loads((task.folder / SUMMARY).read_text(encoding="utf-8"))
+        found = json.loads(read_bytes(task.folder / SUMMARY))
         if (found["command"], found["state"]) == (list(task.command), task.state):
             return Result(task, figures_of(found["summary"]))
     except (OSError, ValueError, KeyError, TypeError, AttributeError):

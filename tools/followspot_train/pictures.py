@@ -11,11 +11,12 @@ import csv
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
+from followspot_cameras.images import read_picture
 
 MIDDLE = (48.0, 22.0)
 """Column of the body's axis and row of the head's top in a crop of `boxes.csv`, px."""
@@ -76,7 +77,7 @@ def read_folder(folder: Path) -> Pictures:
 
 def _with_boxes(folder: Path) -> Pictures:
     persons = []
-    with (folder / "boxes.csv").open(newline="", encoding="utf-8") as stream:
+    with open_text(folder / "boxes.csv") as stream:
         for line, row in enumerate(csv.DictReader(stream), start=2):
             try:
                 persons.append(_person(folder, row))
@@ -122,8 +123,7 @@ def _files(folder: Path) -> list[Path]:
 
 def _picture(file: Path) -> Array:
     """(H, W, 3) u8, BGR. Raises InputError."""
-    readable = file.is_file() and file.stat().st_size <= LARGEST
-    pixels = cv2.imread(str(file), cv2.IMREAD_COLOR) if readable else None
+    pixels = read_picture(file, most=LARGEST)
     if pixels is None:
         raise _mistake(f"{file} is no picture of at most {LARGEST} bytes", "give .jpg or .png files")
     return np.asarray(pixels)

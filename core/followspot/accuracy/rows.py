@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake, Place
+from followspot.files import open_text
 
 MOST_ROWS = 5_000_000
 LONGEST_NAME = 100
@@ -99,7 +100,7 @@ def header_of(path: Path) -> tuple[str, ...]:
 @contextmanager
 def _lines(path: Path) -> Iterator[Iterator[list[str]]]:
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with open_text(path) as file:
             yield csv.reader(file)
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None

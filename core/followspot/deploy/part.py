@@ -17,6 +17,7 @@ from followspot.deploy.absence import OPERATOR_TIMEOUT, Absence
 from followspot.deploy.changes.move_order import MoveOrder
 from followspot.deploy.host import RunOrder, order_from_data
 from followspot.deploy.host_run import HostRun
+from followspot.files import read_bytes
 
 _FILE = ".order"
 _FRESH = 600.0
@@ -86,10 +87,9 @@ class KeptParts:
         """What an agent of this host was at when it died, not long ago."""
         for path in sorted(self._runs.glob(f"*-{self._host}/{_FILE}")):
             with suppress(OSError, ValueError):  # it was just being written, or is of another version
-                stat = path.stat()
-                if time.time() - stat.st_mtime > _FRESH or stat.st_size > _MAX_BYTES:
+                if time.time() - path.stat().st_mtime > _FRESH:
                     continue
-                order = order_from_data(json.loads(path.read_bytes()))
+                order = order_from_data(json.loads(read_bytes(path, _MAX_BYTES)))
                 if path.parent.name.endswith(f"-{order.run}-{self._host}"):
                     yield order
 

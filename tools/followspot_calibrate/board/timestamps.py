@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
 
 MOST_BYTES = 50_000_000
 NEEDED = ("sync_index", "cam_id", "frame_index")
@@ -39,9 +40,7 @@ def read_timestamps(path: Path, cameras: Sequence[str]) -> Moments:
 
 def _lines(path: Path) -> list[dict[str, str | None]]:
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise _wrong(f"{path} is larger than {MOST_BYTES} bytes", "split the recording")
-        with path.open(newline="", encoding="utf-8-sig") as file:
+        with open_text(path, MOST_BYTES) as file:
             reader = csv.DictReader(file)
             absent = [name for name in NEEDED if name not in (reader.fieldnames or ())]
             if absent:

@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Camera
 from followspot.accuracy.rows import Row, read_rows
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
 from followspot.form import is_name
 from followspot_calibrate.points_file.naming import sizes_of
 from followspot_calibrate.sightings import Sightings
@@ -51,7 +52,7 @@ def read_csv(path: Path, cameras: Sequence[Camera], size: tuple[int, int] | None
 
 def _head(path: Path) -> list[str]:
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
+        with open_text(path, errors="replace") as file:
             return [cell.strip() for cell in file.readline(1000).split(",")]
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None

@@ -11,6 +11,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.errors import InputError, Mistake
+from followspot.files import open_regular
 from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of, sizes_of
 from followspot_calibrate.sightings import Sightings
@@ -59,11 +60,11 @@ def _are_sizes(sizes: Array) -> bool:
 def _arrays(path: Path) -> dict[str, Array]:
     """The arrays of the file, none of them pickled."""
     try:
-        with zipfile.ZipFile(path) as archive:
+        with open_regular(path) as opened, zipfile.ZipFile(opened) as archive:
             unpacked = sum(member.file_size for member in archive.infolist())
         if unpacked > MOST_BYTES:
             raise InputError([Mistake(None, f"{path} unpacks to {unpacked} bytes, at most {MOST_BYTES}")])
-        with np.load(path, allow_pickle=False) as file:
+        with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             return {name: file[name] for name in (KEY, VIEWS) if name in file}
     except _UNREADABLE as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error}", "needs an NPZ file")]) from None

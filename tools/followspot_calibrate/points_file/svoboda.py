@@ -9,6 +9,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
 from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of
 from followspot_calibrate.sightings import Sightings
@@ -43,9 +44,8 @@ def read_svoboda(folder: Path, cameras: Sequence[Camera]) -> Sightings:
 def _matrix(path: Path) -> Array:
     """The numbers in a text file, one row a line."""
     try:
-        if path.stat().st_size > MOST_BYTES:
-            raise _mistake(path, f"more than {MOST_BYTES} bytes", "a shorter recording")
-        return np.loadtxt(path, ndmin=2)
+        with open_text(path, MOST_BYTES) as file:
+            return np.loadtxt(file, ndmin=2)
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
     except ValueError as error:

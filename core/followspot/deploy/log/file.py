@@ -9,6 +9,7 @@ from pathlib import Path
 
 from followspot.deploy.log.record import LogRecord, records_from_data
 from followspot.errors import InputError, Mistake
+from followspot.files import open_text
 
 NAME = "log.jsonl"
 MAX_BYTES = 64 << 20
@@ -47,7 +48,7 @@ def read_log(folder: Path) -> Iterator[LogRecord]:
     """The records in a run's output folder. Raises InputError where there are none, or a line is none."""
     path = folder / NAME
     try:
-        with path.open(encoding="utf-8", errors="replace") as file:
+        with open_text(path, errors="replace") as file:
             for number, line in enumerate(iter(lambda: file.readline(MAX_BYTES), ""), 1):
                 if line.endswith("\n"):  # else it is being written, or was when the run was killed
                     yield _record(path, number, line)

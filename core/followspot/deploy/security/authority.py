@@ -16,6 +16,7 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from followspot.errors import FollowspotError
+from followspot.files import DOCUMENT, read_bytes
 from followspot.transport.roster import NAME, ROSTER, Member, Role, read_roster, roster_text
 
 try:
@@ -61,8 +62,8 @@ class Authority:
                 f"chmod 600 {home / 'key.pem'}, or begin anew if others may have read it"
             )
         try:
-            key = load_pem_private_key((home / "key.pem").read_bytes(), None)
-            self._certificate = x509.load_pem_x509_certificate((home / "ca.pem").read_bytes())
+            key = load_pem_private_key(read_bytes(home / "key.pem", DOCUMENT), None)
+            self._certificate = x509.load_pem_x509_certificate(read_bytes(home / "ca.pem", DOCUMENT))
         except (OSError, ValueError, TypeError) as error:
             raise FollowspotError(f"the authority in {home} cannot be read: {error}") from None
         if not isinstance(key, ec.EllipticCurvePrivateKey):
