@@ -12,12 +12,18 @@ from followspot.plugins.hooks import Command
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     add_graph_options(parser)
+    parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="refuse what can make two runs differ: live sources and what depends on their timing, errors "
+        "after which a stage goes on, random numbers without a seed, lossy codecs",
+    )
     parser.add_argument("--json", action="store_true", help="print the mistakes as one JSON object")
 
 
 def _run(args: argparse.Namespace) -> int:
     try:
-        plan = plan_of(args)
+        plan = plan_of(args, strict=args.strict)
     except InputError as error:
         if not args.json:
             raise
@@ -47,6 +53,7 @@ COMMAND = Command(
     """find every mistake in a graph, its room and its placement; start nothing
 
   followspot check graphs/glowballs.yaml --room rooms/studio.yaml
+  followspot check graphs/glowballs.yaml --strict       whether the result can be computed again
 """,
     _configure,
     _run,

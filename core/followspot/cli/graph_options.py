@@ -59,8 +59,11 @@ def add_change_options(
     parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
 
 
-def plan_of(args: argparse.Namespace) -> Plan:
-    """Load, expand, check and plan what the options say. Raises InputError with every mistake."""
+def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
+    """Load, expand, check and plan what the options say. Raises InputError with every mistake.
+
+    strict: whether what can make two runs differ is a mistake.
+    """
     from followspot.graph.compile import compile_graph
 
     plan = compile_graph(
@@ -71,6 +74,7 @@ def plan_of(args: argparse.Namespace) -> Plan:
         plugin_files=args.plugin_files,
         edges=args.edges,
         seed=args.seed,
+        strict=strict,
     )
     for options in load_plan_options():
         plan = options.change(plan, args)

@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, connect
 from followspot.graph.expand import Expanded, Instance
 from followspot.graph.parameters import output_paths, validated
+from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.people import PoseTruth
 from followspot.plugins.registry import PluginError, load_stage
@@ -40,6 +41,8 @@ class Checked:
     edges: tuple[CheckedEdge, ...]
     notes: tuple[str, ...] = ()
     """What a live run may do and a replay may not."""
+    risks: tuple[Mistake, ...] = ()
+    """What can make two runs differ."""
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
@@ -65,7 +68,9 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
             mistakes += sampled
     _check_outputs(stages, mistakes)
     room = _checked_room(expanded, mistakes)
-    return Checked(expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes)
+    return Checked(
+        expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes, tuple(risks(stages, edges))
+    )
 
 
 def _classes(expanded: Expanded, mistakes: list[Mistake]) -> dict[str, type[Stage]]:

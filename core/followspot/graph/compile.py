@@ -25,12 +25,14 @@ def compile_graph(
     edges: EdgeChoice = "auto",
     seed: int | None = None,
     change: Callable[[Loaded], Loaded] | None = None,
+    strict: bool = False,
 ) -> Plan:
     """The plan of a graph file. Raises InputError with every mistake.
 
     room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
     overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers;
-    change: what is to become of the declared stages before they are looked up.
+    change: what is to become of the declared stages before they are looked up; strict: whether what can make
+    two runs differ is a mistake.
     """
     mistakes: list[Mistake] = []
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
@@ -38,6 +40,7 @@ def compile_graph(
     loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
     expanded = expand(loaded if change is None else change(loaded), mistakes)
     checked = check(expanded, mistakes)
+    mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:
         raise InputError(_ordered(mistakes))

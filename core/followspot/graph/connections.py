@@ -30,11 +30,9 @@ class CheckedEdge:
     @property
     def link(self) -> Link:
         """The edge between the stages of the file."""
-        feed = self.wire.feed
-        origin = feed.stage if feed.port is None else f"{feed.stage}.{feed.port}"
-        end = self.wire.target.declared.name
+        feed, end = self.wire.feed, self.wire.target.declared.name
         return Link(
-            feed.stage, origin, end, self.wire.port, feed.delay, self.sampled, feed.policy, feed.place
+            feed.stage, feed.origin, end, self.wire.port, feed.delay, self.sampled, feed.policy, feed.place
         )
 
 

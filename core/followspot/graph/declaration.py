@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import cast
 
 from followspot.document import Node
@@ -41,6 +41,13 @@ class Feed:
     codec: EdgeCodec
     policy: EdgePolicy
     place: Place
+    places: Mapping[str, Place] = field(default_factory=dict, compare=False)
+    """Of what else is written of it, by its key."""
+
+    @property
+    def origin(self) -> str:
+        """What it is fed from, as it is written."""
+        return self.stage if self.port is None else f"{self.stage}.{self.port}"
 
 
 @dataclass(frozen=True)
@@ -66,6 +73,8 @@ class StageDeclaration:
     on_error: ErrorPolicy
     tolerance: float
     deadline: float
+    places: Mapping[str, Place] = field(default_factory=dict, compare=False)
+    """Of the value of each key that is written."""
 
 
 def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclaration:
@@ -89,7 +98,12 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         on_error=cast(ErrorPolicy, form.text("on_error", choices=_POLICIES) or "fail"),
         tolerance=PlannedStage.tolerance if tolerance is None else tolerance,
         deadline=PlannedStage.deadline if deadline is None else deadline,
+        places=_places(form),
     )
+
+
+def _places(form: Form) -> dict[str, Place]:
+    return {key: node.place for key, node in form.entries.items()}
 
 
 def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
@@ -104,9 +118,11 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
     policy = PlannedEdge.policy
     origin: Node | None = node
+    places: Mapping[str, Place] = {}
     if isinstance(node.value, Mapping):
         form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy"), mistakes)
         origin = form.get("from", required=True)
+        places = _places(form)
         delay = _delay(form)
         codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
         policy = _policy(form, delay, mistakes)
@@ -118,7 +134,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place)
+    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, places)
 
 
 def _delay(form: Form) -> int:
