@@ -1,11 +1,12 @@
 """Try to break everything that reads what others wrote, with broken inputs by the thousand.
 
-    python tools/fuzz.py                      100,000 messages, 15,000 files and requests, 2,000 recordings
+    python tools/fuzz.py                      100,000 messages, 25,000 files and requests, 2,000 recordings
     python tools/fuzz.py --share 0.01         a hundredth of that
     python tools/fuzz.py --only graph room --seed 7
 
 Each target runs in a process of its own with bounded memory; an input that takes more than ten seconds of
-work or kills the process is a crash. Inputs follow from the seed, so a crash comes again (--only, --at).
+work (two for a document) or kills the process is a crash. Inputs follow from the seed, so a crash comes again
+(--only, --at).
 Exit code 1 where anything but a refusal was seen.
 """
 
@@ -28,7 +29,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from fuzz_target import Outcome, Target
+from fuzz_target import MORE_MB, Outcome, Target
 
 COUNTS = {
     "zenoh": 80_000,
@@ -37,6 +38,10 @@ COUNTS = {
     "room": 2_500,
     "placement": 1_500,
     "override": 500,
+    "graph_values": 5_000,
+    "room_values": 3_500,
+    "placement_values": 1_500,
+    "runs": 1_500,
     "tables": 2_000,
     "keypoints": 500,
     "calibration": 1_500,
@@ -49,13 +54,10 @@ COUNTS = {
 MODULES = {
     "fuzz_wire": ("zenoh", "ring"),
     "fuzz_files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
+    "fuzz_documents": ("graph_values", "room_values", "placement_values", "runs"),
     "fuzz_control": ("request", "status", "roster"),
     "fuzz_pictures": ("video", "images"),
 }
-LONGEST_S = 10.0
-"""Of work for one input; one that only waits has twelve times as long."""
-MEMORY = 2 << 30
-"""Bytes of address space that a target may take beyond what it has at the start."""
 _MOST_CRASHES = 20
 
 
@@ -71,13 +73,13 @@ def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Ou
     aim = target(name)
     outcome = Outcome()
     start = _memory_mb()
-    _limit_memory()
+    _limit_memory(aim.most_mb)
     faulthandler.register(signal.SIGPROF, chain=True)
     for number in range(first, last):
         place[0] = number
         made = aim.make(random.Random(f"{name}:{seed}:{number}"))
-        faulthandler.dump_traceback_later(LONGEST_S * 12, exit=True)
-        signal.setitimer(signal.ITIMER_PROF, LONGEST_S)
+        faulthandler.dump_traceback_later(aim.longest_s * 12, exit=True)
+        signal.setitimer(signal.ITIMER_PROF, aim.longest_s)
         began = time.process_time()
         try:
             aim.take(made)
@@ -93,7 +95,8 @@ def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Ou
         outcome.inputs += 1
     signal.setitimer(signal.ITIMER_PROF, 0)
     faulthandler.cancel_dump_traceback_later()
-    outcome.peak_mb = _memory_mb() - start
+    outcome.whole_mb = _memory_mb()
+    outcome.peak_mb = outcome.whole_mb - start
     return outcome
 
 
@@ -128,15 +131,19 @@ def _add(whole: Outcome, part: dict[str, Any]) -> None:
     whole.crashes += part["crashes"]
     whole.slowest_s = max(whole.slowest_s, part["slowest_s"])
     whole.peak_mb = max(whole.peak_mb, part["peak_mb"])
+    whole.whole_mb = max(whole.whole_mb, part["whole_mb"])
 
 
 def _memory_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
-def _limit_memory() -> None:
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    limit = pages * resource.getpagesize() + MEMORY
+def _limit_memory(most_mb: int) -> None:
+    """Limit the address space; it is larger than the memory by what is reserved and not used."""
+    pages, resident, *_ = map(int, Path("/proc/self/statm").read_text().split())
+    page_mb = resource.getpagesize() / (1 << 20)
+    more = most_mb - resident * page_mb if most_mb else MORE_MB
+    limit = int((pages * page_mb + more) * (1 << 20))
     resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -156,7 +163,7 @@ def _tell(name: str, outcome: Outcome) -> None:
     print(
         f"{name:<12} {outcome.inputs:>7} inputs {outcome.accepted:>7} accepted {refused:>7} refused "
         f"({len(outcome.refused)} reasons) {len(outcome.crashes)} crashes, "
-        f"slowest {outcome.slowest_s:.2f} s, memory +{outcome.peak_mb:.0f} MB",
+        f"slowest {outcome.slowest_s:.2f} s, memory +{outcome.peak_mb:.0f} to {outcome.whole_mb:.0f} MB",
         flush=True,
     )
     for reason, count in outcome.refused.most_common(3):

@@ -11,15 +11,23 @@ from typing import Any
 
 _VARIABLE = re.compile(r"'[^']*'|\"[^\"]*\"|[\[{(].*|[^\s]*[\d/][^\s]*")
 _MOST_REASONS = 200
+MORE_MB = 2048
+"""Address space that a process may take beyond what it has at the start."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """make: a broken input; take: gives it to the program, which returns or raises one of `refusals`."""
+    """make: a broken input; take: gives it to the program, which returns or raises one of `refusals`.
+
+    longest_s: work for one input, s; one that only waits has twelve times as long; most_mb: memory of the
+    whole process, 0: `MORE_MB` beyond what it has at the start.
+    """
 
     make: Callable[[random.Random], Any]
     take: Callable[[Any], object]
     refusals: tuple[type[Exception], ...]
+    longest_s: float = 10.0
+    most_mb: int = 0
 
 
 @dataclass
@@ -32,6 +40,7 @@ class Outcome:
     crashes: list[str] = field(default_factory=list)
     slowest_s: float = 0.0
     peak_mb: float = 0.0
+    whole_mb: float = 0.0
 
     def to_data(self) -> dict[str, Any]:
         """JSON types."""
