@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pkgutil
 import re
 import shlex
 import subprocess
@@ -135,3 +136,9 @@ def test_every_page_that_is_linked_is_there(page: str) -> None:
     for target in re.findall(r"\]\(([\w./-]+)(?:#[\w-]+)?\)", PAGES[page]):
         folder = ROOT if page == "README.md" else ROOT / "docs"
         assert (folder / target).is_file(), target
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_name_of_this_package_that_is_shown_is_there(page: str) -> None:
+    for name in re.findall(r"`(followspot(?:_\w+)?(?:\.\w+)+)`", PAGES[page]):
+        pkgutil.resolve_name(name)
