@@ -5,11 +5,11 @@
     python tools/mutants.py --again                         what survived, once more, with the tests of today
 
 Each change is made in a copy of the tree (runs/mutants/tree) and meets the tests whose coverage reaches its
-line, the cheapest files first, until one fails: at most --files of them and --budget seconds of what they
-usually take. A test without end has failed, and has a second trial with four times the patience, for the
-machine may be busy. A change that no test reaches has survived. The sample is of places in the code, so that
-a package has its share by what it computes. Ctrl-C ends it; the same command goes on where it was.
-Results: runs/mutants/results.jsonl, and a table.
+line, the nearest by the names of their files and the cheapest first, until one fails: at most --files of them
+and --budget seconds of what they usually take. A test without end has failed, and has a second trial with 4
+times the patience, for the machine may be busy. A change that no test reaches has survived. The sample is of
+places in the code, so that a package has its share by what it computes. Ctrl-C ends it; the same command goes
+on where it was. Results: runs/mutants/results.jsonl, and a table.
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ def collect(tree: Tree, store: Path, files: Sequence[str]) -> list[Reach]:
 
 
 def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -> list[list[str]]:
-    """The tests for a change, grouped by file, the cheapest file first, after those named like its module.
+    """The tests for a change by file: the nearest by its name first, of these the cheapest.
 
     A line that runs at import is reached by whatever runs the code that it defines; where that has none of
     its own (constants, plain records), by whatever runs the modules in `importers`.
@@ -117,10 +117,16 @@ def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -
         found = [(reach, {t for place in wanted for t in reach.tests_of(*place)}) for reach in reaches]
         groups = [(reach, sorted(tests, key=reach.seconds.__getitem__)) for reach, tests in found if tests]
         if groups:
-            stem = Path(mutant.path).stem
-            groups.sort(key=lambda g: (stem not in Path(g[0].file).stem, sum(g[0].seconds[t] for t in g[1])))
+            groups.sort(key=lambda g: (_distance(g[0].file, mutant.path), sum(g[0].seconds[t] for t in g[1])))
             return [tests for _, tests in groups]
     return []
+
+
+def _distance(file: str, path: str) -> int:
+    """0 where a test file is named like a module, 1 where its folder is named like one of the module's."""
+    if Path(path).stem in Path(file).stem:
+        return 0
+    return 1 if Path(file).parent.name in Path(path).parts else 2
 
 
 def run(
