@@ -1,0 +1,341 @@
+"""Targets: real ends of edges whose other end sends, over a real session or socket, what is well-formed and
+extreme. After every few inputs a good message must pass; each input is given out, or counted as refused.
+"""
+
+from __future__ import annotations
+
+import random
+import socket
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from struct import Struct
+from typing import Any, NamedTuple
+
+import zenoh
+
+from followspot import people, tracking
+from followspot.messages import InvalidMessage, Message, identical
+from followspot.transport.codec import pack
+from followspot.transport.control import ARENAS
+from followspot.transport.doorbell import ARENA, DOORBELL, HELLO, INLINE, SETTLED, SLOT
+from followspot.transport.memory import Memory
+from followspot.transport.ring_reader import RingReader
+from followspot.transport.ring_writer import RingWriter
+from followspot.transport.token import Invalid, Settled, Token
+from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
+from followspot.transport.zenoh_terms import CREDIT, NUMBER, START, reached, undeclare
+from fuzz_extreme import extreme_integer, extreme_token
+from fuzz_target import Target
+from fuzz_wire import sample
+
+KINDS: tuple[type[Message], ...] = (
+    *(tracking.Frame, tracking.Blobs, tracking.Candidates, tracking.Forecast, tracking.Tracks),
+    *(people.Boxes, people.Poses),
+)
+_DEPTH = 4
+_OFTEN = 20
+"""Inputs between two good messages."""
+_LONGEST = 20.0
+"""Seconds until what must happen did not."""
+
+
+def _await(what: str, happened: Callable[[], bool]) -> None:
+    limit = time.monotonic() + _LONGEST
+    while not happened():
+        if time.monotonic() > limit:
+            raise AssertionError(f"{what} within {_LONGEST:.0f} s")
+        time.sleep(0.0001)
+
+
+class Numbers(NamedTuple):
+    """Numbers of a control token: each as it is, or so much more than what is true when they are sent."""
+
+    layout: Struct
+    parts: tuple[tuple[bool, int], ...]
+    noise: bytes | None = None
+
+    def packed(self, true: int) -> bytes:
+        """As it travels; noise in place of it where there is some."""
+        if self.noise is not None:
+            return self.noise
+        return self.layout.pack(*(max(0, true + n) if relative else n for relative, n in self.parts))
+
+    @classmethod
+    def some(cls, layout: Struct, rng: random.Random) -> Numbers:
+        """True, a little off, or extreme; now and then none at all."""
+        near = [(True, 0), (True, 1), (True, -1), (False, 0)]
+        most = (1 << 64) - 1
+        parts = [rng.choice((*near, (False, extreme_integer(rng, 0, most)))) for _ in range(layout.size // 8)]
+        noise = rng.randbytes(rng.choice((0, layout.size - 1, layout.size + 1, 5000)))
+        return cls(layout, tuple(parts), noise if rng.random() < 0.05 else None)
+
+
+class Hostile(NamedTuple):
+    """What is put: a token by the writer's own host, or anything on a key of the edge by a stranger."""
+
+    way: str
+    kind: type[Message]
+    token: bytes = b""
+    numbers: Numbers | None = None
+
+
+class _Reader(ZenohReader):
+    """Counts what it has looked at."""
+
+    looked = 0
+
+    def _take(self, sample: Any, tokens: list[Token]) -> None:
+        super()._take(sample, tokens)
+        self.looked += 1
+
+
+class _Writer(ZenohWriter):
+    """Counts reports that it has looked at, and keeps what one of them raised."""
+
+    looked = 0
+    problem: BaseException | None = None
+
+    def _on_report(self, sample: zenoh.Sample) -> None:
+        try:
+            super()._on_report(sample)
+        except BaseException as error:
+            self.problem = error
+        self.looked += 1
+
+
+class Pair:
+    """A writer and a reader of one type of messages, and a stranger's publishers on all their keys."""
+
+    def __init__(self, there: zenoh.Session, here: zenoh.Session, stranger: zenoh.Session, key: str) -> None:
+        self._sessions = there, here, stranger
+        self.key = key
+        self.kind: type[Message] = Message
+
+    def begin(self, kind: type[Message]) -> None:
+        """Both ends are there, and so is the stranger."""
+        there, here, stranger = self._sessions
+        self.kind = kind
+        self.writer = _Writer(there, self.key, {"reader": ""}, _DEPTH)
+        self.reader = _Reader(here, self.key, "reader", kind, _DEPTH)
+        _await("no reader", lambda: all([self.writer.matched(), self.reader.matched()]))
+        keys = {
+            "number": self.key,
+            "start": self.reader._start_key,
+            "credit": str(self.reader._report.key_expr),
+        }
+        block = zenoh.CongestionControl.BLOCK
+        self.intruders = {
+            way: stranger.declare_publisher(key, congestion_control=block) for way, key in keys.items()
+        }
+        for intruder in self.intruders.values():
+            _await("no listener", partial(reached, intruder))
+
+    def end(self) -> None:
+        """Neither end is there any more."""
+        undeclare(self.intruders.values())
+        self.writer.close()
+        self.reader.close()
+
+    @property
+    def refused(self) -> int:
+        """How much both ends have counted."""
+        return self.writer.strangers + self.reader.strangers
+
+    def agree(self) -> None:
+        """Where the reader believed what the writer could have meant, let the writer have meant it."""
+        if self.reader._writer != 0:  # another writer, which never comes
+            self.end()
+            self.begin(self.kind)
+        elif self.reader._tokens != self.writer._tokens or self.reader._messages != self.writer._messages:
+            self.writer._tokens, self.writer._messages = self.reader._tokens, self.reader._messages
+            self.reader.consumed(0)
+
+    def put(self, hostile: Hostile) -> list[Token]:
+        """The tokens that the reader gives out when it has seen it."""
+        looked, reported = self.reader.looked, self.writer.looked
+        numbers = b"" if hostile.numbers is None else hostile.numbers.packed(self.writer._tokens)
+        if hostile.way == "token":
+            self.writer._messages += hostile.token[4:6] != _SETTLED
+            self.writer._put(hostile.token)
+        elif hostile.way == "number":
+            self.intruders["number"].put(hostile.token, attachment=numbers)
+        else:
+            self.intruders[hostile.way].put(numbers)
+        if hostile.way == "credit":
+            _await("no report came", lambda: self.writer.looked > reported)
+            if self.writer.problem is not None:
+                raise self.writer.problem
+            self.reader.consumed(0)  # where the stranger was believed, the true report mends that
+            return []
+        tokens: list[Token] = []
+
+        def seen() -> bool:
+            tokens.extend(self.reader.poll())
+            return self.reader.looked > looked
+
+        _await("nothing came", seen)
+        self._taken(tokens)
+        return tokens
+
+    def passes(self, number: int) -> None:
+        """A good message arrives as it was sent."""
+        _await("no credit", lambda: self.writer.credit() > 0)
+        good = sample(self.kind, random.Random(number))
+        self.writer.send(good)
+        tokens: list[Token] = []
+
+        def came() -> bool:
+            tokens.extend(self.reader.poll())
+            return bool(tokens)
+
+        _await("no good message came", came)
+        if not (isinstance(tokens[-1], Message) and identical(tokens[-1], good)):
+            raise AssertionError(f"a good message came as {str(tokens)[:300]}")
+        self._taken(tokens)
+
+    def _taken(self, tokens: list[Token]) -> None:
+        self.reader.consumed(sum(not isinstance(token, Settled) for token in tokens))
+
+
+class ZenohEdge:
+    """A session for the writers, one for the readers, and a stranger in a third."""
+
+    def __init__(self) -> None:
+        there = open_session()
+        here = open_session(connect=locators(there))
+        stranger = open_session(connect=[*locators(there), *locators(here)])
+        self._count = 0
+        self._pairs = {kind: Pair(there, here, stranger, f"fuzz/{kind.__name__}/out") for kind in KINDS}
+
+    def make(self, rng: random.Random) -> Hostile:
+        """A token of any kind, or control numbers near those that are true or far from them."""
+        kind = rng.choice(KINDS)
+        way = rng.choices(("token", "number", "start", "credit"), (6, 2, 1, 1))[0]
+        token = extreme_token(kind, rng) if way in ("token", "number") else b""
+        layout = {"number": NUMBER, "start": START, "credit": CREDIT}.get(way)
+        return Hostile(way, kind, token, None if layout is None else Numbers.some(layout, rng))
+
+    def take(self, hostile: Hostile) -> object:
+        """Put it and see what becomes of it. Raises InvalidMessage where it is refused."""
+        pair = self._pairs[hostile.kind]
+        if pair.kind is not hostile.kind:
+            pair.begin(hostile.kind)
+        refused = pair.refused
+        tokens = pair.put(hostile)
+        self._count += 1
+        counted = pair.refused > refused
+        pair.agree()
+        if self._count % _OFTEN == 0 or hostile.way != "token":
+            pair.passes(self._count)
+        broken = [token.reason for token in tokens if isinstance(token, Invalid)]
+        if broken or counted:
+            raise InvalidMessage(broken[-1] if broken else f"counted: {hostile.way}")
+        return tokens
+
+
+_SETTLED = pack(Settled(0))[4:6]
+"""How the head of a settled time begins: a list of two, the first nothing."""
+
+
+def extreme_zenoh_target() -> Target:
+    """A writer's own host, and strangers, on the keys of an edge."""
+    edge = ZenohEdge()
+    return Target(edge.make, edge.take, (InvalidMessage,))
+
+
+class RingEdge:
+    """A writer and a reader; on the writer's socket, and in the reader's shared words, anything may be."""
+
+    def __init__(self) -> None:
+        self._count = 0
+        self._begin()
+
+    def make(self, rng: random.Random) -> Callable[[], None]:
+        """A datagram, with a descriptor now and then, or words of the reader."""
+        way = rng.random()
+        if way < 0.2:
+            return self._words(rng)
+        kind = rng.choice((HELLO, ARENA, INLINE, SLOT, SETTLED, 0, 6, 255))
+        ahead, far = rng.choice((0, 0, 1)), extreme_integer(rng, -(1 << 63), (1 << 63) - 1)
+        near = rng.random() < 0.5
+        slot = rng.choice((0, 1, 65535))
+        rest = extreme_token(tracking.Blobs, rng)[: rng.choice((0, 64, 4096, 60_000))]
+        size = rng.choice((0, 64, len(rest), extreme_integer(rng, 0, (1 << 32) - 1)))
+        number = rng.choice((0, 1, ARENAS, 255))
+        brings = rng.random() < 0.3
+
+        def send() -> None:
+            value = self.writer._sequence + ahead if near else far
+            datagram = DOORBELL.pack(kind, number, slot, size, value) + rest
+            if brings:
+                socket.send_fds(self._sending, [datagram], [self._memory.fd])
+            else:
+                self._sending.send(datagram)
+
+        return send
+
+    def take(self, act: Callable[[], None]) -> object:
+        """Do it and see what becomes of it. Raises InvalidMessage where it is refused."""
+        refused = self.reader.strangers + self.writer.strangers
+        sequence = self.reader._sequence
+        act()
+        tokens = [token for _ in range(4) for token in self.reader.poll()]
+        self.writer.credit()
+        self.writer.drain()
+        self._count += 1
+        refused = self.reader.strangers + self.writer.strangers - refused
+        self._passes(self.reader._sequence != sequence or bool(self.writer.lost))
+        broken = [token.reason for token in tokens if isinstance(token, Invalid)]
+        if broken or refused:
+            raise InvalidMessage(broken[-1] if broken else "counted")
+        return tokens
+
+    def _words(self, rng: random.Random) -> Callable[[], None]:
+        """What a reader may store: how much it consumed, which slots it let go of, whether it waits."""
+        consumed = rng.choice((0, None, extreme_integer(rng, 0, (1 << 64) - 1)))
+        stamp = extreme_integer(rng, 0, (1 << 64) - 1)
+        arena, wakes = rng.randrange(ARENAS), rng.choice((1, 4000))
+
+        def store() -> None:
+            control = self.reader._control
+            assert control is not None
+            control.consumed = self.writer._sequence if consumed is None else consumed
+            control.released(arena)[:] = stamp
+            with suppress(OSError):
+                self.reader._socket.send(b"\1" * wakes)
+
+        return store
+
+    def _begin(self) -> None:
+        self._sending, receiving = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._memory = Memory.create("fuzz", 1 << 16)
+        self.writer = RingWriter([self._sending], _DEPTH)
+        self.reader = RingReader(receiving, tracking.Blobs)
+        self._passes(misled=False)
+
+    def _passes(self, misled: bool) -> None:
+        """A good message arrives; misled: by a number or words that the other end could have meant."""
+        stuck = self.writer._pool is not None and not self.writer.credit()
+        if misled or stuck:
+            self.writer.close()
+            self.reader.close()
+            self._begin()
+            return
+        control = self.reader._control
+        if control is not None:
+            self.reader._consumed = self.writer._sequence
+            self.reader.consumed(0)
+        good = sample(tracking.Blobs, random.Random(self._count), 600 if self._count % 7 == 0 else 6)
+        self.writer.send(good)
+        tokens = [token for _ in range(4) for token in self.reader.poll()]
+        if not (tokens and isinstance(tokens[-1], Message) and identical(tokens[-1], good)):
+            raise AssertionError(f"a good message came as {str(tokens)[:300]}")
+        self.reader.consumed(len(tokens))
+
+
+def extreme_ring_target() -> Target:
+    """A writer, or a reader, on the same host that says what none says."""
+    ring = RingEdge()
+    return Target(ring.make, ring.take, (InvalidMessage,))
