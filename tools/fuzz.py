@@ -50,12 +50,14 @@ COUNTS = {
     "roster": 500,
     "extreme_zenoh": 50_000,
     "extreme_ring": 50_000,
+    "extreme_stage": 20_000,
     "video": 1_000,
     "images": 1_000,
 }
 MODULES = {
     "fuzz_wire": ("zenoh", "ring"),
     "fuzz_edges": ("extreme_zenoh", "extreme_ring"),
+    "fuzz_stages": ("extreme_stage",),
     "fuzz_files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
     "fuzz_documents": ("graph_values", "room_values", "placement_values", "runs"),
     "fuzz_control": ("request", "status", "roster"),

@@ -56,17 +56,22 @@ class Column(NamedTuple):
     shape: tuple[int | str, ...]
     dtype: np.dtype[Any]
     unit: str
+    refers: str = ""
+    """What its numbers index: "targets", "cameras" (of the message), "states"; "" where nothing."""
 
 
 SCALARS: tuple[type, ...] = (str, int, float, bool)
 
 
-def column(*shape: int | str, dtype: str = "f8", unit: str = "1") -> Any:
+def column(*shape: int | str, dtype: str = "f8", unit: str = "1", refers: str = "") -> Any:
     """Declare an array field: sizes are numbers, or names that must agree within one message.
 
-    dtype: a numpy type code, float64 unless told; unit: of the values ("px", "m", "1").
+    dtype: a numpy type code, float64 unless told; unit: of the values ("px", "m", "1"); refers: what they are
+    indices of, where they are ("targets" of the room, "cameras" of the message, "states" of a target).
     """
-    return dataclasses.field(metadata={"shape": shape, "dtype": np.dtype(dtype), "unit": unit})
+    return dataclasses.field(
+        metadata={"shape": shape, "dtype": np.dtype(dtype), "unit": unit, "refers": refers}
+    )
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(column,))
@@ -82,7 +87,7 @@ class Message:
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         hints = get_type_hints(cls)
         cls.columns = tuple(
-            Column(f.name, f.metadata["shape"], f.metadata["dtype"], f.metadata["unit"])
+            Column(f.name, *(f.metadata[part] for part in ("shape", "dtype", "unit", "refers")))
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]  # it became one two lines ago
             if "shape" in f.metadata
         )
@@ -105,7 +110,7 @@ class Message:
         It stands in for the message of n frames ago while a delayed edge has none yet.
         """
         values: dict[str, Any] = {name: (kind() if kind in SCALARS else ()) for name, kind in cls.scalars}
-        for name, shape, dtype, _ in cls.columns:
+        for name, shape, dtype, *_ in cls.columns:
             values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
         return cls(**values)
 
@@ -193,7 +198,7 @@ def check_layout(kind: type[Message], layout: tuple[Any, ...]) -> None:
     """Compare shapes and dtypes with their declarations: of each column in turn. Raises InvalidMessage."""
     sizes: dict[str, int] = {}
     total = 0
-    for (name, declared, wanted, _), shape, dtype in zip(
+    for (name, declared, wanted, *_), shape, dtype in zip(
         kind.columns, layout[::2], layout[1::2], strict=True
     ):
         if dtype != wanted:

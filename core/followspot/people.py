@@ -60,7 +60,7 @@ class Poses(Message):
     camera: str
     """The camera that saw them; empty for poses fused from several."""
     person: Array = column("M", dtype="i4")
-    state: Array = column("M", dtype="u1")
+    state: Array = column("M", dtype="u1", refers="states")
     """As `followspot.tracking.STATES`."""
     xy: Array = column("M", 2, unit="m")
     """Place on the floor below the middle between pelvis and neck."""

@@ -20,7 +20,7 @@ plane; its position is an extrapolation.
 
 
 class Frame(Message):
-    """One picture of one camera: BGR for colour cameras, one grey channel for infrared ones."""
+    """One picture of one camera, as large as the room says: BGR of colour cameras, grey of infrared ones."""
 
     camera: str
     pixels: Array = column("H", "W", "C", dtype="u1")
@@ -46,7 +46,7 @@ class Pairs(Message):
     """Blobs of two cameras that may show the same thing."""
 
     cameras: tuple[str, ...]
-    view: Array = column("N", 2, dtype="i4")
+    view: Array = column("N", 2, dtype="i4", refers="cameras")
     """The two cameras, as indices of `cameras`."""
     blob: Array = column("N", 2, dtype="i4")
     """Row of the blob in each camera's `Blobs`."""
@@ -70,7 +70,7 @@ class Candidates(Message):
 
     cameras: tuple[str, ...]
     xyz: Array = column("N", 3, unit="m")
-    view: Array = column("N", 2, dtype="i4")
+    view: Array = column("N", 2, dtype="i4", refers="cameras")
     blob: Array = column("N", 2, dtype="i4")
     xy: Array = column("N", 2, 2, unit="px")
     area: Array = column("N", 2, unit="px")
@@ -86,7 +86,7 @@ class Candidates(Message):
 class Positions(Message):
     """Fused measurements, at most one row per target; targets that were not seen have no row."""
 
-    target: Array = column("M", dtype="i4")
+    target: Array = column("M", dtype="i4", refers="targets")
     xyz: Array = column("M", 3, unit="m")
     covariance: Array = column("M", 3, 3, unit="m^2")
     """Of the measurement; NaN where the fusion does not know it."""
@@ -107,7 +107,7 @@ class Forecast(Message):
 
     period: float
     """Time from this message to the frame it forecasts, s."""
-    state: Array = column("T", dtype="u1")
+    state: Array = column("T", dtype="u1", refers="states")
     """As what each is to be sought: a missing one is lost in some frames, too."""
     xyz: Array = column("T", 3, unit="m")
     velocity: Array = column("T", 3, unit="m/s")
@@ -121,8 +121,8 @@ class Forecast(Message):
 class Tracks(Message):
     """Filtered targets whose position is known, one row each; the output of a tracker."""
 
-    target: Array = column("M", dtype="i4")
-    state: Array = column("M", dtype="u1")
+    target: Array = column("M", dtype="i4", refers="targets")
+    state: Array = column("M", dtype="u1", refers="states")
     xyz: Array = column("M", 3, unit="m")
     velocity: Array = column("M", 3, unit="m/s")
     sigma: Array = column("M", 3, unit="m")
@@ -146,7 +146,7 @@ class ImageTracks(Message):
     """Tracks of one camera that are seen in this frame, one row each: places in the picture, not in space."""
 
     camera: str
-    target: Array = column("M", dtype="i4")
+    target: Array = column("M", dtype="i4", refers="targets")
     track: Array = column("M", dtype="i4")
     """Number of the track; another throw of the same target has another one."""
     xy: Array = column("M", 2, unit="px")

@@ -90,8 +90,7 @@ class Bridge(Stage):
         )
         spread = forecast.covariance[positions.target] + known
         offset = positions.xyz - forecast.xyz[positions.target]
-        error = np.vecdot(offset, np.linalg.solve(spread, offset[..., None])[..., 0])
-        far = error > self.params.jump**2
+        far = _distance(offset, spread) > self.params.jump**2
         return np.asarray((positions.support == 0) | (poor & far))
 
     def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
@@ -141,3 +140,12 @@ def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: 
         iterations=np.concatenate([positions.iterations, np.zeros(count, np.int32)]),
         predicted=np.concatenate([positions.predicted, np.ones(count, bool)]),
     )
+
+
+def _distance(offset: Array, spread: Array) -> Array:
+    """Squared Mahalanobis distance: (M, 3), (M, 3, 3) -> (M,). From a covariance that is none, all is far."""
+    try:
+        distance: Array = np.vecdot(offset, np.linalg.solve(spread, offset[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        return np.full(len(offset), np.inf)
+    return distance

@@ -225,7 +225,10 @@ class Bundle(Stage):
         if forecast is not None and not lost.all():
             known = target[~lost]
             spread = forecast.covariance[known] + np.eye(3) * self.params.sharpest**2
-            weight = self.params.forecast * np.linalg.inv(spread)
+            try:
+                weight = self.params.forecast * np.linalg.inv(spread)
+            except np.linalg.LinAlgError:  # a covariance that is none says nothing
+                return Belief(vector, information)
             information[~lost, :3, :3] = weight
             vector[~lost, :3] = (weight @ forecast.xyz[known, :, None])[..., 0]
         return Belief(vector, information)

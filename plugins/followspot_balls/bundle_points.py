@@ -100,7 +100,7 @@ def images(model: Model, parameters: Array) -> Images:
 
 def point_images(P: Array, xyz: Array) -> Images:
     """Images of points without glow: (C, 3, 4), (M, 3) m."""
-    return _flattened((xyz @ P[:, :, :3].reshape(-1, 3).T).reshape(len(xyz), -1, 3) + P[:, :, 3])
+    return _flattened((xyz @ P[:, :, :3].reshape(-1, 3).T).reshape(len(xyz), len(P), 3) + P[:, :, 3])
 
 
 def _flattened(x: Array) -> Images:

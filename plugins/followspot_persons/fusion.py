@@ -76,6 +76,7 @@ class Fusion(Stage):
         self.time = -1
 
     def process(self, poses: Joined[Poses]) -> Poses:
+        poses = tuple(p for p in poses if p.camera in self.room.cameras)  # who fused them knows no place
         if not poses:
             return Poses.empty()
         now = max(p.header.time for p in poses)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,8 +90,9 @@ def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Arr
     moment = (trust[:, None] * np.einsum("kij,kj->ki", seen.information[rows], seen.pose[rows, :2])).sum(
         axis=0
     )
-    pose[[X, Y]] = np.linalg.solve(precision, moment)
-    sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
+    with suppress(np.linalg.LinAlgError):  # what is known of no place leaves the mean
+        pose[[X, Y]] = np.linalg.solve(precision, moment)
+        sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
     pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
     for column in (PAN, TILT):
         own = weight[:, column] * (agreeing if column == PAN else 1.0)

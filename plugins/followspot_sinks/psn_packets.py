@@ -28,7 +28,7 @@ def data_packets(slots: Slots, axes: Array, time: int, frame: int) -> list[bytes
     """
     turn = np.linalg.det(axes) * axes @ np.array([0.0, 0.0, 1.0])
     columns = (slots.position @ axes.T, slots.velocity @ axes.T, slots.heading[:, None] * turn, slots.known)
-    stamp = _chunk(TIMESTAMP, struct.pack("<Q", time // 1000))
+    stamp = _chunk(TIMESTAMP, struct.pack("<Q", max(0, time) // 1000))
     trackers = [
         _chunk(
             row + 1,
@@ -62,7 +62,7 @@ def _packets(
     kind: int, common: bytes, list_id: int, trackers: Sequence[bytes], time: int, frame: int
 ) -> list[bytes]:
     parts = list(_parts(trackers))
-    header = _chunk(HEADER, struct.pack("<QBBBB", time // 1000, *VERSION, frame % 256, len(parts)))
+    header = _chunk(HEADER, struct.pack("<QBBBB", max(0, time) // 1000, *VERSION, frame % 256, len(parts)))
     return [_chunk(kind, header + common + _chunk(list_id, part, parent=True), parent=True) for part in parts]
 
 

@@ -15,6 +15,8 @@ from followspot.people import Poses
 from followspot.tracking import Tracks
 
 SECOND = 1_000_000_000
+FARTHEST = 1e6
+"""Largest number (m, m/s, rad) that is sent: whatever is beyond would not fit into what receivers take."""
 
 
 @dataclass(frozen=True)
@@ -39,14 +41,19 @@ class Slots:
 
 
 def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
-    """The slots after one frame of targets; target t has row t. Who has a number that is NaN is not known."""
+    """The slots after one frame of targets; target t has row t. Who has no number is not known."""
     known = np.zeros_like(slots.known)
     position, velocity = slots.position.copy(), slots.velocity.copy()
-    tracks = tracks.where(np.isfinite(np.hstack([tracks.xyz, tracks.velocity])).all(axis=1))
+    tracks = tracks.where(_meant(np.hstack([tracks.xyz, tracks.velocity])))
     known[tracks.target] = True
     position[tracks.target] = tracks.xyz
     velocity[tracks.target] = tracks.velocity
     return Slots(slots.names, known, position, velocity, slots.heading)
+
+
+def _meant(numbers: Array) -> Array:
+    """Rows in which every number is one that can be sent: (N, K) -> (N,) bool."""
+    return np.asarray((np.abs(numbers) <= FARTHEST).all(axis=1))  # NaN is not
 
 
 class PersonSlots:
@@ -63,10 +70,10 @@ class PersonSlots:
         self._seen = np.zeros(count, "i8")
 
     def after(self, poses: Poses) -> Slots:
-        """The slots after one frame of persons; position is the top of the head. NaN is nobody's place."""
+        """The slots after one frame of persons; position is the top of the head. No number, no place."""
         time, before = poses.header.time, self.slots
         self._release(time - self.hold)
-        poses = poses.where(np.isfinite(np.column_stack([poses.xy, poses.height, poses.heading])).all(axis=1))
+        poses = poses.where(_meant(np.column_stack([poses.xy, poses.height, poses.heading])))
         shown = [row for row, person in enumerate(poses.person.tolist()) if self._place(person)]
         at = np.array([self._row[int(poses.person[row])] for row in shown], int)
         known = np.zeros_like(before.known)

@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from followspot.belonging import misfit
 from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
 from followspot.ports import InputPort as PortSpec
@@ -103,7 +104,9 @@ class _Builder:
         depth, keep = self._limits(edge)
         inlet = Inlet(edge.name, self.words, self.ledger.row(number), depth=depth, slack=slack, keep=keep)
         if edge.kind != "reference":
-            inlet.reader = self.links.reader(number, self.wiring.message_type(edge))
+            kind = self.wiring.message_type(edge)
+            inlet.reader = self.links.reader(number, kind)
+            inlet.unfit = misfit(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
             if self.options.rejoin:
                 inlet.after_loss = ABSENT if self.wiring.live else UNCHANGED
         return inlet

@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from followspot.belonging import Misfit
 from followspot.messages import Message
 from followspot.runtime.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED
 from followspot.transport.edge import PortReader
@@ -41,6 +42,7 @@ class Inlet:
         "row",
         "slack",
         "stale",
+        "unfit",
         "wake",
         "words",
     )
@@ -68,6 +70,8 @@ class Inlet:
         """The bound when the writer dies: `ABSENT` or `UNCHANGED` where it is started again."""
         self.ages: deque[int] = deque(maxlen=_AGES)
         """How long before they were taken some messages had entered the graph, ns by this host's clock."""
+        self.unfit: Misfit | None = None
+        """Says why a message from another worker cannot be of the room."""
         self.stale = 0
         """Messages in the queue that a former writer sent; the present one gets no credit for them."""
 
@@ -104,6 +108,9 @@ class Inlet:
             self.settle(token.bound)
         elif isinstance(token, Invalid):
             self.refuse(token.reason)
+            self.give_credit()
+        elif self.unfit is not None and (why := self.unfit(token)):
+            self.refuse(why)
             self.give_credit()
         else:
             self.queue.append(token)

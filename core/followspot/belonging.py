@@ -1,0 +1,94 @@
+"""Whether a message from another process can be of this room: its cameras, targets, indices.
+
+A message that keeps its contract may still speak of what is not there. Stages look things up by what
+messages say, so that is asked once, where a message arrives, and not in every stage.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from functools import partial
+
+from followspot.messages import Array, Message
+from followspot.people import Poses
+from followspot.room import Room
+from followspot.tracking import STATES
+
+Misfit = Callable[[Message], str]
+"""Why a message cannot be of a room; "" where it can."""
+
+
+def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit | None:
+    """What to ask of messages of this type; None where there is nothing to ask.
+
+    camera: of the stage that sends them, where it serves one: it speaks for no other.
+
+    Fields `camera` and `cameras` name cameras of the room, sizes `H`, `W` and `C` are those of the camera's
+    pictures, `T` is the number of targets, and columns that are declared with `refers` lie within what they
+    index.
+    """
+    asked: list[Misfit] = []
+    scalars = dict(kind.scalars)
+    if room.cameras and scalars.get("camera") is str:
+        fused = [""] if kind is Poses else []
+        known = frozenset([camera] if camera is not None else [*room.cameras, *fused])
+        asked.append(partial(_camera, known))
+        pictures = (column.name for column in kind.columns if column.shape[:2] == ("H", "W"))
+        asked += (partial(_pictured, name, room) for name in pictures)
+    if room.cameras and scalars.get("cameras") == tuple[str, ...]:
+        asked.append(partial(_cameras, frozenset(room.cameras)))
+    for column in kind.columns:
+        if room.targets and "T" in column.shape:
+            asked.append(partial(_as_many, column.name, column.shape.index("T"), len(room.targets)))
+        if column.refers == "targets" and room.targets:
+            asked.append(partial(_within, column.name, len(room.targets)))
+        if column.refers == "cameras":
+            asked.append(partial(_within_cameras, column.name))
+        if column.refers == "states":
+            asked.append(partial(_within, column.name, len(STATES)))
+    return partial(_first, asked) if asked else None
+
+
+def _first(asked: Collection[Misfit], message: Message) -> str:
+    for ask in asked:
+        if why := ask(message):
+            return why
+    return ""
+
+
+def _camera(known: Collection[str], message: Message) -> str:
+    name: str = message.camera  # type: ignore[attr-defined]  # such types alone are asked
+    return "" if name in known else f"it is not of camera {name[:80]!r}"
+
+
+def _cameras(known: Collection[str], message: Message) -> str:
+    names: tuple[str, ...] = message.cameras  # type: ignore[attr-defined]
+    strange = next((name for name in names if name not in known), None)
+    return "" if strange is None else f"the room has no camera {strange[:80]!r}"
+
+
+def _pictured(column: str, room: Room, message: Message) -> str:
+    camera = room.cameras[message.camera]  # type: ignore[attr-defined]  # known, which was asked first
+    width, height = camera.size
+    wanted = (height, width, 3 if camera.kind == "color" else 1)
+    shape = getattr(message, column).shape
+    return (
+        "" if shape == wanted[: len(shape)] else f"{column} has shape {shape}, {camera.name} gives {wanted}"
+    )
+
+
+def _as_many(column: str, axis: int, count: int, message: Message) -> str:
+    found: Array = getattr(message, column)
+    size = found.shape[axis]
+    return "" if size in (count, 0) else f"{column} is of {size} targets, the room has {count}"
+
+
+def _within(column: str, count: int, message: Message) -> str:
+    found: Array = getattr(message, column)
+    if not found.size or (found.min() >= 0 and found.max() < count):
+        return ""
+    return f"{column} holds {found.min()} to {found.max()}, where 0 to {count - 1} can be"
+
+
+def _within_cameras(column: str, message: Message) -> str:
+    return _within(column, len(message.cameras), message)  # type: ignore[attr-defined]
