@@ -72,12 +72,12 @@ class Owed:
         self.given += isinstance(word, Spoken)
         self.due.append(word)
 
-    def receive(self, word: Word) -> None:
-        """The reader got something. Raises AssertionError where that is not what comes next."""
+    def receive(self, word: Word) -> Spoken | None:
+        """The reader got something; the message that was due. AssertionError if it is not what comes next."""
         self._join(word)
         if isinstance(word, Settles):
             self._settle(word)
-            return
+            return None
         self._skip_settled()
         assert self.due, f"{word} came, and nothing is due"
         due = self.due.popleft()
@@ -86,9 +86,10 @@ class Owed:
         self._heard = None
         if isinstance(word, Missing):
             assert self.leaks, f"{due} came as {word}, and no link was cut"
-            return
+            return due
         assert self._is(due, word), f"{word} came in the place of {due}"
         assert word.time >= self.watermark, f"{word} came after {self.watermark} was settled"
+        return due
 
     def consume(self, count: int = 1) -> None:
         """The reader gives credit for messages that it has got."""

@@ -28,7 +28,7 @@ from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.plugins.registry import use_plugin_files
 from followspot.transport.bell import Bell
 from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import connected, locators
+from followspot.transport.zenoh_session import close_session, connected, locators
 
 _TURN_MS = 100
 """Longest wait between two looks at the workers, ms."""
@@ -101,7 +101,7 @@ class Agent:
             for part in self.parts:
                 part.run.close()
             self._bell.close()
-            self.session.close()  # type: ignore[no-untyped-call]
+            close_session(self.session)
 
     def _take_up(self) -> None:
         """Go on where an agent of this name died that had runs without an operator."""

@@ -156,7 +156,9 @@ class EdgeLinks:
     def close(self) -> None:
         """Close the session; the edges were closed by their worker."""
         if self.session is not None:
-            self.session.close()  # type: ignore[no-untyped-call]
+            from followspot.transport.zenoh_session import close_session
+
+            close_session(self.session)
             self.session = None
 
     def _depth(self, edges: Sequence[PlannedEdge]) -> int:

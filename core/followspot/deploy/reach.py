@@ -19,7 +19,7 @@ from followspot.deploy.worker_process import Start, start_process
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import connected, locators
+from followspot.transport.zenoh_session import close_session, connected, locators
 
 _DISCOVERY = 2.0
 """Seconds until nobody else can be expected to be discovered."""
@@ -36,7 +36,7 @@ def operating(network: Network) -> Iterator[zenoh.Session]:
             _await_anybody(session)
         yield session
     finally:
-        session.close()  # type: ignore[no-untyped-call]
+        close_session(session)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Sequence
 from pathlib import Path
@@ -70,6 +71,12 @@ def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
         return zenoh.open(config_of(network, routes=routes))
     except zenoh.ZError as error:
         raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {error}") from None
+
+
+def close_session(session: zenoh.Session) -> None:
+    """Close a session; of a link that is stuck, what it still holds is given up after ten seconds."""
+    with contextlib.suppress(zenoh.ZError):
+        session.close()  # type: ignore[no-untyped-call]
 
 
 def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) -> zenoh.Session:
