@@ -36,6 +36,8 @@ FAULTS = (
     "deaf host",
     "operator suspended",
     "desk suspended",
+    "agent suspended",
+    "host suspended",
 )
 """What `Pair.away` knows."""
 
@@ -78,7 +80,8 @@ class Pair:
             yield
             self._router = self._routing()
         elif fault.endswith("suspended"):
-            stopped = [self.desk.pid, *(children(self.desk.pid) if fault.startswith("desk") else ())]
+            first = self.desk.pid if fault.startswith(("operator", "desk")) else self.agent.process.pid
+            stopped = [first, *(children(first) if fault.startswith(("desk", "host")) else ())]
             self._signal(stopped, signal.SIGSTOP)
             yield
             self._signal(stopped, signal.SIGCONT)
@@ -101,9 +104,9 @@ class Pair:
 
         return wait_until(noted, 60.0)
 
-    def host_is_idle(self) -> bool:
-        """Whether no worker is left there, sooner or later."""
-        return wait_until(lambda: not children(self.agent.process.pid), 60.0)
+    def host_is_idle(self, seconds: float = 60.0) -> bool:
+        """Whether no worker is left there within the time."""
+        return wait_until(lambda: not children(self.agent.process.pid), seconds)
 
     def ended(self) -> Finished:
         """As Ctrl-C ends it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 import subprocess
 import time
@@ -12,13 +13,18 @@ from pathlib import Path
 import pytest
 from cuts import FAULTS, NAMES, Pair
 from hosts import Hosts, namespaces_are_permitted
-from running import STAGES, Finished, balanced, finish, write_graph
-from test_agents import LIVE, grows, of_left
+from running import STAGES, Finished, balanced, children, finish, write_graph
+from test_agents import LIVE, grows, of_left, values
 
 PLACEMENT = """
 placement: hosts
 workers:
   left:  {host: pc-left, stages: [a, more]}
+"""
+REPLAY = """
+a:    {uses: ticks.count, with: {count: 3000}}
+b:    {uses: ticks.add, in: {number: a}, with: {sleep: 0.01}}
+save: {uses: ticks.write, in: {number: b}}
 """
 pytestmark = pytest.mark.skipif(
     not namespaces_are_permitted(), reason="this user may not make network namespaces"
@@ -101,6 +107,54 @@ def test_what_a_host_gave_up_is_taken_up_again_and_the_news_say_so(hosts: Hosts,
     pair.flows()
     news = held(pair).summary["warnings"]
     assert any("the agent had given the run up: its part of the run begins anew" in line for line in news)
+
+
+@pytest.mark.thorough
+def test_a_run_that_is_ended_while_a_cable_is_out_says_what_it_could_not_end(hosts: Hosts) -> None:
+    pair = Pair(hosts)
+    pair.flows()
+    with pair.away("cable"):
+        time.sleep(3)
+        finished = pair.ended()
+    assert finished.code == 1
+    assert "Traceback" not in finished.errors
+    assert finished.summary["errors"] == [
+        "worker left was not there at the end: host pc-left does not answer"
+    ]
+    assert "host pc-left was not told that the run is over" in finished.errors
+    assert not pair.host_is_idle(seconds=0.0)
+    words = ("attach", "--stop", "--quiet", "--insecure", "--connect", hosts.endpoint("pc-left"))
+    ending = hosts.start("desk", *words)
+    ending.communicate(timeout=90)
+    assert pair.host_is_idle()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("part", ["operator", "desk"])
+def test_a_replay_whose_desk_was_suspended_is_whole_or_has_failed(hosts: Hosts, part: str) -> None:
+    """A source waits for a reader that it hears of; one whose whole host is silent misses messages."""
+    hosts.agent("pc-left", "--plugin", STAGES)
+    graph = write_graph(hosts.folder, REPLAY)
+    placement = hosts.folder / "hosts.yaml"
+    placement.write_text(PLACEMENT.replace("[a, more]", "[a]"))
+    words = ("run", graph, "--placement", placement, "--plugin", STAGES, "--out", hosts.folder / "out")
+    there = ("--connect", hosts.endpoint("pc-left"), "--insecure")
+    process = hosts.start("desk", *words, *there, "--json", "--quiet")
+    written = hosts.folder / "out" / "ticks.csv"
+    grows(written, more=100)
+    stopped = [process.pid, *(children(process.pid) if part == "desk" else ())]
+    for pid in stopped:
+        os.kill(pid, signal.SIGSTOP)
+    time.sleep(12)
+    for pid in stopped:
+        os.kill(pid, signal.SIGCONT)
+    finished = finish(process, hosts.folder / "out")
+    if part == "operator":
+        assert finished.code == 0, finished.summary["errors"]
+        assert values(written) == list(range(1, 3001))
+    else:
+        assert finished.code == 1
+        assert any("a.out -> b.number: " in line for line in finished.summary["errors"])
 
 
 def test_a_router_between_hosts_may_be_restarted(hosts: Hosts) -> None:

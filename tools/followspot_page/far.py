@@ -12,7 +12,7 @@ from followspot.tracking import Frame
 from followspot.transport.keys import look_key
 from followspot.transport.zenoh_network import Network
 from followspot.transport.zenoh_post import looking
-from followspot.transport.zenoh_session import connected
+from followspot.transport.zenoh_session import close_session, connected
 from followspot.transport.zenoh_terms import undeclare
 from followspot_page.taps import TAP, ShownPort
 
@@ -55,7 +55,7 @@ class FarPreviews:
 
     def close(self) -> None:
         """Look no more."""
-        self._session.close()  # type: ignore[no-untyped-call]
+        close_session(self._session)
 
     def _subscribe(self) -> None:
         for name, port in self._ports.items():

@@ -9,7 +9,7 @@ from functools import partial
 
 from followspot.transport.zenoh_network import Network
 from followspot.transport.zenoh_post import looking
-from followspot.transport.zenoh_session import connected
+from followspot.transport.zenoh_session import close_session, connected
 from followspot_recording.courier import MAX_WAITING, parcel_of
 
 Take = Callable[[str, int, bytes], None]
@@ -34,7 +34,7 @@ class FarTaps:
 
     def close(self) -> None:
         """Hand over what waits, and listen no more."""
-        self._session.close()  # type: ignore[no-untyped-call]
+        close_session(self._session)
         with self._news:
             self._over = True
             self._news.notify()

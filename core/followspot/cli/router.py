@@ -6,7 +6,6 @@ import argparse
 import signal
 import sys
 import threading
-from contextlib import closing
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.plugins.hooks import Command
@@ -18,15 +17,19 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.deploy.security.door import Door
-    from followspot.transport.zenoh_session import connected, locators
+    from followspot.transport.zenoh_session import close_session, connected, locators
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
-    with Door(_tell), closing(connected(network, routes=True)) as session:
-        _tell(f"router listens on {', '.join(locators(session))}")
-        over.wait()
+    with Door(_tell):
+        session = connected(network, routes=True)
+        try:
+            _tell(f"router listens on {', '.join(locators(session))}")
+            over.wait()
+        finally:
+            close_session(session)
     return 0
 
 

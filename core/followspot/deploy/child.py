@@ -25,7 +25,7 @@ from followspot.deploy.changes.order import ChangeStatus, change_from_data
 from followspot.deploy.channel import Channel, ChannelClosed
 from followspot.deploy.links import EdgeLinks, rows_of, uses_zenoh
 from followspot.deploy.log.collector import LogCollector, collecting
-from followspot.deploy.report import Warnings, worker_report
+from followspot.deploy.report import Warnings, missing, worker_report
 from followspot.deploy.snapshot import state_from_data, state_to_data
 from followspot.deploy.taps import WorkerTaps
 from followspot.errors import FollowspotError
@@ -106,6 +106,8 @@ class Child:
         self._tell_log()
         if self.worker is not None:
             self._tell_stages(self.worker)
+            if not (error or self.restart or self.links is None or self.links.plan.live):
+                error = missing(self.worker)
             report = worker_report(name, self.worker, self.warnings, error)
             self.channel.send("done", report=report.to_data())
         else:

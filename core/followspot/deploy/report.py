@@ -18,6 +18,7 @@ from followspot.runtime.worker import Worker
 
 MAX_WARNINGS = 200
 """Different warnings kept per worker; further ones are only counted."""
+_REPEAT = "the results are not whole, so run the replay again"
 
 
 @dataclass(frozen=True)
@@ -145,6 +146,12 @@ def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = ""
     )
 
 
+def missing(worker: Worker) -> str:
+    """The error that it is in a replay if messages were lost on their way to the worker; "" for none."""
+    lost = [f"{inlet.name}: {inlet.missing} messages" for inlet in worker.readers if inlet.missing]
+    return f"{', '.join(lost)} were lost on their way; {_REPEAT}" if lost else ""
+
+
 def edge_counts(
     plan: Plan, ledger: Ledger, restarts: Mapping[str, int]
 ) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
@@ -175,6 +182,10 @@ def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
     return Ledger(edges, memoryview(words.tobytes()).cast("q"))
 
 
+def _unread(edge: PlannedEdge, count: EdgeCount) -> str:
+    return f"{edge.name}: {count.away} messages came when their reader was away; {_REPEAT}"
+
+
 def merge(
     plan: Plan,
     ledger: Ledger,
@@ -190,6 +201,8 @@ def merge(
     """One report from those of all workers."""
     errors = tuple(worker.error for worker in workers if worker.error)
     edges = edge_counts(plan, ledger, restarts or {})
+    if not (errors or plan.live or any((restarts or {}).values())):
+        errors = tuple(_unread(edge, count) for edge, count in edges if count.away)
     return RunReport(
         plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), clocks or {}, outs or {}
     )

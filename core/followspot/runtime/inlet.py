@@ -35,6 +35,7 @@ class Inlet:
         "depth",
         "invalid_reason",
         "keep",
+        "missing",
         "name",
         "queue",
         "reader",
@@ -66,6 +67,8 @@ class Inlet:
         self.wake: Callable[[], None] = _nothing
         self.reopened: Callable[[], None] = _nothing
         self.invalid_reason = ""
+        self.missing = 0
+        """Messages among the invalid ones that were lost on their way."""
         self.after_loss = END
         """The bound when the writer dies: `ABSENT` or `UNCHANGED` where it is started again."""
         self.ages: deque[int] = deque(maxlen=_AGES)
@@ -108,6 +111,7 @@ class Inlet:
             self.settle(token.bound)
         elif isinstance(token, Invalid):
             self.refuse(token.reason)
+            self.missing += token.missing
             self.give_credit()
         elif self.unfit is not None and (why := self.unfit(token)):
             self.refuse(why)

@@ -134,7 +134,7 @@ class RingReader:
         kind, number, slot, size, value = DOORBELL.unpack_from(data) if whole else _NONE
         if kind in (INLINE, SLOT) and not extra and 0 <= value - self._sequence <= _MOST_MISSING:
             missing = range(self._sequence, value)
-            tokens += [Invalid(f"gap: message {n} of the port never came") for n in missing]
+            tokens += [Invalid(f"gap: message {n} of the port never came", missing=True) for n in missing]
             self._sequence = value + 1
             try:
                 inline = kind == INLINE

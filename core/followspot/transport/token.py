@@ -31,9 +31,13 @@ def is_bound(number: int) -> bool:
 
 
 class Invalid(NamedTuple):
-    """Stands, at the reader, for a message that was lost or breaks its contract; the text says why."""
+    """Stands, at the reader, for a message that was lost or breaks its contract; the text says why.
+
+    missing: whether it was lost on its way.
+    """
 
     reason: str
+    missing: bool = False
 
 
 Token = Message | Settled | Invalid

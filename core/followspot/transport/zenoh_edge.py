@@ -2,7 +2,16 @@
 
 from followspot.transport.zenoh_network import LOOPBACK, Network
 from followspot.transport.zenoh_reader import ZenohReader
-from followspot.transport.zenoh_session import connected, locators, open_session
+from followspot.transport.zenoh_session import close_session, connected, locators, open_session
 from followspot.transport.zenoh_writer import ZenohWriter
 
-__all__ = ["LOOPBACK", "Network", "ZenohReader", "ZenohWriter", "connected", "locators", "open_session"]
+__all__ = [
+    "LOOPBACK",
+    "Network",
+    "ZenohReader",
+    "ZenohWriter",
+    "close_session",
+    "connected",
+    "locators",
+    "open_session",
+]

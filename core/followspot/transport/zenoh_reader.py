@@ -175,7 +175,7 @@ class ZenohReader:
             self._unread += self._got - self._consumed
             self._writer, self._got, self._consumed, self._ended = writer, 0, 0, False
         missing = max(0, given - self._got)
-        tokens += [Invalid("gap: it was on its way when the link was cut")] * missing
+        tokens += [Invalid("gap: it was on its way when the link was cut", missing=True)] * missing
         self._got += missing
         self._tokens, self._messages, self._joined = number, messages, True
         self._send_report()
@@ -220,7 +220,7 @@ class ZenohReader:
             return
         self._tokens, self._messages = number + 1, messages
         self._got += new
-        tokens += [Invalid(f"gap: it is one of {missing} messages that never came")] * missing
+        tokens += [Invalid(f"gap: it is one of {missing} messages that never came", missing=True)] * missing
         tokens.append(token)
 
     def _token(self, sample: zenoh.Sample) -> Token:

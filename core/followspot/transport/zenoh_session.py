@@ -19,6 +19,7 @@ _SETTINGS: dict[str, Any] = {
     "scouting/multicast/address": "224.0.0.224:7449",  # not that of all other users of Zenoh
     "transport/shared_memory/enabled": False,  # the ring does better, and leaves nothing in /dev/shm
     "transport/link/tx/lease": 1500,  # ms until a silent peer counts as dead; a closed one is noticed at once
+    "transport/unicast/open_timeout": 3000,  # ms for an attempt to connect, which a close has to wait for
     "connect/exit_on_failure": False,  # peers may start in any order
     "connect/timeout_ms": -1,  # for ever, in the background
     "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000},

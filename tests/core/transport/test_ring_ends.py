@@ -167,7 +167,7 @@ def test_each_message_that_never_came_is_invalid_in_its_place() -> None:
     writer.send(frame(2))
     *missing, message = reader.poll()
     assert [str(token) for token in missing] == [
-        str(Invalid(f"gap: message {number} of the port never came")) for number in range(2)
+        str(Invalid(f"gap: message {number} of the port never came", missing=True)) for number in range(2)
     ]
     assert isinstance(message, Frame)
     writer.close()

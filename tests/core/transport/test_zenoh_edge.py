@@ -205,7 +205,7 @@ def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None
     blobs = pack(stamped(seal(Blobs.empty()), Header("", 0, 0)))
     pair.intruder(KEY).put(blobs, attachment=NUMBER.pack(0, 2, 3))
     *missing, wrong = arrived(pair.reader, 3)
-    assert missing == [Invalid("gap: it is one of 2 messages that never came")] * 2
+    assert missing == [Invalid("gap: it is one of 2 messages that never came", missing=True)] * 2
     assert isinstance(wrong, Invalid)
     assert "Frame" in wrong.reason
 

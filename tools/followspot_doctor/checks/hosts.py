@@ -43,7 +43,7 @@ def agents(network: Network) -> Iterator[Finding]:
     """A finding a host that answers; a problem where none does."""
     from followspot.deploy.requests import Asker
     from followspot.deploy.requests import agents as in_reach
-    from followspot.transport.zenoh_session import connected
+    from followspot.transport.zenoh_session import close_session, connected
 
     where = network.router or ", ".join(network.connect)
     try:
@@ -61,7 +61,7 @@ def agents(network: Network) -> Iterator[Finding]:
         for name in sorted(names):
             yield _clock(Asker(session, network.own), name)
     finally:
-        session.close()  # type: ignore[no-untyped-call]
+        close_session(session)
 
 
 def _clock(asker: Asker, host: str) -> Finding:
