@@ -80,11 +80,11 @@ def worker_of(launcher: int, stage: str) -> int:
 
 
 def check_counts(finished: Finished) -> None:
-    """Even then every message is delivered, or in flight to or in the worker that died."""
-    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "in_flight")
+    """Even then every message is delivered, or lost with the worker that died or on the way to it."""
+    parts = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
     for edge in finished.summary["edges"]:
         assert edge["sent"] == sum(edge[part] for part in parts)
-        assert 0 <= edge["in_flight"] <= 10, edge
+        assert 0 <= edge["in_flight"] + edge["lost"] <= 10, edge
     written = len([line for line in finished.lines() if line.count(",") == 3])
     assert written <= finished.edge("b.", "save.")["sent"]
 
