@@ -116,7 +116,7 @@ def test_bounds_that_can_be_meant_pass(ring: Hostile, bound: int) -> None:
 )
 def test_memory_that_no_writer_gives_is_refused_and_let_go_of(ring: Hostile, words: tuple[int, ...]) -> None:
     kept = ring.alive()
-    memory = Memory.create("hostile", mmap.PAGESIZE)
+    memory = Memory.create("hostile", 64 * mmap.PAGESIZE)  # enough for an arena of the smallest slots
     before = descriptors()
     for count in range(1, 4):
         ring.say(*words, memory=memory.fd)
