@@ -183,8 +183,6 @@ class Worker:
                 source.start()
             for cell in self.cells:
                 self.mark(cell.rank)
-                for _, outlet in cell.outlets:
-                    outlet.look()  # readers may have come and gone since the edges were made
             while self._turn():
                 pass
         finally:

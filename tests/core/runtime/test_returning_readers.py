@@ -1,4 +1,4 @@
-"""A reader that is found before the first firing is there, for the ledger too."""
+"""Readers that a worker finds before its first firing, or does not reach again before its end."""
 
 from __future__ import annotations
 
@@ -53,3 +53,28 @@ def test_a_writer_that_was_started_again_counts_what_it_sends_to_readers_that_it
     assert sum(isinstance(token, Note) for token in tokens) == 3
     count = ledger.count(0)
     assert (count.produced, count.away, count.sent) == (3, 0, 3)
+
+
+def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_the_end() -> None:
+    ledger = Ledger(1)
+    outlet = Outlet(Note, ledger.words, slack=0)
+    with open_session() as session:
+        writer = ZenohWriter(session, "test/out", {"0": ""}, 8)
+        outlet.attach(writer, ["count.out -> save.in"], [ledger.row(0)])
+        reader = ZenohReader(session, "test/out", "0", Note, 8)
+        deadline = time.monotonic() + 60
+        while not all([writer.matched(), reader.matched()]) and time.monotonic() < deadline:
+            time.sleep(0.005)
+        cell = SourceCell("count", 0, lambda: Count(Context()), Join((), window=0, slack=0), {"out": outlet})
+        worker = Worker([cell], [], [(writer, 0)], Pace())
+        worker.setup()
+        while cell.pull():
+            pass
+        reader.close()
+        while not writer.lost and time.monotonic() < deadline:
+            writer.drain()
+        outlet.look()
+        assert ledger.count(0).in_flight == 3, "it may come back"
+        worker.close()
+    count = ledger.count(0)
+    assert (count.sent, count.lost, count.in_flight) == (3, 3, 0)
