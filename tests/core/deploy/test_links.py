@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
-from followspot.deploy.links import EdgeLinks
+from followspot.deploy.links import EdgeLinks, uses_zenoh
 from followspot.graph.compile import compile_graph
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
@@ -18,6 +19,7 @@ stages:
   a: {uses: ticks.count}
   b: {uses: ticks.write, in: {number: a}}
 """
+CAUGHT = "  c: {uses: ticks.write, in: {number: b}}\n"
 
 
 def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path: Path) -> None:
@@ -40,3 +42,15 @@ def test_a_reader_that_waits_for_the_start_says_again_that_it_is_there(tmp_path:
         assert len(heard) > before
         for end in ends:
             end.close()
+
+
+def test_only_workers_at_an_edge_over_zenoh_need_a_session(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(PAIR.replace("b: {uses: ticks.write,", "b: {uses: ticks.add,") + CAUGHT)
+    plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS], edges="ring")
+    assert not uses_zenoh(plan)
+    assert not uses_zenoh(plan, "a")
+    first, *others = plan.edges
+    assert (first.from_stage, first.to_stage) == ("a", "b")
+    mixed = replace(plan, edges=(replace(first, kind="zenoh"), *others))
+    assert uses_zenoh(mixed)
+    assert [uses_zenoh(mixed, worker) for worker in "abc"] == [True, True, False]
