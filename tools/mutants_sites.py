@@ -40,7 +40,7 @@ class Site:
     line: int
     changes: tuple[tuple[str, int], ...]
     lines: tuple[int, int]
-    scope: tuple[int, int] | None
+    scope: tuple[tuple[int, int], ...] | None
 
 
 class OmitCall(Operator):  # type: ignore[misc]
@@ -107,14 +107,19 @@ def _sites_of(path: str, source: str, operators: dict[str, Operator]) -> Iterato
                 changes.setdefault((position, name.split("_")[0]), []).append((name, occurrence))
                 where[position] = node
                 occurrence += 1
-    text, named = source.splitlines(), Counter[str]()
+    text, named, bodies = source.splitlines(), Counter[str](), _bodies(nodes)
     for ((line, column), family), possible in sorted(changes.items()):
         node, code = where[line, column], text[line - 1]
         if not _in_annotation(node):
             name = f"{family} {column - len(code) + len(code.lstrip())} {code.strip()}"
             named[name] += 1  # of lines that are the same, by their number
             yield Site(
-                path, f"{name} {named[name]}", line, tuple(possible), _statement(node, line), _scope(node)
+                path,
+                f"{name} {named[name]}",
+                line,
+                tuple(possible),
+                _statement(node, line),
+                _scope(node, bodies),
             )
 
 
@@ -162,8 +167,22 @@ def _statement(node: Any, line: int) -> tuple[int, int]:
     return line, line
 
 
-def _scope(node: Any) -> tuple[int, int] | None:
-    """None within a function, whose lines run in tests; else the function, class or module defined here."""
+def _bodies(nodes: Sequence[Any]) -> list[tuple[int, int]]:
+    """First and last line of the body of each function."""
+    return [_span(node.children[-1]) for node in nodes if node.type == "funcdef"]
+
+
+def _scope(node: Any, bodies: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...] | None:
+    """None within a function, whose lines run in tests; else the functions that are defined here."""
+    defined = _defined(node)
+    if defined is None:
+        return None
+    within = [body for body in bodies if defined[0] <= body[0] and body[1] <= defined[1]]
+    return tuple(within or bodies)
+
+
+def _defined(node: Any) -> tuple[int, int] | None:
+    """The lines of the function, class or module that a line defines; None within a function."""
     for child, parent in _ancestors(node):
         if parent.type == "lambdef":
             return None
@@ -178,4 +197,7 @@ def _scope(node: Any) -> tuple[int, int] | None:
 
 
 def _span(node: Any) -> tuple[int, int]:
-    return node.start_pos[0], node.end_pos[0]
+    """First and last line of a definition, or of the statements of a body."""
+    start = node.children[1].start_pos if node.type == "suite" else node.start_pos
+    line, column = node.end_pos
+    return start[0], line if column else line - 1

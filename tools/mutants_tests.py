@@ -107,12 +107,8 @@ def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -
     if mutant.scope is None:
         places = [[(mutant.path, *mutant.lines)]]
     else:
-        everything = (1, 1 << 30)
-        places = [
-            [(mutant.path, *mutant.scope)],
-            [(mutant.path, *everything)],
-            [(p, *everything) for p in importers],
-        ]
+        bodies = [(mutant.path, *body) for body in mutant.scope]
+        places = [bodies, [(path, 1, 1 << 30) for path in importers]]
     for wanted in places:
         found = [(reach, {t for place in wanted for t in reach.tests_of(*place)}) for reach in reaches]
         groups = [(reach, sorted(tests, key=reach.seconds.__getitem__)) for reach, tests in found if tests]

@@ -27,7 +27,7 @@ class Mutant:
     """One change of one file.
 
     path: from the root of the tree; line: where, from 1; lines: of the statement down to there;
-    scope: for a line that runs at import, the lines that it defines.
+    scope: for a line that runs at import, the bodies of the functions that it defines, else of all there.
     """
 
     path: str
@@ -35,7 +35,7 @@ class Mutant:
     occurrence: int
     line: int
     lines: tuple[int, int]
-    scope: tuple[int, int] | None
+    scope: tuple[tuple[int, int], ...] | None
     diff: str
     code: str
 

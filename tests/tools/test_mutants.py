@@ -76,7 +76,7 @@ def test_a_line_is_for_the_tests_that_run_it_and_one_of_a_fixture_for_all_of_the
 def test_a_line_of_an_import_is_for_the_tests_of_what_it_defines_then_for_those_of_its_importers() -> None:
     defined = reach("tests/test_a.py", {"a": 1.0}, {9: ["a"]})
     importer = reach("tests/test_b.py", {"b": 1.0}, {1: ["b"]}, "core/other.py")
-    change = replace(CHANGE, scope=(8, 9))
+    change = replace(CHANGE, scope=((8, 9),))
     assert mutants_tests.choose([defined, importer], change, ["core/other.py"]) == [["a"]]
     assert mutants_tests.choose([importer], change, ["core/other.py"]) == [["b"]]
 
@@ -108,4 +108,6 @@ def test_the_same_seed_draws_the_same_changes_and_annotations_stay(tmp_path: Pat
     edited = [m.diff for m in draw(tmp_path, sites(tmp_path, ["part.py"]), 9, seed=3) if m.line > 5]
     assert edited[:5] == [m.diff for m in drawn], "what stays the same is drawn in the same order"
     (tmp_path / "part.py").write_text(code)
-    assert [m.scope for m in draw(tmp_path, places[:1], 1, 0)] == [(1, 4)]
+    assert [m.scope for m in draw(tmp_path, places[:1], 1, 0)] == [((2, 3),)]
+    (tmp_path / "part.py").write_text("import g\n\n\n@g.plain\nclass A:\n    x = 1\n\n\n" + code)
+    assert [m.scope for m in draw(tmp_path, sites(tmp_path, ["part.py"])[:2], 2, 0)] == [((10, 11),)] * 2

@@ -1,0 +1,42 @@
+"""How the process of a worker ends: by itself once it has reported, else at once."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from followspot.deploy.report import WorkerReport
+from followspot.deploy.worker_process import WorkerProcess
+
+
+def worker(seconds: float) -> WorkerProcess:
+    """One whose process ends by itself after a while."""
+
+    def start(_name: str, _end: socket.socket) -> subprocess.Popen[bytes]:
+        return subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({seconds})"])
+
+    return WorkerProcess("left", 0, start)
+
+
+def test_nothing_is_counted_before_a_worker_has_spoken() -> None:
+    left = worker(600.0)
+    try:
+        assert (left.phase, left.fired, left.time, left.expected) == ("starting", 0, -1, None)
+        assert left.busy
+    finally:
+        left.end()
+
+
+@pytest.mark.parametrize(("reported", "code"), [(True, 0), (False, -signal.SIGKILL)])
+def test_a_worker_that_has_reported_exits_by_itself_and_any_other_is_killed(
+    reported: bool, code: int
+) -> None:
+    left = worker(0.5 if reported else 600.0)
+    left.report = WorkerReport("left", 0) if reported else None
+    left.end()
+    assert left.process.poll() == code
+    assert not left.open
