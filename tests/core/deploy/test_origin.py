@@ -12,7 +12,7 @@ import pytest
 
 from followspot.deploy.origin import Origin, _started, own_origin
 
-HERE = own_origin("desk")
+HERE = replace(own_origin("desk"), machine="m")
 
 
 @pytest.fixture
@@ -58,10 +58,9 @@ def test_another_process_that_was_given_the_number_is_not_taken_for_it() -> None
     ids=["unknown", "no boot", "container", "uncertified", "other name", "other machine", "no machine"],
 )
 def test_nothing_is_certain_of_who_is_elsewhere(there: Origin) -> None:
-    assert not there.dead(replace(HERE, machine="m") if there.machine else HERE)
+    assert not there.dead(HERE)
     assert not there.dead(Origin())
 
 
 def test_who_was_there_before_this_machine_was_started_again_is_dead() -> None:
-    here = replace(HERE, machine="m")
-    assert replace(here, boot="before").dead(here)
+    assert replace(HERE, boot="before").dead(HERE)
