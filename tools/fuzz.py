@@ -1,6 +1,6 @@
 """Try to break everything that reads what others wrote, with broken inputs by the thousand.
 
-    python tools/fuzz.py                      100,000 messages, 25,000 files and requests, 2,000 recordings
+    python tools/fuzz.py                      100,000 messages, 30,000 files and requests, 2,000 recordings
     python tools/fuzz.py --share 0.01         a hundredth of that
     python tools/fuzz.py --only graph room --seed 7
 
@@ -42,6 +42,7 @@ COUNTS = {
     "room_values": 3_500,
     "placement_values": 1_500,
     "runs": 1_500,
+    "parameters": 5_000,
     "tables": 2_000,
     "keypoints": 500,
     "calibration": 1_500,
@@ -60,6 +61,7 @@ MODULES = {
     "fuzz_stages": ("extreme_stage",),
     "fuzz_files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
     "fuzz_documents": ("graph_values", "room_values", "placement_values", "runs"),
+    "fuzz_parameters": ("parameters",),
     "fuzz_control": ("request", "status", "roster"),
     "fuzz_pictures": ("video", "images"),
 }

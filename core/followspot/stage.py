@@ -20,7 +20,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -82,12 +82,46 @@ def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any
     return pydantic.Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
 
 
+LARGEST_INT = (1 << 63) - 1
+"""Largest whole number in a parameter; it fits into 64 bits."""
+LARGEST = 1e15
+SMALLEST = 1e-15
+"""Of other numbers, without their sign: beyond, squares and quotients leave the range of floats."""
+
+
 class StageParams(pydantic.BaseModel):
-    """Base of every stage's parameters: immutable, unknown names are errors, and numbers are finite."""
+    """Base of every stage's parameters: immutable, unknown names are errors.
+
+    Whatever their own limits, whole numbers fit into 64 bits, others are 0 or from `SMALLEST` to `LARGEST`,
+    and no text contains a NUL.
+    """
 
     model_config = pydantic.ConfigDict(
         frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
     )
+
+    @pydantic.field_validator("*")
+    @classmethod
+    def _check_values(cls, value: Any) -> Any:
+        _check(value)
+        return value + 0.0 if isinstance(value, float) else value  # -0.0 is below no limit, and becomes 0.0
+
+
+def _check(value: Any) -> None:
+    """Raises ValueError if a number or a text in a tree of values is beyond all reason."""
+    if isinstance(value, Mapping):
+        _check(list(value.values()))
+    elif isinstance(value, list | tuple | set | frozenset):
+        for item in value:
+            _check(item)
+    elif isinstance(value, str | Path):
+        if "\0" in str(value):
+            raise ValueError("a text must not contain a NUL")
+    elif isinstance(value, int):
+        if abs(value) > LARGEST_INT:
+            raise ValueError("a whole number must fit into 64 bits")
+    elif isinstance(value, float) and value and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(f"a number must be 0 or from {SMALLEST:g} to {LARGEST:g}")
 
 
 def _no_warning(text: str) -> None:

@@ -9,7 +9,7 @@ SECOND = 1_000_000_000
 
 
 def exact_rate(fps: float) -> Fraction:
-    """Frames per second as a ratio: 29.97002997 becomes 30000/1001. Raises ValueError unless positive."""
+    """Frames per second as a ratio: 29.97002997 becomes 30000/1001. Raises ValueError below 1/1001."""
     rate = Fraction(fps).limit_denominator(1001)
     if rate <= 0:
         raise ValueError(f"{fps} frames per second")

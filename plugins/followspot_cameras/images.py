@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import cv2
@@ -26,7 +27,7 @@ class Images(Stage):
     class Params(StageParams):
         path: InputPath = Field(description="the folder")
         pattern: str = Field("*", pattern=r"^[^/\\]+$", description="which files, for example left*.png")
-        fps: float = Field(30.0, gt=0, le=100_000, description="frame rate", unit="1/s")
+        fps: float = Field(30.0, ge=0.001, le=100_000, description="frame rate", unit="1/s")
         start_frame: int = Field(0, ge=0, description="first picture to play", unit="1")
         frames: int = Field(0, ge=0, description="most pictures to play; 0: all", unit="1")
 
@@ -85,5 +86,6 @@ def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR, *, most: int = PICTU
 
 def natural_order(folder: Path, pattern: str) -> list[Path]:
     """Picture files of the folder that match, numbers in their names compared as numbers."""
-    files = (p for p in folder.glob(pattern) if p.suffix.lower() in SUFFIXES)
+    inside = folder.iterdir() if folder.is_dir() else ()
+    files = (p for p in inside if p.suffix.lower() in SUFFIXES and fnmatchcase(p.name, pattern))
     return sorted(files, key=lambda p: [int(t) if t.isdigit() else t for t in re.split(r"([0-9]+)", p.name)])

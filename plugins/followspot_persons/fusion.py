@@ -46,7 +46,7 @@ class Fusion(Stage):
             0.012, gt=0, unit="rad", description="one sigma of the direction in which a camera sees a person"
         )
         distance: float = Field(
-            0.07, gt=0, unit="1", description="one sigma of the distance, of the distance"
+            0.07, gt=0, le=100, unit="1", description="one sigma of the distance, of the distance"
         )
         gate: float = Field(
             0.7,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pydantic
+
 from followspot import Field, StageParams
 
 
@@ -9,7 +11,7 @@ class ActorParams(StageParams):
     """Who walks in the simulated room, and where; equal parameters give equal rooms."""
 
     frames: int = Field(600, ge=0, description="length of the recording; 0 never ends", unit="frame")
-    fps: float = Field(15.0, gt=0, le=1000, description="pictures of each camera per second", unit="1/s")
+    fps: float = Field(15.0, ge=0.1, le=1000, description="pictures of each camera per second", unit="1/s")
     seed: int = Field(
         1, ge=0, description="another seed, other people, other ways and another room", unit="1"
     )
@@ -33,3 +35,10 @@ class ActorParams(StageParams):
         2.0, ge=0, le=20, description="standard deviation of sensor noise", unit="grey level"
     )
     realtime: bool = Field(False, description="deliver at the pace of fps instead of as fast as wanted")
+
+    @pydantic.field_validator("area")
+    @classmethod
+    def _check_area(cls, area: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+        if not (area[0] < area[2] and area[1] < area[3]):
+            raise ValueError("the area must be x0, y0, x1, y1 with x0 < x1 and y0 < y1")
+        return area

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Callable
-from ipaddress import AddressValueError, IPv4Address
+from ipaddress import IPv4Address
 
 from followspot.errors import InputError, Mistake
 
@@ -26,7 +26,7 @@ class Datagrams:
             if IPv4Address(self.address[0]).is_multicast:
                 card = IPv4Address(interface).packed
                 self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, card)
-        except (OSError, AddressValueError) as error:
+        except (OSError, ValueError) as error:
             self.socket.close()
             text = f"cannot send to {host} from {interface}: {error}"
             remedy = "host: a name or an address; interface: this computer's own address in that network"

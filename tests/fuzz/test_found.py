@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -11,10 +12,13 @@ import numpy as np
 import pytest
 
 from followspot.errors import InputError
+from followspot.graph.compile import compile_graph
 from followspot.room import Camera
 from followspot.stage import Context
 from followspot_calibrate.points_file.reading import read_points
 from followspot_cameras.images import Images
+from followspot_sim.parameters import SimParams
+from followspot_sinks.datagrams import Datagrams
 
 
 def keypoints(**more: Any) -> bytes:
@@ -78,3 +82,56 @@ def test_a_picture_that_claims_a_size_beyond_reason_leaves_a_gap(tmp_path: Path,
     stage.setup()
     assert [frame.header.seq for frame in stage.process()] == [1]
     assert "frame0.ppm" in warnings[0]
+
+
+def refused(folder: Path, stage: str, params: str) -> list[str]:
+    """The mistakes of a graph with this stage and these parameters."""
+    (folder / "g.yaml").write_text(f"graph: g\nstages:\n  a: {{uses: {stage}, with: {params}}}\n")
+    try:
+        compile_graph(folder / "g.yaml")
+    except InputError as error:
+        return [mistake.text for mistake in error.mistakes]
+    return []
+
+
+@pytest.mark.parametrize(
+    ("stage", "params", "said"),
+    [
+        ("balls.bridge", "{gate: 1e300}", "0 or from 1e-15 to 1e+15"),
+        ("balls.kalman", "{acceleration: 1e-300}", "0 or from 1e-15 to 1e+15"),
+        ("balls.kalman", "{acceleration: .inf}", "finite number"),
+        ("sim.truth", "{frames: '9223372036854775808'}", "64 bits"),
+        ("sim.truth", "{fps: 1e-9}", "greater than or equal to 0.1"),
+        ("sim.pose_truth", "{area: [2, -1.6, 1.8, 1.6]}", "x0 < x1"),
+        ("persons.fusion", "{distance: 1e9}", "less than or equal to 100"),
+        ("sinks.udp_json", '{host: "a\\0b"}', "must not contain a NUL"),
+        ("sinks.csv", "{path: " + "x" * 300 + "}", "more than 255 bytes"),
+    ],
+)
+def test_a_parameter_that_no_stage_could_work_with_is_a_mistake(
+    tmp_path: Path, stage: str, params: str, said: str
+) -> None:
+    assert any(said in text for text in refused(tmp_path, stage, params))
+
+
+def test_a_negative_zero_is_zero() -> None:
+    assert math.copysign(1.0, SimParams(noise=-0.0).noise) == 1.0
+
+
+@pytest.mark.parametrize("pattern", [".", "..", "**", "**x", "["])
+def test_a_pattern_that_no_picture_matches_is_told(tmp_path: Path, pattern: str) -> None:
+    (tmp_path / "frame0.png").write_bytes(b"")
+    eye = np.eye(3)
+    camera = Camera("cam0", "color", (8, 6), eye, np.zeros(5), eye, np.zeros(3))
+    stage = Images(Context("camera/cam0", camera=camera), path=tmp_path, pattern=pattern)
+    if pattern == "**":
+        stage.setup()  # as "*"
+    else:
+        with pytest.raises(InputError, match="has no pictures"):
+            stage.setup()
+
+
+def test_a_host_that_cannot_be_a_name_is_told() -> None:
+    for host in ("x" * 300, "a..b", "."):
+        with pytest.raises(InputError, match="cannot send to"):
+            Datagrams(host, 9, "127.0.0.1", print)

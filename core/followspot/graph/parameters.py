@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import stat
 from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
@@ -11,10 +12,12 @@ from typing import Any, get_args
 import pydantic
 from pydantic.fields import FieldInfo
 
-from followspot.document import Node, fits, plain
+from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.stage import PathIn, PathOut, Stage, StageParams
 
+_LONGEST_NAME = 255
+"""Longest name of a file that a file system takes, bytes."""
 _OPTION = "--"
 """Places on the command line begin with it; paths written there are relative to the working folder."""
 
@@ -43,13 +46,7 @@ def validated(
     except pydantic.ValidationError as error:
         mistakes += [_mistake(detail, fields, noun, params, place) for detail in error.errors()]
         return None
-    found = model.model_dump(mode="json")
-    for name, value in found.items():
-        if not _fits(value):
-            node = params.get(name)
-            text = f'"{name}" of {noun} cannot be this: a whole number does not fit into 64 bits'
-            mistakes.append(Mistake(node.place if node is not None else place, text))
-    return found if len(mistakes) == before else None
+    return model.model_dump(mode="json") if len(mistakes) == before else None
 
 
 def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[str]:
@@ -61,15 +58,6 @@ def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[s
 def path_parameters(params: type[StageParams], mark: type) -> list[str]:
     """Names of the parameters with this mark: PathIn, PathOut, NetworkOut or DeviceIn."""
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]
-
-
-def _fits(value: Any) -> bool:
-    """Whether every whole number in a tree of JSON types fits into 64 bits; a text may have become one."""
-    if isinstance(value, Mapping):
-        return all(map(_fits, value.values()))
-    if isinstance(value, list):
-        return all(map(_fits, value))
-    return not isinstance(value, int) or fits(value)
 
 
 def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake], folder: Path) -> Any:
@@ -90,6 +78,9 @@ def _value(info: FieldInfo | None, name: str, node: Node, mistakes: list[Mistake
         if output.is_absolute() or ".." in output.parts or not output.parts or "\0" in value:
             text = f'"{name}" names {value!r}, which is not below the output folder'
             mistakes.append(Mistake(node.place, text, "write a relative path without .."))
+        elif any(len(os.fsencode(part)) > _LONGEST_NAME for part in output.parts):
+            text = f'"{name}" names a file with more than {_LONGEST_NAME} bytes in its name'
+            mistakes.append(Mistake(node.place, text, "write a shorter one"))
     return value
 
 
