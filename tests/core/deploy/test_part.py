@@ -8,7 +8,9 @@ import time
 from pathlib import Path
 
 from followspot.deploy.host import RunOrder
-from followspot.deploy.part import KeptParts
+from followspot.deploy.host_run import HostRun
+from followspot.deploy.part import KeptParts, Part
+from followspot.deploy.parts import Parts
 
 
 def leave(runs: Path, run: str, host: str, *, text: str = "", age: float = 0.0) -> None:
@@ -27,3 +29,19 @@ def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> No
     leave(tmp_path, "eeeeeeee", "left", text='{"run": "eeeeeeee"}')
     assert [order.run for order in KeptParts(tmp_path, "left").left()] == ["aaaaaaaa"]
     assert list(KeptParts(tmp_path / "none", "left").left()) == []
+
+
+def test_a_run_that_was_closed_is_not_taken_up_again(tmp_path: Path) -> None:
+    said: list[str] = []
+    parts = Parts(tmp_path, "left", said.append)
+    for run in ("aaaaaaaa", "bbbbbbbb"):
+        leave(tmp_path, run, "left")
+        part = Part("show", RunOrder(run, {}, detached=True), HostRun("left"))
+        part.run.out = str(tmp_path / f"20261121-190000-{run}-left")
+        parts.add(part)
+    parts.close("aaaaaaaa")
+    assert [order.run for order in parts.kept.left()] == ["bbbbbbbb"]
+    assert said == ["run aaaaaaaa of show: over"]
+    assert (parts.known("aaaaaaaa"), parts.known("bbbbbbbb")) == ("unknown", "here")
+    parts.forget()
+    assert list(parts.kept.left()) == []

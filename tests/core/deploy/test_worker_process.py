@@ -40,3 +40,17 @@ def test_a_worker_that_has_reported_exits_by_itself_and_any_other_is_killed(
     left.end()
     assert left.process.poll() == code
     assert not left.open
+
+
+def test_a_worker_in_a_thread_does_not_keep_its_process_alive() -> None:
+    program = (
+        "import socket\n"
+        "from followspot.deploy.worker_thread import WorkerThread\n"
+        "ours, theirs = socket.socketpair()\n"
+        "worker = WorkerThread('left', theirs)\n"
+        "print(worker.poll())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout == "None\n"
