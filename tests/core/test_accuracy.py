@@ -97,6 +97,12 @@ def test_rows_match_the_nearest_frame_within_half_an_interval(shift: float) -> N
     assert (one.coverage, one.rmse_mm) == (1.0, 0.0)
 
 
+def test_the_only_frame_is_matched_whenever_its_row_comes() -> None:
+    xyz = still(1, (1, 2, 3))
+    one = only(score(tracks(xyz, shift=5.0), truth(xyz)))
+    assert (one.frames, one.coverage, one.rmse_mm) == (1, 1.0, 0.0)
+
+
 def test_rows_outside_the_recording_match_nothing() -> None:
     xyz = still(3, (0, 0, 0))
     assert only(score(tracks(xyz, shift=1.0), truth(xyz))).coverage == 0

@@ -73,3 +73,12 @@ def test_latency_is_by_the_clock_of_all(tmp_path: Path, source: str) -> None:
     assert report.ok
     (path,) = [path for worker in report.workers for path in worker.paths]
     assert path.worst_ms < 100_000
+
+
+def test_a_worker_that_has_ended_leaves_no_edge_open(tmp_path: Path) -> None:
+    run = solo(tmp_path, edges="ring")
+    readers = [inlet.reader for inlet in run.worker.readers if inlet.reader is not None]
+    assert len(readers) == 3
+    assert all(reader.fileno() >= 0 for reader in readers)
+    assert run.run().ok
+    assert [reader.fileno() for reader in readers] == [-1, -1, -1]
