@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from made_rooms import MADE, ROOMS
 from played import Played, burners, differences, one_each, play
-from rooms import MADE, ROOMS
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 SHOWN = """
