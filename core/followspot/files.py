@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import BinaryIO
 
 DOCUMENT = 1_000_000
-"""Largest graph, room, placement or plugin file, bytes."""
+"""Largest graph, room, placement, model, plugin, certificate or list of hosts, bytes."""
 DATA = 64_000_000
-"""Largest file that is read as a whole: calibrations, models, lists, summaries; bytes."""
+"""Largest other file that is read as a whole: calibrations, weights, summaries; bytes."""
 PICTURE = 256_000_000
 """Largest file of one picture, bytes."""
-TABLE = 1_000_000_000
-"""Largest table that is read row by row, and largest archive of arrays, bytes."""
+TABLE = 500_000_000
+"""Largest table or log that is read row by row, and largest archive of arrays, bytes."""
 
 
 def open_regular(path: str | Path, most: int | None = TABLE) -> BinaryIO:

@@ -72,13 +72,13 @@ class Images(Stage):
             self.context.warn(f"{len(unreadable)} pictures cannot be read, the first is {unreadable[0]}")
 
 
-def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR, *, most: int = PICTURE) -> Array | None:
+def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
     """The picture, (H, W, 3) uint8 unless flags say otherwise.
 
-    None where it cannot be read, has more than `most` bytes, or claims a size beyond all reason.
+    None where it cannot be read, has more than `PICTURE` bytes, or claims a size beyond all reason.
     """
     try:
-        require_regular(path, most)
+        require_regular(path, PICTURE)
         return cv2.imread(str(path), flags)
     except (OSError, cv2.error):
         return None

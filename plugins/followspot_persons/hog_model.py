@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zipfile
+import zlib
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -10,7 +12,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
-from followspot.files import open_regular
+from followspot.files import DATA, open_regular
 from followspot_persons.hog_cells import LOOKS
 from followspot_persons.hog_window import FEATURES
 
@@ -18,8 +20,6 @@ SHIPPED = Path(__file__).with_name("hog_weights.npz")
 DIRECTIONS = 16
 """Number of headings whose likelihood is given; direction i is 2 pi i / 16, 0 faces the camera."""
 OUTPUTS = 1 + 2 * DIRECTIONS
-LARGEST = 4_000_000
-"""Bytes of a weights file that is still read."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,14 +76,22 @@ def trusted(logits: Array, factor: float, mistaken: float) -> Array:
 def load(path: Path = SHIPPED) -> HogModel:
     """Read a weights file. Raises InputError where it is none."""
     try:
-        with open_regular(path, LARGEST) as file, np.load(file, allow_pickle=False) as stored:
-            arrays = {field.name: stored[field.name].astype(np.float32) for field in fields(HogModel)}
-        model = HogModel(**arrays)
+        model = HogModel(**_arrays(path))
         _check(model)
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         remedy = "make one with `followspot train hog`, or leave the parameter out"
         raise InputError([Mistake(None, f"{path} holds no weights of a detector: {error}", remedy)]) from None
     return model
+
+
+def _arrays(path: Path) -> dict[str, Array]:
+    """The arrays in a file, which may be compressed and has a limit unpacked, too."""
+    with open_regular(path, DATA) as file:
+        if sum(member.file_size for member in zipfile.ZipFile(file).infolist()) > DATA:
+            raise ValueError(f"more than {DATA} bytes unpacked")
+        file.seek(0)
+        stored = np.load(file, allow_pickle=False)
+        return {field.name: stored[field.name].astype(np.float32) for field in fields(HogModel)}
 
 
 def save(model: HogModel, path: Path) -> None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
-from followspot.files import read_bytes
+from followspot.files import DATA, read_bytes
 from followspot_room.checks import Unfit
 from followspot_room.format import Calibration, Texts
 from followspot_room.formats import (
@@ -30,8 +30,6 @@ FORMATS = (
     opencv_yaml.FORMAT,
 )
 """In the order in which they are tried."""
-MOST_BYTES = 10_000_000
-"""Of a file, or of all files of a folder together."""
 IN_FOLDERS = ("*.rad", "*.Pmat.cal", "camera_order.txt", "Res.dat", "*.yml", "*.yaml")
 """What is read where a folder is given; nothing else in it is touched."""
 NO_POSES = "the calibration has no camera poses: all cameras stand at the origin until you calibrate them"
@@ -58,7 +56,7 @@ def _texts(path: Path) -> Texts:
     if path.is_dir():
         chosen = sorted(one for pattern in IN_FOLDERS for one in path.glob(pattern) if one.is_file())
     texts: dict[str, str] = {}
-    left = MOST_BYTES
+    left = DATA  # of all files together
     try:
         for one in chosen:
             data = read_bytes(one, left)
@@ -68,9 +66,7 @@ def _texts(path: Path) -> Texts:
         return {}
     except OSError as error:
         if error.errno == errno.EFBIG:
-            raise InputError(
-                [Mistake(None, f"{path} is larger than {MOST_BYTES} bytes", TOO_LARGE)]
-            ) from None
+            raise InputError([Mistake(None, f"{path} is larger than {DATA} bytes", TOO_LARGE)]) from None
         text = f"{path} cannot be read: {error.strerror}"
         raise InputError([Mistake(None, text, "give a calibration file or its folder")]) from None
     return texts

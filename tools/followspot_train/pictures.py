@@ -15,7 +15,7 @@ import numpy as np
 
 from followspot import Array
 from followspot.errors import InputError, Mistake
-from followspot.files import open_text
+from followspot.files import PICTURE, open_text
 from followspot_cameras.images import read_picture
 
 MIDDLE = (48.0, 22.0)
@@ -28,8 +28,6 @@ PLACES = 4
 """Parts into which pictures of the INRIA form are divided, each a place of its own."""
 MOST = 20_000
 """Pictures of one folder."""
-LARGEST = 20_000_000
-"""Bytes of one picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,9 +121,9 @@ def _files(folder: Path) -> list[Path]:
 
 def _picture(file: Path) -> Array:
     """(H, W, 3) u8, BGR. Raises InputError."""
-    pixels = read_picture(file, most=LARGEST)
+    pixels = read_picture(file)
     if pixels is None:
-        raise _mistake(f"{file} is no picture of at most {LARGEST} bytes", "give .jpg or .png files")
+        raise _mistake(f"{file} is no picture of at most {PICTURE} bytes", "give .jpg or .png files")
     return np.asarray(pixels)
 
 

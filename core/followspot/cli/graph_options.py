@@ -56,7 +56,12 @@ def add_change_options(
         help=meaning,
     )
     add_plugin_option(parser, "load the stages of a Python file; repeatable")
-    parser.add_argument("--seed", type=int, help="seed of all random numbers (default: the graph's, or 0)")
+    parser.add_argument(
+        "--seed",
+        type=seed_number,
+        metavar="N",
+        help="seed of all random numbers (default: the graph's, or 0)",
+    )
 
 
 def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
@@ -83,9 +88,25 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
 
 def frame_count(text: str) -> int:
     """The value of --frames. Raises argparse.ArgumentTypeError."""
-    number = int(text)
-    if number < 1:
-        raise argparse.ArgumentTypeError("at least 1")
+    from followspot.ranges import MAX_EXACT
+
+    return _whole(text, 1, MAX_EXACT)
+
+
+def seed_number(text: str) -> int:
+    """The value of --seed. Raises argparse.ArgumentTypeError."""
+    from followspot.graph.plan import MAX_SEED
+
+    return _whole(text, 0, MAX_SEED)
+
+
+def _whole(text: str, least: int, most: int) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is no whole number") from None
+    if not least <= number <= most:
+        raise argparse.ArgumentTypeError(f"from {least} to {most}")
     return number
 
 

@@ -26,7 +26,6 @@ _PERIOD = 2.0
 """Seconds between two times that it keeps them."""
 _MARGIN = 4
 """Starts of a worker that may have been missed."""
-_MAX_BYTES = 16 << 20
 _LEAVING = 5.0
 """Seconds that workers whose operator does not come back have to complete their outputs."""
 
@@ -89,7 +88,7 @@ class KeptParts:
             with suppress(OSError, ValueError):  # it was just being written, or is of another version
                 if time.time() - path.stat().st_mtime > _FRESH:
                     continue
-                order = order_from_data(json.loads(read_bytes(path, _MAX_BYTES)))
+                order = order_from_data(json.loads(read_bytes(path)))
                 if path.parent.name.endswith(f"-{order.run}-{self._host}"):
                     yield order
 

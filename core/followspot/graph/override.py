@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from followspot.document import Node, parse
+from followspot.document import MAX_DEPTH, Node, parse
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.declaration import ENVELOPE
 
@@ -26,13 +26,13 @@ class Override:
 def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
     """Read one option; what cannot be read is noted."""
     path, sign, value = option.partition("=")
-    keys = path.split(".")
+    keys = path.split(".", MAX_DEPTH)
     places = []
     column = 1
     for key in keys:
         places.append(Place(_FILE, 1, column, max(1, len(key)), option))
         column += len(key) + 1
-    if not sign or len(keys) < 2 or not all(key.strip() for key in keys):
+    if not sign or not 2 <= len(keys) <= MAX_DEPTH or not all(key.strip() for key in keys):
         whole = Place(_FILE, 1, 1, max(1, len(option)), option or " ")
         mistakes.append(Mistake(whole, f'"{option}" is no override', _FORM))
         return None

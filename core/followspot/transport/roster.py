@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Literal, get_args
 
 from followspot.errors import FollowspotError
-from followspot.files import read_bytes
+from followspot.files import DOCUMENT, read_bytes
 from followspot.form import HOST
 
 Role = Literal["camera", "worker", "operator", "router"]
@@ -24,8 +24,6 @@ ROLES: tuple[Role, ...] = get_args(Role)
 NAME = HOST
 ROSTER = "hosts.json"
 FORMAT = 1
-MAX_ROSTER = 1 << 20
-"""Largest roster, bytes."""
 _FILES = ("ca.pem", "cert.pem", "key.pem", ROSTER)
 
 
@@ -78,7 +76,7 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
 def read_roster(path: Path) -> tuple[str, tuple[Member, ...]]:
     """Whose roster it is ("" the authority's) and its members. Raises FollowspotError."""
     try:
-        data = json.loads(read_bytes(path, MAX_ROSTER))
+        data = json.loads(read_bytes(path, DOCUMENT))
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             raise ValueError(f"it is not of format {FORMAT}")
         return str(data["own"]), tuple(_member(name, entry) for name, entry in data["hosts"].items())

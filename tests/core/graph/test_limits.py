@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from followspot.cli.main import main
+
 STAGE = "graph: g\nstages: {a: {uses: sinks.csv}}\n"
 CAMERA = (
     "{kind: color, size: [32, 24], matrix: [[9, 0, 9], [0, 9, 9], [0, 0, 1]], translation: [0, 0, 0], "
@@ -234,3 +236,24 @@ def test_json_names_the_first_mistakes_and_counts_the_rest(said: dict[str, tuple
     code, text = said["json"]
     found = json.loads(text)
     assert (code, found["ok"], len(found["mistakes"]), found["more"]) == (2, False, 50, 750)
+
+
+def test_options_have_limits_too(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(STAGE)
+    options = ("--set", "a.with." + "x." * 20_000 + "y=1"), ("--room", ""), ("--placement", "x" * 300)
+    found = checks([[str(tmp_path), "g.yaml", *words] for words in options])
+    assert [code for code, _ in found] == [2, 2, 2]
+    assert "is no override" in found[0][1]
+    assert "--room:1:1: cannot read" in found[1][1]
+    assert "--placement:1:1: cannot read" in found[2][1]
+
+
+@pytest.mark.parametrize("words", [("--seed", str(2**63)), ("--seed", "-1"), ("--seed", "9" * 5000)])
+def test_a_seed_that_no_plan_may_have_is_refused(
+    tmp_path: Path, words: tuple[str, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "g.yaml").write_text(STAGE)
+    with pytest.raises(SystemExit) as caught:
+        main(["check", str(tmp_path / "g.yaml"), *words])
+    assert caught.value.code == 2
+    assert "argument --seed: " in capsys.readouterr().err

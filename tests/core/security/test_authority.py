@@ -14,7 +14,8 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from followspot.cli.main import main
 from followspot.deploy.security.authority import Authority, create_authority
 from followspot.errors import FollowspotError
-from followspot.transport.roster import MAX_ROSTER, read_certificates, read_roster
+from followspot.files import DOCUMENT
+from followspot.transport.roster import read_certificates, read_roster
 
 
 def mode(path: Path) -> int:
@@ -172,7 +173,7 @@ def test_a_folder_without_one_of_its_files_is_refused(authority: Authority, name
         '{"format": 1, "own": "a", "hosts": {"a": {"role": "camera", "expires": "2030-01-01"}}}',
         '{"format": 1, "own": "a", "hosts": {"a": {"role": ["camera"], "expires": 3}}}',
         "[" * 100_000,
-        " " * (MAX_ROSTER + 1),
+        " " * (DOCUMENT + 1),
     ],
 )
 def test_a_list_of_hosts_that_is_none_is_refused(tmp_path: Path, text: str) -> None:

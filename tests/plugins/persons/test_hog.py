@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from followspot import Camera, InputError
+from followspot.files import DATA
 from followspot.messages import Header, stamped
 from followspot.stage import Context
 from followspot.tracking import Frame
@@ -122,9 +123,14 @@ def test_files_that_hold_no_weights_are_refused(tmp_path):
     evil = tmp_path / "evil.npz"
     evil.write_bytes(pickle.dumps([1, 2]))
     huge = tmp_path / "huge.npz"
-    huge.write_bytes(bytes(4_000_001))
+    with huge.open("wb") as file:
+        file.truncate(DATA + 1)
+    bomb = tmp_path / "bomb.npz"
+    np.savez_compressed(bomb, linear=np.zeros(DATA // 8 + 1))
+    assert bomb.stat().st_size < 1_000_000
     cases = {
-        evil: "pickle",
+        evil: "not a zip file",
+        bomb: "unpacked",
         huge: "larger",
         tmp_path / "missing.npz": "No such file",
         broken("short.npz", linear=np.zeros(7)): "linear has shape",

@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot.errors import InputError, Mistake
-from followspot.files import open_text
+from followspot.files import DATA, open_text
 
-MOST_BYTES = 50_000_000
 NEEDED = ("sync_index", "cam_id", "frame_index")
 
 Moments = Mapping[str, Mapping[int, int]]
@@ -40,7 +39,7 @@ def read_timestamps(path: Path, cameras: Sequence[str]) -> Moments:
 
 def _lines(path: Path) -> list[dict[str, str | None]]:
     try:
-        with open_text(path, MOST_BYTES) as file:
+        with open_text(path, DATA) as file:
             reader = csv.DictReader(file)
             absent = [name for name in NEEDED if name not in (reader.fieldnames or ())]
             if absent:

@@ -14,8 +14,6 @@ from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of
 from followspot_calibrate.sightings import Sightings
 
-MOST_BYTES = 500_000_000
-
 
 def read_svoboda(folder: Path, cameras: Sequence[Camera]) -> Sightings:
     """points.dat: 3 rows u v 1 per camera, a column per frame; IdMat.dat: 1 where seen; Res.dat: sizes.
@@ -44,7 +42,7 @@ def read_svoboda(folder: Path, cameras: Sequence[Camera]) -> Sightings:
 def _matrix(path: Path) -> Array:
     """The numbers in a text file, one row a line."""
     try:
-        with open_text(path, MOST_BYTES) as file:
+        with open_text(path) as file:
             return np.loadtxt(file, ndmin=2)
     except OSError as error:
         raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
