@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from mutants_tests import Reach, choose, collect, run
+from mutants_tests import Reach, Run, choose, collect, run
 from mutants_tree import Mutant, Tree, lay
 
 ROOT = Path(__file__).parents[1]
@@ -160,7 +160,7 @@ def _try(tree: Tree, mutant: Mutant, chosen: Sequence[str], seconds: dict[str, f
         limits = {test: patience * (AT_LEAST_S + SLOWER * _of_file(test, seconds)) for test in chosen}
         with tree.changed(mutant):
             ran = run(tree, ["-x", *chosen], limits)
-        killed, out = _verdict(ran.log, ran.code), ran.out
+        killed, out = _verdict(ran), ran.out
         if not killed.endswith(WITHOUT_END):
             break
     return {
@@ -176,14 +176,19 @@ def _of_file(test: str, seconds: Mapping[str, float]) -> float:
     return sum(cost for name, cost in seconds.items() if name.startswith(file))
 
 
-def _verdict(log: Sequence[dict[str, Any]], code: int | None) -> str:
-    """Who killed it: a test, a test without end or the import; "" for nobody."""
-    failed = [entry["test"] for entry in log if entry.get("outcome") == "failed"]
+def _verdict(ran: Run) -> str:
+    """Who killed it: a test, a test without end or the import; "" for nobody.
+
+    Raises RuntimeError where pytest did not understand what it was asked: that tells nothing of the change.
+    """
+    failed = [entry["test"] for entry in ran.log if entry.get("outcome") == "failed"]
     if failed:
         return str(failed[0])
-    if code == 0:
+    if ran.code == 0:
         return ""
-    begun = [entry["begin"] for entry in log if "begin" in entry]
+    begun = [entry["begin"] for entry in ran.log if "begin" in entry]
+    if not begun and not any(word in ran.out for word in ("Traceback", "ERROR collecting")):
+        raise RuntimeError(f"pytest could not begin:\n{ran.out}")
     return begun[-1] + WITHOUT_END if begun else "import"
 
 

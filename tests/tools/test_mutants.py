@@ -57,6 +57,14 @@ def test_a_change_kills_a_test_in_its_process_and_in_others_and_is_then_gone(
     )
 
 
+def test_tests_that_are_not_there_tell_nothing_of_a_change(tree: mutants_tree.Tree) -> None:
+    with pytest.raises(RuntimeError, match=r"not found: .*test_part.py::test_gone"):
+        mutants._try(tree, CHANGE, ["tests/test_part.py::test_gone"], {})
+    broken = replace(CHANGE, path="tests/test_part.py", code="import nowhere\n")
+    result = mutants._try(tree, broken, ["tests/test_part.py::test_part"], {})
+    assert result["killed"] == "import"
+
+
 def test_a_test_that_does_not_end_fails_at_the_second_trial(
     tree: mutants_tree.Tree, monkeypatch: pytest.MonkeyPatch
 ) -> None:

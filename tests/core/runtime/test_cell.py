@@ -82,3 +82,11 @@ def test_a_worker_that_has_ended_leaves_no_edge_open(tmp_path: Path) -> None:
     assert all(reader.fileno() >= 0 for reader in readers)
     assert run.run().ok
     assert [reader.fileno() for reader in readers] == [-1, -1, -1]
+
+
+def test_the_latency_of_64_sources_is_measured_apart_and_that_of_all_others_together(tmp_path: Path) -> None:
+    save = next(cell for cell in solo(tmp_path).worker.cells if cell.name == "save")
+    for number in range(70):
+        save.deliver(None, Header(f"camera{number}/cam", 0, 0))
+    assert list(save.paths) == [*(f"camera{number}" for number in range(64)), "others"]
+    assert save.paths["others"].count == 6
