@@ -211,7 +211,7 @@ def test_a_camera_host_sends_on_its_own_ports_only(certs: Path, agent: Agent, en
         port_key("run", "pc-right", "credit", "out"),
         port_key("run", "pc-right", "camera/credit", "out"),
         port_key("run", "pc-right", "a/b/credit/pc-left", "out"),
-        port_key("run", "pc-right", "camera/cam3", "out/start/5"),
+        port_key("run", "pc-right", "camera/cam3", "out/start/5/0"),
         port_key("run", "*", "camera/cam3", "out"),
         agent_key("pc-right"),
         "elsewhere",
@@ -269,7 +269,7 @@ def test_only_the_host_of_a_writer_tells_where_its_stream_begins(
     certs: Path, agent: Agent, endpoint: str
 ) -> None:
     reader = ZenohReader(agent.session, port_key("run", "", "a", "out"), "5", Frame, 4)
-    foreign, own = (port_key("run", host, "a", "out/start/5") for host in ("", "pc-left"))
+    foreign, own = (port_key("run", host, "a", "out/start/5/0") for host in ("", "pc-left"))
     agent.heard.clear()
     with (
         session(certs / "pc-left", connect=endpoint) as camera,

@@ -60,6 +60,8 @@ class Owed:
     """Whether the link was cut since: messages may be missing, and settled times gone."""
     joins: bool = False
     """Whether nothing came yet, and the writer may not have known of this reader at first."""
+    vague: bool = False
+    """Whether absence that comes first may have been taken for that of a writer before."""
     settled: set[int] = field(default_factory=set)
     """All times that the writer ever settled: any reader may be told so, also again, once it is true."""
     watermark: int = -END
@@ -83,6 +85,7 @@ class Owed:
         due = self.due.popleft()
         assert isinstance(due, Spoken), f"{word} came before {due}"
         self.got += 1
+        self.vague = False
         self._heard = None
         if isinstance(word, Missing):
             assert self.leaks, f"{due} came as {word}, and no link was cut"
@@ -114,10 +117,12 @@ class Owed:
         return {word.number for word in self.due if isinstance(word, Spoken) and word.slot}
 
     def expects(self, word: Word) -> bool:
-        """Whether this writer said that, and it did not come yet."""
+        """Whether this writer said that, and it did not come yet or may be said again."""
         if isinstance(word, Missing):
-            return self.leaks
-        return any(self._is(due, word) for due in self.due)
+            return self.leaks and any(isinstance(due, Spoken) for due in self.due)
+        if isinstance(word, Settles) and word.bound in self.settled:
+            return True
+        return self._is_due(word)
 
     @property
     def satisfied(self) -> bool:
@@ -129,10 +134,13 @@ class Owed:
 
     def _join(self, word: Word) -> None:
         """The first that comes says where this reader was let in."""
-        if self.joins and not isinstance(word, Missing) and self.expects(word):
+        if self.joins and self._is_due(word):
             while not self._is(self.due[0], word):
                 self.given -= isinstance(self.due.popleft(), Spoken)
             self.joins = False
+
+    def _is_due(self, word: Word) -> bool:
+        return any(self._is(due, word) for due in self.due)
 
     @staticmethod
     def _is(due: Spoken | Settles, word: Word) -> bool:
@@ -165,7 +173,9 @@ class Owed:
     def _skip_settled(self) -> None:
         """Settled times in a row may have become the last of them; where a link was cut, all may be gone."""
         row = self._settled_next()
-        if row and (row[-1] == self._heard or (self.leaks and row[-1].bound != END)):
+        gone = self.leaks and row[-1:] != [Settles(END)]
+        told_before = self.vague and all(word.bound == ABSENT for word in row)
+        if row and (row[-1] == self._heard or gone or told_before):
             for _ in row:
                 self.due.popleft()
 

@@ -86,7 +86,7 @@ class ZenohReader:
         key = codec_key(key, codec)
         name = quote(name, safe="")
         self._session = session
-        self._start_key = f"{key}/start/{name}"
+        self._start_key = f"{key}/start/{name}/{incarnation}"
         said = reader_key(key, host)
         self._done_key = f"{said}/done/{name}"
         self._report = publisher(session, f"{said}/credit/{name}")

@@ -249,7 +249,7 @@ class ZenohWriter:
         start = START.pack(self._incarnation, self._tokens, self._messages, self._given[index])
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._session.put(
-                f"{self._key}/start/{self._names[index]}",
+                f"{self._key}/start/{self._names[index]}/{self._present[index]}",
                 start,
                 congestion_control=zenoh.CongestionControl.BLOCK,
             )

@@ -41,7 +41,7 @@ def alive(pair: Pair) -> None:
 def test_a_start_with_an_extreme_number_is_refused_and_counted(pair: Pair, place: int, number: int) -> None:
     numbers = [0, 0, 0, 0]
     numbers[place] = number
-    pair.intruder(f"{KEY}/start/{READER}").put(START.pack(*numbers))
+    pair.intruder(f"{KEY}/start/{READER}/0").put(START.pack(*numbers))
     until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
     alive(pair)
 
@@ -54,14 +54,14 @@ def test_a_start_with_an_extreme_number_is_refused_and_counted(pair: Pair, place
 def test_a_start_that_no_writer_can_mean_is_refused_and_counted(pair: Pair, start: bytes) -> None:
     for _ in range(3):
         alive(pair)
-    pair.intruder(f"{KEY}/start/{READER}").put(start)
+    pair.intruder(f"{KEY}/start/{READER}/0").put(start)
     until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
     alive(pair)
 
 
 def test_a_start_that_gives_more_than_can_be_under_way_is_refused(pair: Pair) -> None:
     many = 64 * (DEPTH + WINDOW) + 1
-    pair.intruder(f"{KEY}/start/{READER}").put(START.pack(0, many, many, many))
+    pair.intruder(f"{KEY}/start/{READER}/0").put(START.pack(0, many, many, many))
     until(lambda: pair.reader.poll() == [] and pair.reader.strangers == 1)
     alive(pair)
 
