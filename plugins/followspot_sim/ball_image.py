@@ -116,6 +116,8 @@ def color_light(seen: Stamps, color: Array) -> Array:
     The core turns white; the glow is as strong as the part of the ball that shows.
     color: (T, 3) linear BGR. Returns (B, S, S, 3) uint8, what is added where the ball is.
     """
+    if not seen.cover.size:
+        return np.zeros((*seen.cover.shape, 3), np.uint8)
     square, cover = seen.square, seen.cover * np.float32(1 / 255)
     core = 0.45 * np.exp(square * np.float32(-1 / 0.12))
     tail = np.maximum(GLOW * GLOW - square, 0) / (GLOW * GLOW - 1)

@@ -236,3 +236,14 @@ def test_a_camera_whose_clock_is_off_by_a_frame_takes_the_neighbouring_picture()
 def test_no_camera_looks_before_the_performance_begins():
     picture = Picture(SimParams(), ROOM, ROOM.cameras["cam0"], clock_offset=-0.01)
     assert picture.world.scene(0).time == 0.0
+
+
+@pytest.mark.parametrize("name", ["cam0", INFRARED[0]])
+def test_a_camera_that_sees_no_ball_shows_the_room(name: str) -> None:
+    camera = ROOM.cameras[name]
+    away = replace(camera, matrix=camera.matrix + np.array([[0, 0, 1e5], [0, 0, 0], [0, 0, 0]]))
+    room = replace(ROOM, cameras={**ROOM.cameras, name: away})
+    picture = Picture(SimParams(), room, away)
+    pixels = np.empty(picture.shape, np.uint8)
+    picture.render(0, pixels)
+    assert pixels.any()
