@@ -131,8 +131,9 @@ CASES = {
         'did you mean "balls.kalman"?',
     ),
     "90,000 wrong edges": (
-        "graph: g\nstages:\n  a: {uses: sinks.csv, in: {tracks: [" + "x y," * 90_000 + "]}}",
-        ':3:38: there is no stage "x y"',
+        "graph: g\nstages:\n  a: {uses: sinks.csv, in: {tracks: [" + "stage," * 90_000 + "]}}\n"
+        + lines("  stag{n}: {{uses: sinks.csv}}\n", 900),
+        ':3:38: there is no stage "stage"',
         "more, which are shown",
     ),
     "aliases of aliases": (
