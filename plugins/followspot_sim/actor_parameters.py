@@ -11,7 +11,7 @@ class ActorParams(StageParams):
     """Who walks in the simulated room, and where; equal parameters give equal rooms."""
 
     frames: int = Field(600, ge=0, description="length of the recording; 0 never ends", unit="frame")
-    fps: float = Field(15.0, ge=0.1, le=1000, description="pictures of each camera per second", unit="1/s")
+    fps: float = Field(15.0, ge=0.001, le=1000, description="pictures of each camera per second", unit="1/s")
     seed: int = Field(
         1, ge=0, description="another seed, other people, other ways and another room", unit="1"
     )

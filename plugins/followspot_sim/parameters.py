@@ -21,7 +21,7 @@ class SimParams(StageParams):
     """What happens in the simulated room; equal parameters give equal rooms."""
 
     frames: int = Field(600, ge=0, description="length of the recording; 0 never ends", unit="frame")
-    fps: float = Field(60.0, ge=0.1, le=1000, description="pictures of each camera per second", unit="1/s")
+    fps: float = Field(60.0, ge=0.001, le=1000, description="pictures of each camera per second", unit="1/s")
     seed: int = Field(1, ge=0, description="another seed, another performance", unit="1")
     people: int = Field(2, ge=0, le=6, description="who carry, throw and hide the balls", unit="1")
     projections: int = Field(4, ge=0, le=12, description="projected spots for each ball; 0: dark", unit="1")

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from followspot.cli.main import main
 from followspot.errors import InputError
+from followspot.files import DATA
 from followspot.geometry import project
 from followspot.room import Camera, Room
 from followspot.room_file import load, save
@@ -291,8 +292,9 @@ def test_mistake_in_opencv_yaml_names_the_line(tmp_path: Path) -> None:
 
 
 def test_folder_larger_than_the_limit_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "points.yml").write_bytes(b" " * 10_000_001)
-    with pytest.raises(InputError, match="larger than 10000000 bytes"):
+    with (tmp_path / "points.yml").open("wb") as file:
+        file.truncate(DATA + 1)
+    with pytest.raises(InputError, match=f"larger than {DATA} bytes"):
         read_calibration(tmp_path)
 
 
