@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
 
+from followspot.deploy.connect import run_here
+
 PAIR = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
 b:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}
@@ -87,6 +89,8 @@ def test_a_camera_that_is_killed_comes_back_and_the_rest_goes_on(tmp_path: Path,
     new = (set(run.workers()) - set(first)).pop()
     before = run.lines()
     assert wait_until(lambda: joined(run.out, before)), "its numbers never came back"
+    told = run_here(str(run.process.pid))
+    assert wait_until(lambda: any("worker left is back" in line for line in told.status().news))
     finished = run.end()
     assert balanced(finished.summary)
     assert any("worker left" in line and "SIGKILL" in line for line in finished.summary["warnings"])
