@@ -101,7 +101,7 @@ def refused(folder: Path, stage: str, params: str) -> list[str]:
         ("balls.kalman", "{acceleration: 1e-300}", "0 or from 1e-15 to 1e+15"),
         ("balls.kalman", "{acceleration: .inf}", "finite number"),
         ("sim.truth", "{frames: '9223372036854775808'}", "64 bits"),
-        ("sim.truth", "{fps: 1e-9}", "greater than or equal to 0.1"),
+        ("sim.truth", "{fps: 1e-9}", "greater than or equal to 0.001"),
         ("sim.pose_truth", "{area: [2, -1.6, 1.8, 1.6]}", "x0 < x1"),
         ("persons.fusion", "{distance: 1e9}", "less than or equal to 100"),
         ("sinks.udp_json", '{host: "a\\0b"}', "must not contain a NUL"),
