@@ -94,7 +94,7 @@ class Idleness:
             fired, since = self._since.get(stage.stage, (-1, now))
             since = since if fired == stage.fired else now
             self._since[stage.stage] = stage.fired, since
-            yield replace(stage, idle_s=round(now - since, 3))
+            yield replace(stage, idle_s=round(max(0.0, now - since), 3))  # two threads may look at once
 
 
 def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
