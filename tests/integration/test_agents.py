@@ -25,6 +25,7 @@ from running import (
     write_graph,
 )
 
+import followspot as fs
 from followspot.deploy.reach import await_named, operating
 from followspot.deploy.requests import agents
 from followspot.transport.zenoh_network import Network
@@ -124,6 +125,17 @@ def test_an_agent_that_is_killed_and_started_again_takes_its_part_up(room: Room)
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
     assert any("the agent was started anew" in line for line in finished.summary["warnings"])
     assert balanced(finished.summary), finished.summary["edges"]
+
+
+def test_a_script_holds_and_ends_a_run_under_agents(room: Room) -> None:
+    process = room.begin("--detach", "--host", "pc-right")
+    stdout, stderr = process.communicate(timeout=60)
+    assert process.returncode == 0, stderr
+    network = fs.Network(connect=tuple(word for word in room.connect if word != "--connect"))
+    with fs.connect(json.loads(stdout)["run"], network=network) as run:
+        assert {worker.phase for worker in run.status().workers} == {"running"}
+        run.stop()
+        assert wait_until(run.over)
 
 
 def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:

@@ -132,7 +132,13 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
 
 def handle_of(attachment: Attachment, network: Network) -> RunHandle:
     """The run that is looked at, as one of another operator; network: leads to its agents."""
-    dispatcher = run_dispatcher(attachment.coordinator, Surroundings(network=network))
+    coordinator = attachment.coordinator
+
+    def stop() -> None:
+        for host in coordinator.hosts:  # no thread watches the run here, to see that it is to end
+            host.stop()
+
+    dispatcher = run_dispatcher(coordinator, Surroundings(network=network), stop)
 
     def ask(request: Request, timeout: float) -> Any:
         try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -82,8 +83,14 @@ class StopRun(Request):
     """End the sources; what is in flight is finished."""
 
 
-def run_dispatcher(run: Coordinator, surroundings: Surroundings) -> Dispatcher:
-    """Answers for a run; safe from any thread."""
+def run_dispatcher(
+    run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
+) -> Dispatcher:
+    """Answers for a run; safe from any thread.
+
+    stop: ends its sources; in the coordinator's own way unless told.
+    """
+    end = run.stop if stop is None else stop
 
     def status(_: GetStatus) -> RunStatus:
         found = run.status()
@@ -102,6 +109,6 @@ def run_dispatcher(run: Coordinator, surroundings: Surroundings) -> Dispatcher:
             ChangeStages: lambda request: run.change(request.words, request.folder, fresh=request.fresh),
             MoveStages: lambda request: run.move(request.stages, request.place),
             PlaceTaps: tap,
-            StopRun: lambda _: run.stop(),
+            StopRun: lambda _: end(),
         }
     )

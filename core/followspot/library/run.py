@@ -28,6 +28,8 @@ from followspot.library.subscription import Subscription
 from followspot.runtime.wiring import RunOptions
 from followspot.transport.zenoh_network import Network
 
+_LOOK = 1.0
+"""Seconds between two looks whether the run waits for a subscription that nobody reads."""
 _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
 
@@ -120,6 +122,7 @@ class OwnRun(RunHandle):
         self._subscribed = subscribed
         self._dispatcher: Dispatcher | None = None
         self._report: RunReport | None = None
+        self._whole: Report | None = None
         self._error: BaseException | None = None
         self._begun = threading.Event()
         subscribed.failure = self._failure
@@ -141,28 +144,36 @@ class OwnRun(RunHandle):
             self._raise()
 
     def __getitem__(self, port: str) -> Subscription:
-        """The messages of a port; one of `ports=` gives all of them, any other the newest from now on."""
+        """The messages of a port that was named in `ports=`. Raises KeyError for any other."""
         found = self._subscribed.found(port)
         if found is None:
             raise KeyError(f"{port} is not subscribed to: name it in ports=")
         return found
 
     def wait(self) -> Report:
-        """Wait for the end of the run; what it did. Raises RunFailed if it failed."""
-        self._thread.join()
+        """Wait for the end of the run; what it did.
+
+        Raises RunFailed if it failed, and FollowspotError if it waits for a subscription that nobody reads.
+        """
+        while self._thread.is_alive():
+            self._thread.join(_LOOK)
+            self._subscribed.check_read()
         self._raise()
         return self.report
 
     @property
     def report(self) -> Report:
-        """What the run did, after its end. Raises FollowspotError before it."""
+        """What the run did, after its end. Raises FollowspotError before it, RunFailed if it never began."""
+        if self._whole is not None:
+            return self._whole
         if self._thread.is_alive():
             raise FollowspotError("the run goes on; leave its block, or wait() for its end")
         if self._report is None:
             raise RunFailed(str(self._error)) from self._error
         plan, frames = self._subscribed.plan, self._report.frames
         targets, persons = run_scores(plan, self.out, frames), run_person_scores(plan, self.out, frames)
-        return Report(self._report, self.out, targets, persons)
+        self._whole = Report(self._report, self.out, targets, persons)
+        return self._whole
 
     def _live(self, ready: Any) -> None:
         try:

@@ -40,6 +40,11 @@ class Subscribed:
         """The subscription of this name, if it was asked for in time."""
         return self._subscriptions.get(word)
 
+    def check_read(self) -> None:
+        """Raises FollowspotError if the run waits for a subscription that nobody has begun to read."""
+        for subscription in self._subscriptions.values():
+            subscription.check_siblings()
+
     def close(self) -> None:
         """Nobody reads any more."""
         for subscription in self._subscriptions.values():

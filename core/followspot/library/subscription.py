@@ -54,7 +54,7 @@ class Subscription:
         with self._changed:
             while not (self._messages or self._ended or self._closed):
                 if not self._changed.wait(_STALLED):
-                    self._check_siblings()
+                    self.check_siblings()
             if self._messages and not self._closed:
                 message = self._messages.popleft()
                 self._changed.notify_all()
@@ -117,13 +117,14 @@ class Subscription:
         """Whether the run waits for somebody to begin to read."""
         return self.lossless and not (self._begun or self._closed) and len(self._messages) >= CAPACITY
 
-    def _check_siblings(self) -> None:
+    def check_siblings(self) -> None:
         """Raises FollowspotError if nothing comes because nobody reads another port."""
         for other in self._siblings:
             if other._holds_up:
+                both = f', or subscribe to both at once: ports=["{self.port},{other.port}"]'
                 raise FollowspotError(
                     f"nobody reads {other.port}, which holds up the run: read it in a thread of its own, "
-                    f'close it, or subscribe to both at once: ports=["{self.port},{other.port}"]'
+                    f"close it{'' if other is self else both}"
                 )
 
     async def _asynchronous(self) -> AsyncIterator[Message]:

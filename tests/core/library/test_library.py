@@ -98,6 +98,15 @@ def test_a_port_that_nobody_reads_is_named_before_it_holds_up_the_run_for_ever(t
         list(run["track.tracks"])
 
 
+def test_waiting_for_a_run_that_waits_for_its_reader_says_so(tmp_path: Path) -> None:
+    with fs.run(GRAPH, frames=200, ports=["track.tracks"], out=tmp_path) as run:
+        with pytest.raises(fs.FollowspotError, match=r"nobody reads track.tracks, which holds up the run"):
+            run.wait()
+        with pytest.raises(KeyError, match="name it in ports="):
+            run["color"]
+    assert run.report is run.report, "the truth is not read again"
+
+
 def test_leaving_the_loop_ends_the_run_at_the_end_of_the_block(tmp_path: Path) -> None:
     (tmp_path / "endless.yaml").write_text(ENDLESS)
     with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], ports=["b"], out=tmp_path / "out") as run:
