@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import select
 import socket
+import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -239,7 +240,7 @@ class RingEdge(RuleBasedStateMachine):
     @precondition(lambda self: self.writer and None in self.readers)
     @rule(index=READERS)
     def reader_returns(self, index: int) -> None:
-        """Whether or not the writer has noticed that the one before died."""
+        """Whether or not the writer has noticed that the one before died; it is awake, and looks for credit."""
         if index >= len(self.readers) or self.readers[index] is not None:
             return
         assert self.writer is not None
@@ -247,6 +248,7 @@ class RingEdge(RuleBasedStateMachine):
         self.writer.replace(index, ours)
         self.mourn([index] if self.port.readers[index] is not None else [])
         self.welcome(index, theirs)
+        self.asleep = False
 
     @precondition(lambda self: self.writer and any(self.readers))
     @rule(index=READERS, noticed=st.booleans())
@@ -329,7 +331,8 @@ class RingEdge(RuleBasedStateMachine):
                 self.writer_dies()
         finally:
             self.close()
-        assert open_descriptors() == self.descriptors, "descriptors are left open"
+        if sys.exception() is None:  # whose frames would keep the writer's memory
+            assert open_descriptors() == self.descriptors, "descriptors are left open"
 
     @precondition(lambda self: self.writer)
     @rule()
