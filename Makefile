@@ -44,7 +44,7 @@ $(VENV)/mutants: $(VENV)/dev
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[mutants]'
 	@touch $@
 
-# SAMPLE=200 SEED=1 MODULES="core/followspot/runtime ..." TESTS=tests: see tools/mutants.py. Ctrl-C, and go on with the same.
+# SAMPLE=200 SEED=1 MODULES="core/followspot/worker ..." TESTS=tests: see tools/mutants.py. Ctrl-C, and go on with the same.
 mutants: $(VENV)/mutants  ## change the code at random places: does a test notice?
 	@nice -n 15 $(BIN)/python tools/mutants.py $(if $(SAMPLE),--sample $(SAMPLE)) $(if $(SEED),--seed $(SEED)) $(if $(MODULES),--modules $(MODULES)) $(if $(TESTS),--tests $(TESTS)) $(if $(AGAIN),--again)
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.deploy.security.authority import create_authority
+from followspot.security.authority import create_authority
 
 ROOT = Path(__file__).parent.parent
 SECTIONS = {
@@ -121,8 +121,8 @@ def test_a_plain_run_opens_no_network(tmp_path: Path) -> None:
 SESSION = """
 import sys
 sys.modules["cryptography"] = None  # as where it is not installed
-from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import connected, locators
+from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.session import connected, locators
 session = connected(Network(listen=("tls/127.0.0.1:0",), certificates={certificates!r}))
 print(locators(session))
 session.close()

@@ -35,10 +35,10 @@ from urllib.parse import urlsplit
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from followspot.deploy.launch import run_plan
 from followspot.graph.compile import compile_graph
-from followspot.runtime.wiring import RunOptions
-from followspot.runtime.worker import Progress
+from followspot.operator.launch import run_plan
+from followspot.worker.scheduler import Progress
+from followspot.worker.wiring import RunOptions
 from followspot_page.showing import PageOrder, shown
 
 ROOT = Path(__file__).parent.parent

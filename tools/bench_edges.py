@@ -24,10 +24,10 @@ import numpy as np
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.tracking import Frame
 from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import END, Settled
-from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import END, Watermark
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
 
 SIZES = {"640x480": (480, 640, 3), "1920x1080": (1080, 1920, 3)}
 EDGES = ("ring in place", "ring one copy", "zenoh")
@@ -109,7 +109,7 @@ def arrivals(reader: PortReader) -> tuple[Array, Array]:
             if isinstance(token, Message):
                 times.append((token.header.entered, time.monotonic_ns()))
                 reader.consumed()
-            ended |= token == Settled(END)
+            ended |= token == Watermark(END)
     sent, arrived = np.array(times).T
     return sent, arrived
 
@@ -137,7 +137,7 @@ def write(order: dict[str, Any]) -> None:
             if number < WARM_UP + order["messages"]:
                 time.sleep(1 / order["rate"])
             send(writer, number, tuple(order["shape"]), in_place=order["edge"] == "ring in place")
-        writer.send(Settled(END))
+        writer.send(Watermark(END))
         while not writer.flush():
             sleep(writer.filenos())
             writer.drain()

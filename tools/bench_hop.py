@@ -17,11 +17,11 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from followspot.deploy.launch import local_run
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.operator.launch import local_run
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.room import Room
-from followspot.runtime.wiring import RunOptions
+from followspot.worker.wiring import RunOptions
 
 STAGES = """
 import numpy as np

@@ -19,13 +19,13 @@ from followspot.graph.plan import Plan
 from followspot.messages import at
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.runtime.building import build_worker
-from followspot.runtime.cell import Cell
-from followspot.runtime.ledger import Ledger
-from followspot.runtime.source import SourceCell
-from followspot.runtime.wiring import RunOptions, Wiring
 from followspot.stage import Context, Source, Stage
 from followspot.tracking import LOST, Forecast, Frame, Positions, Tracks
+from followspot.worker.build import build_worker
+from followspot.worker.ledger import Ledger
+from followspot.worker.source import SourceRunner
+from followspot.worker.stage_runner import StageRunner
+from followspot.worker.wiring import RunOptions, Wiring
 
 Shots = Mapping[str, Sequence[Frame]]
 """Frames of each camera."""
@@ -151,19 +151,19 @@ def measure(
     ledger = Ledger(len(plan.edges))
     worker = build_worker(Wiring(plan), plan.workers[0].name, ledger, RunOptions(out, frames))
     watch = Stopwatch(lead)
-    for stage, cell in zip(plan.stages, worker.cells, strict=True):
-        if isinstance(cell, SourceCell) and stage.camera is not None:
-            source = FromMemory(cell.stage.context)
+    for stage, runner in zip(plan.stages, worker.runners, strict=True):
+        if isinstance(runner, SourceRunner) and stage.camera is not None:
+            source = FromMemory(runner.stage.context)
             source.frames = [unsent(frame) for frame in played[stage.camera]]
             source.watch = watch
-            cell.stage = source
+            runner.stage = source
             continue
         if stage.name == TRACKER and searching:
-            cell.stage = NeverFound(cell.stage.context)
+            runner.stage = NeverFound(runner.stage.context)
         if by_stage:
-            _clocked(cell, stage.group, watch.busy)
+            _clocked(runner, stage.group, watch.busy)
         if stage.name == TRACKER:
-            _counted(cell, watch)
+            _counted(runner, watch)
     worker.setup()
     worker.run()
     seconds = watch.seconds()
@@ -172,10 +172,10 @@ def measure(
     return Cost(seconds * 1e3 / sets, stages, watch.tracked / sets)
 
 
-def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
+def _clocked(runner: StageRunner, name: str, busy: dict[str, int]) -> None:
     """Add up the CPU time of a stage, ns; where several work together, their `process` does too."""
-    work = "process" if cell.stage.process_together is None else "process_together"
-    process: Callable[..., Any] = getattr(cell.stage, work)
+    work = "process" if runner.stage.process_together is None else "process_together"
+    process: Callable[..., Any] = getattr(runner.stage, work)
 
     def clocked(*arguments: Any) -> Any:
         started = time.process_time_ns()
@@ -183,16 +183,16 @@ def _clocked(cell: Cell, name: str, busy: dict[str, int]) -> None:
         busy[name] += time.process_time_ns() - started
         return result
 
-    setattr(cell.stage, work, clocked)
+    setattr(runner.stage, work, clocked)
 
 
-def _counted(cell: Cell, watch: Stopwatch) -> None:
+def _counted(runner: StageRunner, watch: Stopwatch) -> None:
     """Count the targets that a tracker says it tracks."""
-    process: Callable[..., Any] = cell.stage.process
+    process: Callable[..., Any] = runner.stage.process
 
     def counted(*arguments: Any) -> Any:
         result = process(*arguments)
         watch.tracked += len(result.tracks.target)
         return result
 
-    cell.stage.process = counted
+    runner.stage.process = counted

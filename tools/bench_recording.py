@@ -25,8 +25,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from followspot import Field, Source, Stage, StageParams, at
-from followspot.runtime.ledger import COUNTS
 from followspot.tracking import Frame
+from followspot.worker.ledger import COUNTS
 
 _WIDTH, _HEIGHT = 320, 240
 

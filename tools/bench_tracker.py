@@ -32,11 +32,11 @@ import cv2
 
 import plain_tracker
 from bench_memory import Cost, Shots, measure, shots
-from followspot.deploy.launch import run_plan
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
+from followspot.operator.launch import run_plan
 from followspot.plugins.registry import use_plugin_files
-from followspot.runtime.wiring import RunOptions
+from followspot.worker.wiring import RunOptions
 
 ROOT = Path(__file__).parent.parent
 SIDES = ("tracked", "searching")

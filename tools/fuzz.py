@@ -91,7 +91,7 @@ def attack(name: str, seed: int, first: int, last: int, place: memoryview) -> Ou
         try:
             aim.take(made)
             outcome.accepted += 1
-        except aim.refusals as error:
+        except aim.rejections as error:
             outcome.refuse(error)
         except (Exception, SystemExit) as error:
             where = traceback.extract_tb(error.__traceback__)[-1]

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import Any
 from uuid import UUID
 
-from followspot.deploy.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
-from followspot.deploy.parcel import packed, unpacked
-from followspot.deploy.security.admission import FORMAT, Admission, Asked
-from followspot.deploy.security.grants import Grants
+from followspot.control.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
+from followspot.control.plan_transfer import packed, unpacked
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
-from followspot.transport.roster import read_roster
+from followspot.security.grants import Grants
+from followspot.security.request_guard import FORMAT, Asked, RequestGuard
+from followspot.transport.host_registry import read_host_registry
 from fuzz_mutation import broken_bytes, broken_text, broken_tree
 from fuzz_target import Target
 
@@ -33,7 +33,7 @@ def _plan() -> Plan:
 
 def request_target() -> Target:
     """Requests as bytes, from the key to the plan that is unpacked; nothing is started."""
-    gate = Admission(HOST, {"prepare", "stop", "status"}, clock=lambda: 1000.0)
+    gate = RequestGuard(HOST, {"prepare", "stop", "status"}, clock=lambda: 1000.0)
     order = RunOrder("run", packed(_plan(), HOST, Path()), 10).to_data()
     keys = [f"followspot/agent/{HOST}/{verb}/operator/desk" for verb in ("prepare", "stop", "status")]
 
@@ -90,6 +90,6 @@ def roster_target() -> Target:
 
     def take(data: bytes) -> object:
         path.write_bytes(data)
-        return read_roster(path)
+        return read_host_registry(path)
 
     return Target(lambda rng: broken_text(text, rng, [text]), take, (FollowspotError,))

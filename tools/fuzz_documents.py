@@ -19,14 +19,14 @@ from pathlib import Path
 from typing import Any
 
 from followspot.cli.main import main
-from followspot.deploy.launch import run_plan
 from followspot.errors import FollowspotError
 from followspot.graph import show
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.operator.launch import run_plan
 from followspot.plugins.registry import load_stage
-from followspot.runtime.wiring import RunOptions
+from followspot.worker.wiring import RunOptions
 from fuzz_target import Target
 from fuzz_trees import Pairs, Raw, Tree, emit, extreme, extreme_like, mutated, read_tree
 

@@ -18,14 +18,14 @@ import zenoh
 from followspot import people, tracking
 from followspot.messages import InvalidMessage, Message, identical
 from followspot.transport.codec import pack
-from followspot.transport.control import ARENAS
-from followspot.transport.doorbell import ARENA, DOORBELL, HELLO, INLINE, SETTLED, SLOT
-from followspot.transport.memory import Memory
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import Invalid, Settled, Token
-from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
-from followspot.transport.zenoh_terms import CREDIT, NUMBER, START, reached, undeclare
+from followspot.transport.ring.control import ARENAS
+from followspot.transport.ring.memory import Memory
+from followspot.transport.ring.notification import ARENA, DOORBELL, HELLO, INLINE, SLOT, WATERMARK
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import Invalid, Token, Watermark
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
+from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, reached, undeclare
 from fuzz_extreme import extreme_integer, extreme_token
 from fuzz_target import Target
 from fuzz_wire import sample
@@ -196,7 +196,7 @@ class Pair:
         self._taken(tokens)
 
     def _taken(self, tokens: list[Token]) -> None:
-        self.reader.consumed(sum(not isinstance(token, Settled) for token in tokens))
+        self.reader.consumed(sum(not isinstance(token, Watermark) for token in tokens))
 
 
 class ZenohEdge:
@@ -235,8 +235,8 @@ class ZenohEdge:
         return tokens
 
 
-_SETTLED = pack(Settled(0))[4:6]
-"""How the head of a settled time begins: a list of two, the first nothing."""
+_SETTLED = pack(Watermark(0))[4:6]
+"""How the head of a watermark begins: a list of two, the first nothing."""
 
 
 def extreme_zenoh_target() -> Target:
@@ -257,7 +257,7 @@ class RingEdge:
         way = rng.random()
         if way < 0.2:
             return self._words(rng)
-        kind = rng.choice((HELLO, ARENA, INLINE, SLOT, SETTLED, 0, 6, 255))
+        kind = rng.choice((HELLO, ARENA, INLINE, SLOT, WATERMARK, 0, 6, 255))
         ahead, far = rng.choice((0, 0, 1)), extreme_integer(rng, -(1 << 63), (1 << 63) - 1)
         near = rng.random() < 0.5
         slot = rng.choice((0, 1, 65535))

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.messages import Array, Message, seal, stamped
 from followspot.transport.wire import ALIGN, MAX_HEAD, PREFIX, VERSION, pack_head, unpack_head
-from followspot.transport.zenoh_codec import pack_as
+from followspot.transport.zenoh.codec import pack_as
 from fuzz_mutation import NASTY_FLOATS
 from fuzz_wire import sample
 
@@ -66,7 +66,7 @@ def extreme_message(kind: type[Message], rng: random.Random) -> Message:
 
 
 def extreme_token(kind: type[Message], rng: random.Random) -> bytes:
-    """A message or a settled time as it travels, with an extreme header, shapes that lie, or both."""
+    """A message or a watermark as it travels, with an extreme header, shapes that lie, or both."""
     if rng.random() < 0.1:
         return pack_head((None, extreme_integer(rng)))
     message = extreme_message(kind, rng)

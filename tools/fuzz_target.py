@@ -17,7 +17,7 @@ MORE_MB = 2048
 
 @dataclass(frozen=True)
 class Target:
-    """make: a broken input; take: gives it to the program, which returns or raises one of `refusals`.
+    """make: a broken input; take: gives it to the program, which returns or raises one of `rejections`.
 
     longest_s: work for one input, s; one that only waits has twelve times as long; most_mb: memory of the
     whole process, 0: `MORE_MB` beyond what it has at the start.
@@ -25,7 +25,7 @@ class Target:
 
     make: Callable[[random.Random], Any]
     take: Callable[[Any], object]
-    refusals: tuple[type[Exception], ...]
+    rejections: tuple[type[Exception], ...]
     longest_s: float = 10.0
     most_mb: int = 0
 

@@ -12,12 +12,12 @@ import numpy as np
 from followspot import people, tracking
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.transport.codec import codec_of, pack
-from followspot.transport.doorbell import DOORBELL, INLINE, SETTLED, SLOT
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import Invalid, Settled
+from followspot.transport.ring.notification import DOORBELL, INLINE, SLOT, WATERMARK
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import Invalid, Watermark
 from followspot.transport.wire import ALIGN, PREFIX, VERSION, unpack_head
-from followspot.transport.zenoh_codec import pack_as, unpack_as
+from followspot.transport.zenoh.codec import pack_as, unpack_as
 from fuzz_mutation import broken_bytes, broken_tree
 from fuzz_target import Target
 
@@ -53,7 +53,7 @@ def sample(kind: type[Message], rng: random.Random, most: int = 6) -> Message:
 
 
 def zenoh_target() -> Target:
-    """What a subscriber gets: raw, lossless and JPEG, messages and settled times, and noise."""
+    """What a subscriber gets: raw, lossless and JPEG, messages and watermarks, and noise."""
     rng = random.Random(0)
     valid = [
         (kind, pack_as(sample(kind, rng), codec))
@@ -61,7 +61,7 @@ def zenoh_target() -> Target:
         for codec in ("raw", "lossless", "jpeg")
         for _ in range(3)
     ]
-    valid += [(kind, pack(Settled(5))) for kind in KINDS]
+    valid += [(kind, pack(Watermark(5))) for kind in KINDS]
     data = [packed for _, packed in valid]
 
     def make(rng: random.Random) -> tuple[type[Message], bytes]:
@@ -96,7 +96,7 @@ class Ring:
         self._writer.send(sample(tracking.Blobs, rng, 1000))
         self._reader.poll()
         self._valid = [self._datagram(kind, message) for message in self._blobs for kind in (INLINE, SLOT)]
-        self._valid.append(DOORBELL.pack(SETTLED, 0, 0, 0, 5))
+        self._valid.append(DOORBELL.pack(WATERMARK, 0, 0, 0, 5))
 
     def _datagram(self, kind: int, message: Message) -> bytes:
         codec = codec_of(type(message))

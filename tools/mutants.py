@@ -31,9 +31,12 @@ from mutants_tree import Mutant, Tree, lay
 ROOT = Path(__file__).parents[1]
 STORE = ROOT / "runs" / "mutants"
 MODULES = (
-    "core/followspot/runtime",
+    "core/followspot/worker",
     "core/followspot/transport",
-    "core/followspot/deploy",
+    "core/followspot/host",
+    "core/followspot/operator",
+    "core/followspot/control",
+    "core/followspot/security",
     "core/followspot/accuracy",
     "tools/followspot_calibrate",
 )

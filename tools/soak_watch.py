@@ -13,12 +13,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from followspot.deploy.reachable import socket_of
-from followspot.deploy.run_handle import RunHandle
-from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.runtime.ledger import COUNTS, EdgeCount
+from followspot.operator.control_socket import socket_of
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_status import RunStatus
+from followspot.worker.ledger import COUNTS, EdgeCount
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "promises"))
 

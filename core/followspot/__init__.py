@@ -36,7 +36,7 @@ if TYPE_CHECKING:
         Stage,
         StageParams,
     )
-    from followspot.transport.zenoh_network import Network
+    from followspot.transport.zenoh.network import Network
 
 _HOME = {
     "FollowspotError": "errors",
@@ -51,7 +51,7 @@ _HOME = {
     "check": "library.run",
     "run": "library.run",
     "Subscription": "library.subscription",
-    "Network": "transport.zenoh_network",
+    "Network": "transport.zenoh.network",
     "Array": "messages",
     "Header": "messages",
     "Message": "messages",

@@ -7,7 +7,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.messages import UNSTAMPED, Header, Message
-from followspot.ports import ONE_OUTPUT, OutputPort
+from followspot.ports import ONE_OUTPUT, OutputSpec
 
 _MISSING = object()
 
@@ -21,7 +21,7 @@ def untimed(header: Header) -> bool:
     return header is UNSTAMPED or header.source != ""
 
 
-def check_returned(declared: Sequence[OutputPort], result: Any) -> None:
+def check_returned(declared: Sequence[OutputSpec], result: Any) -> None:
     """Check what `process` of a stage with inputs returned, unless it is None. Raises WrongOutput."""
     for message in _messages(declared, result, "returned"):
         if not untimed(message.header):
@@ -31,7 +31,7 @@ def check_returned(declared: Sequence[OutputPort], result: Any) -> None:
             )
 
 
-def check_yielded(declared: Sequence[OutputPort], item: Any, *, live: bool) -> Header:
+def check_yielded(declared: Sequence[OutputSpec], item: Any, *, live: bool) -> Header:
     """Check what a source yielded; returns the header with its capture time, the same for all its messages.
 
     A live source may leave the time to the runtime: the header is then UNSTAMPED. Raises WrongOutput.
@@ -47,7 +47,7 @@ def check_yielded(declared: Sequence[OutputPort], item: Any, *, live: bool) -> H
     return given[0] if given else UNSTAMPED
 
 
-def _messages(declared: Sequence[OutputPort], output: Any, did: str) -> Iterator[Message]:
+def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Iterator[Message]:
     """The messages among the outputs, each of the declared type. Raises WrongOutput."""
     if len(declared) == 1 and declared[0].name == ONE_OUTPUT:
         if output is not None:

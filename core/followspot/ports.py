@@ -25,7 +25,7 @@ class SignatureError(FollowspotError):
 
 
 @dataclass(frozen=True)
-class InputPort:
+class InputSpec:
     """One parameter of `process`. required: it has no default, so an edge must feed it."""
 
     name: str
@@ -35,7 +35,7 @@ class InputPort:
 
 
 @dataclass(frozen=True)
-class OutputPort:
+class OutputSpec:
     """What `process` returns, or one field of it."""
 
     name: str
@@ -46,15 +46,15 @@ class OutputPort:
 class Ports:
     """All ports of a stage; a source has no inputs, a sink no outputs."""
 
-    inputs: tuple[InputPort, ...]
-    outputs: tuple[OutputPort, ...]
+    inputs: tuple[InputSpec, ...]
+    outputs: tuple[OutputSpec, ...]
     source: bool
 
-    def input(self, name: str) -> InputPort | None:
+    def input(self, name: str) -> InputSpec | None:
         """The input of that name."""
         return next((port for port in self.inputs if port.name == name), None)
 
-    def output(self, name: str) -> OutputPort | None:
+    def output(self, name: str) -> OutputSpec | None:
         """The output of that name."""
         return next((port for port in self.outputs if port.name == name), None)
 
@@ -97,7 +97,7 @@ def _hints(stage: type[Stage], process: Callable[..., Any]) -> dict[str, Any]:
         ) from error
 
 
-def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, Any]) -> InputPort:
+def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, Any]) -> InputSpec:
     name = parameter.name
     if parameter.kind not in (parameter.POSITIONAL_ONLY, parameter.POSITIONAL_OR_KEYWORD):
         raise SignatureError(f"{stage.__name__}.process: *{name} cannot be a port; name each input")
@@ -116,21 +116,21 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
             f"{stage.__name__}.process: input {name} is no message type;"
             f" write {name}: MessageType, Joined[MessageType] or Latest[MessageType]"
         )
-    return InputPort(name, found, typing.cast(InputKind, kind), parameter.default is parameter.empty)
+    return InputSpec(name, found, typing.cast(InputKind, kind), parameter.default is parameter.empty)
 
 
-def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputPort, ...]:
+def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
     if returned is types.NoneType:
         return ()
     message = _message(returned)
     if message is not None:
-        return (OutputPort(ONE_OUTPUT, message),)
+        return (OutputSpec(ONE_OUTPUT, message),)
     several = _optional(returned)
     if dataclasses.is_dataclass(several):
         hints = typing.get_type_hints(several)
         found = [(f.name, _message(hints[f.name])) for f in dataclasses.fields(several)]
         if found and all(kind is not None for _, kind in found):
-            return tuple(OutputPort(name, kind) for name, kind in found if kind is not None)
+            return tuple(OutputSpec(name, kind) for name, kind in found if kind is not None)
     raise SignatureError(
         f"{stage.__name__}.process returns {returned!r}: return a message type, a dataclass of message types,"
         " Source[...] of either, or None"

@@ -13,10 +13,10 @@ from followspot.people import Appearances, Boxes, Gradients
 from followspot.tracking import Frame
 from followspot_persons.association import box_distance, carried, matched, on_body
 from followspot_persons.body_view import BodyView, view
-from followspot_persons.color_difference import SHIPPED as SHIPPED_RELATIONS
-from followspot_persons.color_difference import completed, read_relations
-from followspot_persons.color_likelihood import color_likelihood, feature_responses
-from followspot_persons.color_model import ColorModel, learnt
+from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
+from followspot_persons.color.difference import completed, read_relations
+from followspot_persons.color.likelihood import color_likelihood, feature_responses
+from followspot_persons.color.model import ColorModel, learnt
 from followspot_persons.condensation import Search
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights, sampled
 from followspot_persons.girth import girths_of

@@ -8,10 +8,10 @@ import numpy as np
 
 from followspot import Array, Camera
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
-from followspot_persons.color_likelihood import color_likelihood, feature_responses
+from followspot_persons.color.likelihood import color_likelihood, feature_responses
 from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
-from followspot_persons.hog_likelihood import box_likelihood, heading_log_likelihood
+from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
 from followspot_persons.hsi import hsi
 from followspot_persons.panorama import full_turn
 from followspot_persons.shape import ShapeModel

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Array
-from followspot_persons.color_difference import ColorRelations
-from followspot_persons.color_model import ColorModel
+from followspot_persons.color.difference import ColorRelations
+from followspot_persons.color.model import ColorModel
 from followspot_persons.hsi import plane
 
 LIGHT = np.array([0.05, 0.05, 0.10])

@@ -9,7 +9,7 @@ from followspot.geometry import ray
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
 from followspot_persons.condensation import systematic
 from followspot_persons.fitness import Detection
-from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.motion import limited
 from followspot_persons.shape import ShapeModel
 from followspot_persons.track import STATURE_SIGMA

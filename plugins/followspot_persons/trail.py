@@ -10,7 +10,7 @@ from followspot import Array, Camera
 from followspot.geometry import wrap
 from followspot_persons.body_view import HEADING, PAN, view
 from followspot_persons.fitness import Detection
-from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.shape import ShapeModel
 from followspot_persons.track import FASTEST
 

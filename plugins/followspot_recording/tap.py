@@ -5,7 +5,7 @@ from __future__ import annotations
 from followspot import Field, InputPath, Message, Stage, StageParams
 from followspot.stage import Post
 from followspot.wire import pack
-from followspot_recording.courier import Courier, head_of, hire, release
+from followspot_recording.record_sender import RecordSender, acquire, head_of, release
 
 
 class RecordingTap(Stage):
@@ -21,7 +21,7 @@ class RecordingTap(Stage):
 
     params: Params
     tap = True
-    courier: Courier | None = None
+    sender: RecordSender | None = None
     heard = False
 
     def setup(self) -> None:
@@ -30,14 +30,14 @@ class RecordingTap(Stage):
         self.number = 0
         if self.params.socket is not None:
             try:
-                self.courier = hire(self.params.socket)
+                self.sender = acquire(self.params.socket)
             except OSError:
                 return
 
     def process(self, message: Message) -> None:
         """Hand the message over, or leave it out. Raises EOFError when the recorder is gone."""
-        if self.courier is not None:
-            self.courier.send(self.port, self.number, pack(message))
+        if self.sender is not None:
+            self.sender.send(self.port, self.number, pack(message))
             self.number += 1
         elif self.context.post is not None:
             self._post(self.context.post, message)
@@ -56,6 +56,6 @@ class RecordingTap(Stage):
         """Let go of the recorder."""
         if self.context.post is not None:
             self.context.post.close()
-        if self.courier is not None and self.params.socket is not None:
+        if self.sender is not None and self.params.socket is not None:
             release(self.params.socket)
-        self.courier = None
+        self.sender = None

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from followspot import Context, Source, Stage, at
 from followspot.tracking import Frame
-from followspot_sim.actor_parameters import ActorParams
+from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 

@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Read the room, record."""
     from followspot import room_file
-    from followspot_sim.actor_recording import actor_parameters_of, has_people, record_people
+    from followspot_sim.actor.recording import actor_parameters_of, has_people, record_people
     from followspot_sim.recording import parameters_of, record, record_templates
 
     room = room_file.load(args.room)

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from followspot import Joined, Latest, Message, Source, Stage
-from followspot.ports import InputPort, OutputPort, Ports, SignatureError, accepts, ports
+from followspot.ports import InputSpec, OutputSpec, Ports, SignatureError, accepts, ports
 
 
 class Wheat(Message):
@@ -47,12 +47,12 @@ def test_kinds_and_types_of_inputs_are_read() -> None:
 
     assert ports(stage(process)) == Ports(
         (
-            InputPort("flour", Wheat, "plain", True),
-            InputPort("sacks", Wheat, "joined", True),
-            InputPort("order", Bread, "latest", True),
-            InputPort("salt", Message, "plain", False),
+            InputSpec("flour", Wheat, "plain", True),
+            InputSpec("sacks", Wheat, "joined", True),
+            InputSpec("order", Bread, "latest", True),
+            InputSpec("salt", Message, "plain", False),
         ),
-        (OutputPort("out", Bread),),
+        (OutputSpec("out", Bread),),
         False,
     )
 
@@ -60,7 +60,7 @@ def test_kinds_and_types_of_inputs_are_read() -> None:
 def test_fields_of_a_dataclass_are_several_outputs() -> None:
     def process(self: Any, flour: Wheat) -> Baked | None: ...
 
-    assert ports(stage(process)).outputs == (OutputPort("bread", Bread), OutputPort("crumbs", Wheat))
+    assert ports(stage(process)).outputs == (OutputSpec("bread", Bread), OutputSpec("crumbs", Wheat))
 
 
 def test_a_generator_of_messages_is_a_source() -> None:
@@ -68,7 +68,7 @@ def test_a_generator_of_messages_is_a_source() -> None:
 
     def several(self: Any) -> Iterator[Baked]: ...
 
-    assert ports(stage(one)) == Ports((), (OutputPort("out", Bread),), True)
+    assert ports(stage(one)) == Ports((), (OutputSpec("out", Bread),), True)
     assert [port.name for port in ports(stage(several)).outputs] == ["bread", "crumbs"]
 
 
@@ -81,7 +81,7 @@ def test_a_stage_that_returns_none_is_a_sink() -> None:
 def test_an_output_may_say_nothing() -> None:
     def process(self: Any, flour: Wheat) -> Bread | None: ...
 
-    assert ports(stage(process)).outputs == (OutputPort("out", Bread),)
+    assert ports(stage(process)).outputs == (OutputSpec("out", Bread),)
 
 
 def test_an_input_takes_its_type_and_what_derives_from_it() -> None:

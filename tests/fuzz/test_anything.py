@@ -14,17 +14,17 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from followspot.deploy.host import order_from_data, status_from_data
-from followspot.deploy.security.admission import Admission, Asked, Refused
+from followspot.control.host import order_from_data, status_from_data
 from followspot.document import parse
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
 from followspot.graph.ship import plan_from_data
 from followspot.messages import Header, InvalidMessage, Message, seal, stamped
 from followspot.room_form import room_of
+from followspot.security.request_guard import Asked, Rejected, RequestGuard
 from followspot.tracking import Blobs, Frame, Pairs, Tracks
 from followspot.transport.wire import ALIGN, PREFIX
-from followspot.transport.zenoh_codec import pack_as, unpack_as
+from followspot.transport.zenoh.codec import pack_as, unpack_as
 
 KINDS: tuple[type[Message], ...] = (Frame, Blobs, Pairs, Tracks)
 SCALARS = st.none() | st.booleans() | st.integers(-(2**63), 2**64 - 1) | st.floats() | st.text() | st.binary()
@@ -73,11 +73,11 @@ GRAPHS = st.recursive(
 )
 
 
-def fate(read: Callable[[], object], *refusals: type[Exception]) -> object:
+def fate(read: Callable[[], object], *rejections: type[Exception]) -> object:
     """What was read, or why not; any other error is a failure."""
     try:
         return read()
-    except refusals as error:
+    except rejections as error:
         return str(error)
 
 
@@ -135,8 +135,8 @@ def test_any_order_plan_and_status_is_taken_or_refused(tree: Any) -> None:
 
 @given(st.text(max_size=80), st.binary(max_size=200))
 def test_any_request_is_admitted_or_refused(key: str, payload: bytes) -> None:
-    with pytest.raises(Refused):
-        Admission("pc-left", {"stop"}).admit(Asked.of(key), payload)
+    with pytest.raises(Rejected):
+        RequestGuard("pc-left", {"stop"}).admit(Asked.of(key), payload)
 
 
 @pytest.mark.parametrize("way", [1, 2])

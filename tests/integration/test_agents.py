@@ -26,9 +26,9 @@ from running import (
 )
 
 import followspot as fs
-from followspot.deploy.reach import await_named, operating
-from followspot.deploy.requests import agents
-from followspot.transport.zenoh_network import Network
+from followspot.control.zenoh_rpc import agents
+from followspot.operator.discovery import await_named, operating
+from followspot.transport.zenoh.network import Network
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}

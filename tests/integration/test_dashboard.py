@@ -25,9 +25,9 @@ from hosts import Agent, near_agent
 from solo import Solo
 from websockets.sync.client import ClientConnection, connect
 
-from followspot.deploy.report import RunReport
 from followspot.graph.compile import compile_graph
-from followspot.runtime.ledger import EdgeCount
+from followspot.operator.report import RunReport
+from followspot.worker.ledger import EdgeCount
 from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET
 from followspot_page.taps import shown_ports, tappings
@@ -149,7 +149,7 @@ def test_previews_that_nobody_takes_change_neither_ledger_nor_tracks(
         page.listen(64)
         run = demo(tmp_path)
         run.tap(tappings(shown_ports(run.plan), room_for_sockets, rate=60.0))
-        taps = [tap for cell in run.worker.cells for _, outlet in cell.outlets for tap in outlet.taps]
+        taps = [tap for runner in run.worker.runners for _, output in runner.outputs for tap in output.taps]
         assert len(taps) == 14  # six cameras, six detectors, tracks and forecasts
         assert Done.by(run.run(), tmp_path) == unseen
 

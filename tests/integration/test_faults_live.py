@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
 
-from followspot.deploy.connect import run_here
+from followspot.operator.connect import run_here
 
 PAIR = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}

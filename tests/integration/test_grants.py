@@ -10,9 +10,9 @@ import pytest
 from hosts import near_agent
 from running import finish, start, wait_until, write_graph
 
-from followspot.deploy.reachable import runs_here
+from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
-from followspot.runtime.tapping import Tapping
+from followspot.operator.control_socket import runs_here
 
 HOST = "pc-left"
 TELLS = """

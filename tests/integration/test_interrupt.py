@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from running import COMMAND, STAGES, Finished, finish, run, start, wait_until, write_graph
 
-from followspot.deploy.truth import room_truth
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
+from followspot.operator.truth import room_truth
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 FPS = 0.001

@@ -10,8 +10,8 @@ import pytest
 from hosts import free_port, near_agent
 from running import Finished, balanced, finish, start, wait_until, write_graph
 
-from followspot.deploy.connect import run_here
 from followspot.errors import FollowspotError
+from followspot.operator.connect import run_here
 
 STAGES = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.005}}

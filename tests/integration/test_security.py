@@ -15,17 +15,17 @@ import pytest
 import zenoh
 from hosts import free_port
 
-from followspot.deploy.host import HostLost
-from followspot.deploy.requests import Answers, Asker
-from followspot.deploy.security.admission import Asked, seal
-from followspot.deploy.security.authority import Authority, create_authority
+from followspot.control.host import HostLost
+from followspot.control.zenoh_rpc import RpcClient, RpcServer
 from followspot.errors import FollowspotError
+from followspot.security.authority import Authority, create_authority
+from followspot.security.request_guard import Asked, seal
 from followspot.tracking import Frame
 from followspot.transport.keys import agent_key, port_key, reader_key, request_key
-from followspot.transport.zenoh_edge import ZenohReader
-from followspot.transport.zenoh_network import Network, Own
-from followspot.transport.zenoh_session import config_of, connected
-from followspot.transport.zenoh_terms import START
+from followspot.transport.zenoh.edge import ZenohReader
+from followspot.transport.zenoh.network import Network, Own
+from followspot.transport.zenoh.session import config_of, connected
+from followspot.transport.zenoh.terms import START
 
 HOSTS = {"desk": "operator", "second": "operator", "pc-left": "camera", "pc-right": "camera", "hub": "router"}
 
@@ -80,7 +80,7 @@ class Agent:
         self.lines: list[str] = []
         self.session = session
         verbs = {"stop": lambda run: self.stopped.append(run)}
-        self.answers = Answers(session, name, verbs, lambda: None, self.lines.append)
+        self.answers = RpcServer(session, name, verbs, lambda: None, self.lines.append)
         session.declare_subscriber("followspot/**", lambda sample: self.heard.append(str(sample.key_expr)))
 
     def ask(self, by: zenoh.Session, key: str) -> list[dict[str, object]]:
@@ -135,7 +135,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
             agent.answers.answer()
             list(handler)
     assert agent.stopped.count("again") == 1
-    assert agent.answers.admission.refused["replayed"] == 1
+    assert agent.answers.guard.refused["replayed"] == 1
     agent.stopped.clear()
 
 
@@ -152,10 +152,10 @@ def test_a_captured_request_is_refused_by_another_agent_whoever_passes_it_on(
 
     def asked_on_the_left() -> bool:
         with suppress(HostLost):  # the link between the two may only just be made
-            Asker(desk, Own("operator", "desk")).ask("pc-left", "stop", run="r")
+            RpcClient(desk, Own("operator", "desk")).ask("pc-left", "stop", run="r")
         return bool(captured)
 
-    before = agent.answers.admission.refused.get("address", 0)
+    before = agent.answers.guard.refused.get("address", 0)
     with (
         session(certs / "pc-left", listen=f"tls/127.0.0.1:{free_port()}", connect=endpoint) as left,
         session(certs / "desk", connect=endpoint) as desk,
@@ -173,7 +173,7 @@ def test_a_captured_request_is_refused_by_another_agent_whoever_passes_it_on(
         assert agent.hear(second, request_key("pc-right", "stop", "operator", "desk"), captured[0]) == []
         everywhere = Asked("*", "stop", "operator", "desk")
         agent.hear(desk, request_key(*everywhere), seal(everywhere, {"run": "r"}))
-    assert agent.answers.admission.refused["address"] == before + 3
+    assert agent.answers.guard.refused["address"] == before + 3
     assert any("refused (address" in line for line in agent.lines)
     assert agent.stopped == []
 
@@ -185,7 +185,7 @@ def test_a_cameras_certificate_cannot_stop_a_run_and_its_attempt_is_logged(
         assert met(camera)
         answers = agent.ask(camera, request_key("pc-right", "stop", "camera", "pc-left"))
         assert answers == [{"refused": "camera pc-left may not stop; operators may"}]
-    assert agent.answers.admission.refused["role"] == 1
+    assert agent.answers.guard.refused["role"] == 1
     assert any("pc-left" in line and "refused (role" in line for line in agent.lines)
     assert agent.stopped == []
 
@@ -310,7 +310,7 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
         camera.declare_queryable(
             "followspot/agent/pc-left/**", lambda query: query.reply(query.key_expr, b"{}")
         )
-        asker = Asker(agent.session, Own("camera", "pc-right"))
+        asker = RpcClient(agent.session, Own("camera", "pc-right"))
 
         def answers(name: str) -> bool:
             replies = agent.session.get(request_key(name, "x", "camera", "pc-right"), timeout=1.0)
@@ -384,13 +384,13 @@ else:
 LISTEN = """
 import sys
 from contextlib import closing
-from followspot.deploy.security.door import Door
+from followspot.security.rejected_peers import RejectedPeers
 from followspot.tracking import Frame
-from followspot.transport.zenoh_edge import ZenohReader
-from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import connected
+from followspot.transport.zenoh.edge import ZenohReader
+from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.session import connected
 network = Network((sys.argv[1],), (), sys.argv[2])
-with Door(lambda line: print(line, file=sys.stderr)), closing(connected(network)):
+with RejectedPeers(lambda line: print(line, file=sys.stderr)), closing(connected(network)):
     print("listening", flush=True)
     sys.stdin.read()
 """

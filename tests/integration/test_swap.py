@@ -20,8 +20,8 @@ import zenoh
 from hosts import near_agent
 from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
 
-from followspot.deploy.connect import run_here
 from followspot.errors import FollowspotError
+from followspot.operator.connect import run_here
 
 PATIENCE = 90.0
 """Seconds that bound a failure on a busy machine."""

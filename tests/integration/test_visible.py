@@ -19,9 +19,9 @@ import pytest
 from hosts import Agent, near_agent
 from running import COMMAND, STAGES, Finished, children, finish, start, wait_until, write_graph
 
-from followspot.deploy import far_host
-from followspot.deploy.attach import Attachment, attached
-from followspot.transport.zenoh_network import Network
+from followspot.operator import remote_host
+from followspot.operator.attach import Attachment, attached
+from followspot.transport.zenoh.network import Network
 
 LIVE = """
 a:    {uses: ticks.live, with: {count: 1000000, period: 0.01}}
@@ -109,7 +109,7 @@ def watched(folder: Path, placement: str, *options: str, stages: str = LIVE) -> 
 def workers(pid: int) -> list[int]:
     """Workers that a process started, in that order."""
     found = children(pid)
-    return [child for child in found if b"deploy.child" in Path(f"/proc/{child}/cmdline").read_bytes()]
+    return [child for child in found if b"worker.main" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
 
 def all_over(attachment: Attachment) -> bool:
@@ -119,7 +119,7 @@ def all_over(attachment: Attachment) -> bool:
 def test_who_looks_on_begins_nothing_again_when_the_run_has_ended(
     tmp_path: Path, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(far_host, "_FORGOTTEN", 1.0)
+    monkeypatch.setattr(remote_host, "_FORGOTTEN", 1.0)
     with watched(tmp_path, HERE, "--host", "pc-left", "--connect", agent.endpoint) as run:
         run.until(lambda told: told["fired"] > 20)
         with attached(Network(connect=(agent.endpoint,)), "graph") as looking:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 
 import zenoh
 
-from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_session import config_of
+from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.session import config_of
 
 
 class Cable:

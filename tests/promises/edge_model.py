@@ -1,7 +1,7 @@
 """What an edge promises, without sockets, memory or sessions: the judge of those that have them.
 
 It knows of an edge what `followspot.transport.edge` says, and nothing of how it is done. A port speaks; each
-reader that is there is owed every word, in order. Settled times that follow each other may become the last of
+reader that is there is owed every word, in order. Watermarks that follow each other may become the last of
 them. Messages that are on their way when a link is cut come as invalid, in their place. Nothing else goes.
 """
 
@@ -14,9 +14,9 @@ from itertools import takewhile
 from typing import NamedTuple
 
 END = 2**63 - 1
-"""The settled time of a stream that is over."""
+"""The watermark of a stream that is over."""
 ABSENT = END - 1
-"""The settled time of a stream that says nothing for now."""
+"""The watermark of a stream that says nothing for now."""
 
 
 class Spoken(NamedTuple):
@@ -30,7 +30,7 @@ class Spoken(NamedTuple):
 class Settles(NamedTuple):
     """Nothing earlier than this will come, ns."""
 
-    bound: int
+    watermark: int
 
 
 class Missing(NamedTuple):
@@ -57,7 +57,7 @@ class Owed:
     ended: bool = False
     """Whether it received the end."""
     leaks: bool = False
-    """Whether the link was cut since: messages may be missing, and settled times gone."""
+    """Whether the link was cut since: messages may be missing, and watermarks gone."""
     joins: bool = False
     """Whether nothing came yet, and the writer may not have known of this reader at first."""
     vague: bool = False
@@ -65,9 +65,9 @@ class Owed:
     settled: set[int] = field(default_factory=set)
     """All times that the writer ever settled: any reader may be told so, also again, once it is true."""
     watermark: int = -END
-    """The latest settled time that it received, unless absence was said."""
+    """The latest watermark that it received, unless absence was said."""
     _heard: Settles | None = None
-    """The last that it received, where that was a settled time."""
+    """The last that it received, where that was a watermark."""
 
     def say(self, word: Spoken | Settles) -> None:
         """The writer sends something, and this reader is there."""
@@ -120,7 +120,7 @@ class Owed:
         """Whether this writer said that, and it did not come yet or may be said again."""
         if isinstance(word, Missing):
             return self.leaks and any(isinstance(due, Spoken) for due in self.due)
-        if isinstance(word, Settles) and word.bound in self.settled:
+        if isinstance(word, Settles) and word.watermark in self.settled:
             return True
         return self._is_due(word)
 
@@ -147,20 +147,22 @@ class Owed:
         return word == (due._replace(slot=False) if isinstance(due, Spoken) else due)
 
     def _settle(self, word: Settles) -> None:
-        if word.bound == END and self.ended:
+        if word.watermark == END and self.ended:
             return
         row = self._settled_next()
         if word in row:
             for _ in range(row.index(word) + 1):
                 self.due.popleft()
         else:
-            assert word.bound in self.settled, f"{word} came, and was never said"
+            assert word.watermark in self.settled, f"{word} came, and was never said"
             due = next((word for word in self.due if isinstance(word, Spoken)), None)
-            assert due is None or due.time >= word.bound or word.bound == ABSENT, f"{word} came before {due}"
+            assert due is None or due.time >= word.watermark or word.watermark == ABSENT, (
+                f"{word} came before {due}"
+            )
         self._heard = word
-        self.ended = word.bound == END
-        if word.bound < ABSENT:
-            self.watermark = word.bound
+        self.ended = word.watermark == END
+        if word.watermark < ABSENT:
+            self.watermark = word.watermark
 
     def _settled_next(self) -> list[Settles]:
         """Those before the next message."""
@@ -171,10 +173,10 @@ class Owed:
         ]
 
     def _skip_settled(self) -> None:
-        """Settled times in a row may have become the last of them; where a link was cut, all may be gone."""
+        """Watermarks in a row may have become the last of them; where a link was cut, all may be gone."""
         row = self._settled_next()
         gone = self.leaks and row[-1:] != [Settles(END)]
-        told_before = self.vague and all(word.bound == ABSENT for word in row)
+        told_before = self.vague and all(word.watermark == ABSENT for word in row)
         if row and (row[-1] == self._heard or gone or told_before):
             for _ in row:
                 self.due.popleft()
@@ -203,8 +205,8 @@ class Port:
         slots = share * (len(self.readers) + 1) + 2
         present = [number for number, owed in enumerate(self.readers) if owed is not None]
         unread = set().union(*(self._unread(number) for number in present))
-        held = min(lent, share) + sum(min(kept[number], share) for number in present)
-        return min(self.credit, slots - held - len(unread)) if present else self.depth
+        sampled = min(lent, share) + sum(min(kept[number], share) for number in present)
+        return min(self.credit, slots - sampled - len(unread)) if present else self.depth
 
     def _unread(self, number: int) -> set[int]:
         owed = self.readers[number]

@@ -6,7 +6,7 @@ import numpy as np
 from tests.promises.edge_model import Missing, Settles, Spoken, Word
 
 from followspot.messages import Array, Header, Message, column, seal, stamped
-from followspot.transport.token import Invalid, Settled, Token
+from followspot.transport.token import Invalid, Token, Watermark
 
 SMALL = 100
 """Bytes of an array that travels in the datagram."""
@@ -39,8 +39,8 @@ def intact(message: Message) -> bool:
 
 def word(token: Token) -> Word:
     """What a token says. Raises AssertionError where its content is damaged."""
-    if isinstance(token, Settled):
-        return Settles(token.bound)
+    if isinstance(token, Watermark):
+        return Settles(token.time)
     if isinstance(token, Invalid):
         return Missing(token.reason)
     assert intact(token), f"message {token.header.seq} is damaged"

@@ -14,16 +14,16 @@ from tests.promises.edge_model import ABSENT, END, Spoken
 from tests.promises.edge_words import SMALL, Picture, header, intact, picture
 
 from followspot import Context, Source, Stage
-from followspot.runtime.cell import Cell
-from followspot.runtime.firing import Join
-from followspot.runtime.inlet import UNCHANGED, Inlet
-from followspot.runtime.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
-from followspot.runtime.outlet import Outlet
-from followspot.runtime.pace import Pace
-from followspot.runtime.worker import Worker
 from followspot.transport.dropping_writer import DroppingWriter
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.worker.input_queue import UNCHANGED, InputQueue
+from followspot.worker.join import Join
+from followspot.worker.ledger import DROPPED, LATE, UNMATCHED, EdgeCount, Ledger
+from followspot.worker.output_port import OutputPort
+from followspot.worker.pace import Pace
+from followspot.worker.scheduler import Worker
+from followspot.worker.stage_runner import StageRunner
 
 NEAR, LEFT, RIGHT, LOOSE = EDGES = range(4)
 """Edges: one within the worker, two over a ring that they share, one that drops, over a ring of its own."""
@@ -49,7 +49,7 @@ class Count(Stage):
 class Reader:
     """A stage that reads one edge, and what must come to it."""
 
-    inlet: Inlet
+    queue: InputQueue
     worker: Worker
     owed: deque[Spoken] = field(default_factory=deque)
     """Sent to it, and not in its queue yet; on an edge that drops, some of them come."""
@@ -83,47 +83,47 @@ class PortOfRun(RuleBasedStateMachine):
 
     # The sender.
 
-    @precondition(lambda self: self.speaks and self.outlet.has_room())
+    @precondition(lambda self: self.speaks and self.output.has_room())
     @rule(size=SIZES, count=st.integers(1, 6))
     def produce(self, size: int, count: int) -> None:
         for _ in range(count):
-            if self.outlet.has_room():
+            if self.output.has_room():
                 self.time += 10
                 spoken = Spoken(self.number, self.time)
                 self.number += 1
                 self.expect(spoken)
-                self.outlet.send(picture(spoken, size), header(spoken))
+                self.output.send(picture(spoken, size), header(spoken))
                 self.told = self.time + 1 + SLACK
 
-    @precondition(lambda self: self.speaks and self.outlet.has_room())
+    @precondition(lambda self: self.speaks and self.output.has_room())
     @rule()
     def produce_what_is_refused(self) -> None:
         """It lies before what was settled, so nobody gets it."""
         self.time += 10
-        self.outlet.settle(self.time + 5)
+        self.output.advance(self.time + 5)
         self.produced += 1
-        self.outlet.send(picture(Spoken(-1, self.time), SMALL), header(Spoken(-1, self.time)))
+        self.output.send(picture(Spoken(-1, self.time), SMALL), header(Spoken(-1, self.time)))
         self.told = self.time = self.time + 5
 
     @precondition(lambda self: self.speaks)
     @rule(times=st.sampled_from([1, 1, 260, 400]))
-    def settle(self, times: int) -> None:
+    def advance(self, times: int) -> None:
         for _ in range(times):
             self.time += 10
-            self.outlet.settle(self.time)
+            self.output.advance(self.time)
         self.told = self.time if times else self.told
 
     @precondition(lambda self: self.speaks and self.live)
     @rule()
     def be_absent(self) -> None:
-        self.outlet.absent()
+        self.output.absent()
         self.told = ABSENT
 
     @precondition(lambda self: self.speaks)
     @rule(really=st.integers(0, 5))
     def end(self, really: int) -> None:
         if really == 5:
-            self.outlet.end()
+            self.output.end()
             self.told = END
             self.over = self.ended_once = True
 
@@ -140,7 +140,7 @@ class PortOfRun(RuleBasedStateMachine):
     def reader_looks(self, edge: int) -> None:
         reader = self.readers.get(edge)
         if reader is not None:
-            before = len(reader.inlet.queue), reader.inlet.bound
+            before = len(reader.queue.messages), reader.queue.watermark
             reader.worker._receive(0)
             self.check_arrivals(edge, *before)
 
@@ -149,16 +149,16 @@ class PortOfRun(RuleBasedStateMachine):
         """A firing takes messages."""
         reader = self.readers.get(edge)
         if reader is not None:
-            for _ in range(min(count, len(reader.inlet.queue))):
-                assert intact(reader.inlet.take())
+            for _ in range(min(count, len(reader.queue.messages))):
+                assert intact(reader.queue.take())
                 self.accounted[edge] += 1
 
     @rule(edge=ANY, count=st.integers(1, 4), column=st.sampled_from([DROPPED, LATE, UNMATCHED]))
     def throw_away(self, edge: int, count: int, column: int) -> None:
         reader = self.readers.get(edge)
         if reader is not None:
-            for _ in range(min(count, len(reader.inlet.queue))):
-                reader.inlet.discard(column)
+            for _ in range(min(count, len(reader.queue.messages))):
+                reader.queue.discard(column)
                 self.accounted[edge] += 1
 
     # Deaths and returns.
@@ -169,7 +169,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader = self.readers.pop(edge, None)
         if reader is not None:
             self.unheard = reader.owed if edge == LOOSE else self.unheard
-            self.astray[edge] += reader.inlet.stale  # of which this sender knows nothing
+            self.astray[edge] += reader.queue.stale  # of which this sender knows nothing
             reader.worker.close()
 
     @precondition(lambda self: self.sender and len(self.readers) < len(EDGES))
@@ -200,7 +200,7 @@ class PortOfRun(RuleBasedStateMachine):
         for edge, reader in self.readers.items() if heard else ():
             while readable(reader.worker):
                 self.reader_looks(edge)
-            assert reader.inlet.bound in (END, ABSENT) or not self.live, (
+            assert reader.queue.watermark in (END, ABSENT) or not self.live, (
                 "nobody tells that the sender is away"
             )
 
@@ -209,18 +209,18 @@ class PortOfRun(RuleBasedStateMachine):
     def sender_begins(self) -> None:
         """Another one, with rings to those who are there; the others come back later."""
         pairs = {edge: socket.socketpair(*PAIR) for edge in FAR}
-        self.outlet = Outlet(Picture, self.ledger.words, slack=SLACK)
-        self.outlet.patient = not self.live
-        near = self.inlet(NEAR)
-        self.outlet.connect([near])
+        self.output = OutputPort(Picture, self.ledger.words, lateness=SLACK)
+        self.output.patient = not self.live
+        near = self.queue(NEAR)
+        self.output.connect([near])
         ring = RingWriter([pairs[LEFT][0], pairs[RIGHT][0]], self.depth)
         loose = DroppingWriter(RingWriter([pairs[LOOSE][0]], AHEAD), self.depth)
         self.writers = {LEFT: (ring, 0), RIGHT: (ring, 1), LOOSE: (loose, 0)}
-        self.outlet.attach(ring, ["left", "right"], [self.ledger.row(LEFT), self.ledger.row(RIGHT)])
-        self.outlet.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
-        join = Join((), window=0, slack=SLACK)
-        cell = Cell("count", 0, lambda: Count(Context()), join, {"out": self.outlet})
-        self.sender = Worker([cell], [], [(ring, 0), (loose, 0)], Pace())
+        self.output.attach(ring, ["left", "right"], [self.ledger.row(LEFT), self.ledger.row(RIGHT)])
+        self.output.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
+        join = Join((), window=0, lateness=SLACK)
+        runner = StageRunner("count", 0, lambda: Count(Context()), join, {"out": self.output})
+        self.sender = Worker([runner], [], [(ring, 0), (loose, 0)], Pace())
         first = not self.number and not self.produced
         self.over, self.told = False, -END
         self.unheard = deque()
@@ -238,8 +238,8 @@ class PortOfRun(RuleBasedStateMachine):
     @rule(times=st.sampled_from([0, 1, 260]))
     def sender_is_started_again_while_nobody_reads(self, times: int) -> None:
         """What it had sent is longer than readers take at a time."""
-        self.settle(times)
-        if self.outlet.has_room():
+        self.advance(times)
+        if self.output.has_room():
             self.produce(SMALL, 2)
         self.sender_dies(heard=False)
         self.sender_begins()
@@ -261,7 +261,7 @@ class PortOfRun(RuleBasedStateMachine):
     @invariant()
     def no_queue_is_longer_than_its_edge_is_deep(self) -> None:
         for reader in self.readers.values():
-            assert len(reader.inlet.queue) - reader.inlet.stale <= max(self.depth, AHEAD)
+            assert len(reader.queue.messages) - reader.queue.stale <= max(self.depth, AHEAD)
 
     def teardown(self) -> None:
         try:
@@ -299,11 +299,11 @@ class PortOfRun(RuleBasedStateMachine):
             assert self.count(edge).in_flight == self.astray[edge], f"{edge}: {self.count(edge)}"
         for edge, reader in self.readers.items():
             assert edge == LOOSE or not reader.owed, f"edge {edge} waits for ever for {reader.owed}"
-            known = self.told in (-END, reader.inlet.bound)
-            assert known or (reader.over and reader.inlet.bound == END), (
+            known = self.told in (-END, reader.queue.watermark)
+            assert known or (reader.over and reader.queue.watermark == END), (
                 f"edge {edge} does not know {self.told}"
             )
-        assert self.over or self.outlet.has_room() or self.outlet.patient
+        assert self.over or self.output.has_room() or self.output.patient
 
     # The pieces.
 
@@ -315,25 +315,25 @@ class PortOfRun(RuleBasedStateMachine):
         return self.ledger.count(edge)
 
     def queued(self, edge: int) -> int:
-        return len(self.readers[edge].inlet.queue) if edge in self.readers else 0
+        return len(self.readers[edge].queue.messages) if edge in self.readers else 0
 
-    def inlet(self, edge: int) -> Inlet:
+    def queue(self, edge: int) -> InputQueue:
         row = self.ledger.row(edge)
-        inlet = Inlet(str(edge), self.ledger.words, row, depth=self.depth, slack=SLACK)
-        inlet.after_loss = ABSENT if self.live else UNCHANGED
-        return inlet
+        queue = InputQueue(str(edge), self.ledger.words, row, depth=self.depth, lateness=SLACK)
+        queue.after_loss = ABSENT if self.live else UNCHANGED
+        return queue
 
     def reader(self, edge: int, sock: socket.socket) -> Reader:
-        inlet = self.inlet(edge)
-        inlet.reader = RingReader(sock, Picture)
-        return Reader(inlet, Worker([], [inlet], [], Pace()), self.unheard if edge == LOOSE else deque())
+        queue = self.queue(edge)
+        queue.reader = RingReader(sock, Picture)
+        return Reader(queue, Worker([], [queue], [], Pace()), self.unheard if edge == LOOSE else deque())
 
     def adopt(self, edge: int, sock: socket.socket) -> None:
         """The reader goes over to another sender, after all that the one before had sent."""
         reader = self.readers[edge]
-        assert reader.inlet.reader is not None
-        before = len(reader.inlet.queue), reader.inlet.bound
-        reader.worker.adopt_reader(reader.inlet.reader, RingReader(sock, Picture))
+        assert reader.queue.reader is not None
+        before = len(reader.queue.messages), reader.queue.watermark
+        reader.worker.adopt_reader(reader.queue.reader, RingReader(sock, Picture))
         self.check_arrivals(edge, *before)
         assert edge == LOOSE or not (reader.owed and self.left_all), f"{reader.owed} were sent and not read"
         reader.owed.clear()
@@ -347,18 +347,20 @@ class PortOfRun(RuleBasedStateMachine):
             elif edge == LOOSE:
                 self.unheard.append(spoken)
 
-    def check_arrivals(self, edge: int, queued: int, bound: int) -> None:
+    def check_arrivals(self, edge: int, queued: int, watermark: int) -> None:
         """What came is what was owed, in order, and not before what was settled."""
         reader = self.readers[edge]
-        for message in list(reader.inlet.queue)[queued:]:
+        for message in list(reader.queue.messages)[queued:]:
             said = Spoken(message.header.seq, message.header.time)
             assert said in reader.owed, f"{said} came on edge {edge}, and was not sent, or came before"
             while (due := reader.owed.popleft()) != said:
                 assert edge == LOOSE, f"{said} came on edge {edge} before {due}"
-            again = bound == ABSENT or (bound == END and reader.over)
-            assert again or said.time >= bound, f"{said} came after {bound} was settled"
-        assert reader.inlet.bound >= bound or bound == ABSENT or len(reader.inlet.queue) > queued
-        reader.over |= reader.inlet.bound == END and self.ended_once
+            again = watermark == ABSENT or (watermark == END and reader.over)
+            assert again or said.time >= watermark, f"{said} came after {watermark} was settled"
+        assert (
+            reader.queue.watermark >= watermark or watermark == ABSENT or len(reader.queue.messages) > queued
+        )
+        reader.over |= reader.queue.watermark == END and self.ended_once
 
 
 def readable(worker: Worker) -> bool:

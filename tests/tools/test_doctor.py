@@ -22,8 +22,8 @@ import yaml
 from hosts import near_agent
 
 from followspot.cli.main import main
-from followspot.deploy.clocks.host import read_clock
-from followspot.deploy.host import HostLost
+from followspot.control.host import HostLost
+from followspot.host.clocks.host import read_clock
 from followspot_doctor.checks.hosts import _clock, certificates
 
 ROOT = Path(__file__).parent.parent.parent

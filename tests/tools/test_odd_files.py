@@ -11,17 +11,17 @@ from types import FrameType
 import pytest
 
 from followspot.accuracy.rows import read_rows
-from followspot.deploy.log.file import NAME, read_log
 from followspot.errors import FollowspotError
+from followspot.log.file import NAME, read_log
 from followspot.plugins.one_file import load_file
 from followspot.room_file import load, update
-from followspot.transport.roster import read_roster
+from followspot.transport.host_registry import read_host_registry
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.points_file.reading import read_points
 from followspot_cameras.images import read_picture
 from followspot_cameras.video import open_video
-from followspot_persons.color_difference import read_relations
-from followspot_persons.hog_model import load as load_hog
+from followspot_persons.color.difference import read_relations
+from followspot_persons.hog.model import load as load_hog
 from followspot_persons.shape import read_shape
 from followspot_recording.recording import Recording
 from followspot_room.calibration import read_calibration
@@ -73,7 +73,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "plugin": lambda path: load_file(str(path.rename(path.with_name("odd.py")))),
     "room": load,
     "updated room": lambda path: update(path, planes={}),
-    "roster": read_roster,
+    "roster": read_host_registry,
     "timestamps": lambda path: read_timestamps(path, ["cam0"]),
     "CSV points": points("points.csv"),
     "NPZ points": points("points.npz"),

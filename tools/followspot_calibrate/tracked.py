@@ -15,17 +15,17 @@ import numpy as np
 from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.accuracy.rows import read_rows
 from followspot.cli.progress import ProgressBar
-from followspot.deploy.launch import run_plan
-from followspot.deploy.progress import OnProgress
-from followspot.deploy.truth import TRACKS
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.messages import Array
+from followspot.operator.launch import run_plan
+from followspot.operator.progress import OnProgress
+from followspot.operator.truth import TRACKS
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.runtime.wiring import RunOptions
 from followspot.tracking import TRACKED, Blobs
+from followspot.worker.wiring import RunOptions
 
 SIGHTINGS = "sightings.csv"
 """Written by the stage that is added to the graph, in the run's output folder."""

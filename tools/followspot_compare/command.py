@@ -14,10 +14,10 @@ from followspot.accuracy import PoseTruthTable, TruthTable
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
-from followspot.deploy.truth import room_truth
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
-from followspot.runtime.wiring import RunOptions
+from followspot.operator.truth import room_truth
+from followspot.worker.wiring import RunOptions
 from followspot_compare.plot import draw
 from followspot_compare.report import Comparison, data, text
 from followspot_compare.trial import Trial, run_trial

@@ -19,14 +19,14 @@ from followspot.accuracy import (
 )
 from followspot.accuracy.targets.figures import jerk_cost
 from followspot.accuracy.targets.scoring import trajectory
-from followspot.deploy.launch import run_plan
-from followspot.deploy.progress import OnProgress
-from followspot.deploy.report import RunReport
-from followspot.deploy.truth import POSES, TRACKS, poses_score
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.messages import Array
-from followspot.runtime.wiring import RunOptions
+from followspot.operator.launch import run_plan
+from followspot.operator.progress import OnProgress
+from followspot.operator.report import RunReport
+from followspot.operator.truth import POSES, TRACKS, poses_score
+from followspot.worker.wiring import RunOptions
 from followspot_compare.recorded import detection_errors, read_fused
 
 

@@ -42,7 +42,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.transport.zenoh_network import LOOPBACK
+    from followspot.transport.zenoh.network import LOOPBACK
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 

@@ -16,7 +16,7 @@ import pydantic
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.successor import misfits
+from followspot.graph.replacement import misfits
 from followspot.plugins.description import describe
 from followspot.plugins.registry import PluginError, catalogue, load_stage
 from followspot.ports import ports

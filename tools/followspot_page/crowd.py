@@ -118,7 +118,7 @@ class _Look(WebSocketsSansIOProtocol):
             self.transport.abort()
 
 
-class Refusals(logging.Filter):
+class Rejections(logging.Filter):
     """Counts what the server complains of about browsers, and keeps it out of the terminal."""
 
     def __init__(self, crowd: Crowd) -> None:

@@ -10,10 +10,10 @@ import zenoh
 
 from followspot.tracking import Frame
 from followspot.transport.keys import look_key
-from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_post import looking
-from followspot.transport.zenoh_session import close_session, connected
-from followspot.transport.zenoh_terms import undeclare
+from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.post import looking
+from followspot.transport.zenoh.session import close_session, connected
+from followspot.transport.zenoh.terms import undeclare
 from followspot_page.taps import TAP, ShownPort
 
 _WAITING = 256

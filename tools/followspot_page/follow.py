@@ -9,11 +9,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.reachable import runs_here
-from followspot.deploy.run_handle import NoAnswer, RunHandle
-from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.operator.control_socket import runs_here
+from followspot.operator.run_handle import NoAnswer, RunHandle
+from followspot.operator.run_status import RunStatus
 from followspot_page.far import FarPreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 

@@ -10,10 +10,10 @@ from typing import Any
 
 from starlette.websockets import WebSocket
 
-from followspot.deploy.run_handle import RunHandle
-from followspot.deploy.status import RunStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_status import RunStatus
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback

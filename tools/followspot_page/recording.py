@@ -14,11 +14,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.deploy.run_handle import RunHandle
+from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
-from followspot.runtime.tapping import Tapping
+from followspot.operator.run_handle import RunHandle
 from followspot.transport.keys import look_key
 from followspot_record.order import Order
 
@@ -91,7 +91,7 @@ class RecordButton:
     async def _begin(self, order: Order) -> dict[str, Any]:
         """Start the recorder; what it says first. Raises FollowspotError."""
         pipe = asyncio.subprocess.PIPE
-        command = (sys.executable, "-m", "followspot_record.taker")
+        command = (sys.executable, "-m", "followspot_record.recorder_process")
         self._process = await asyncio.create_subprocess_exec(
             *command, stdin=pipe, stdout=pipe, start_new_session=True
         )

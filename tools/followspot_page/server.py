@@ -25,7 +25,7 @@ from followspot_dashboard.line import SOCKET
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
-from followspot_page.crowd import Refusals
+from followspot_page.crowd import Rejections
 from followspot_page.feed import Listener
 from followspot_page.follow import Sight, far_previews, follow, found, plan_of
 from followspot_page.page import Page
@@ -128,7 +128,7 @@ def _server(page: Page, host: str, port: int) -> uvicorn.Server:
         backlog=_ACCEPTED,
         lifespan="off",
     )
-    logging.getLogger("uvicorn.error").addFilter(Refusals(page.crowd))
+    logging.getLogger("uvicorn.error").addFilter(Rejections(page.crowd))
     return uvicorn.Server(config)
 
 

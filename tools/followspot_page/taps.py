@@ -7,11 +7,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+from followspot.control.tapping import Tapping
 from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.runtime.tapping import Tapping
 from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"

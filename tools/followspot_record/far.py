@@ -7,10 +7,10 @@ from collections import deque
 from collections.abc import Callable
 from functools import partial
 
-from followspot.transport.zenoh_network import Network
-from followspot.transport.zenoh_post import looking
-from followspot.transport.zenoh_session import close_session, connected
-from followspot_recording.courier import MAX_WAITING, parcel_of
+from followspot.transport.zenoh.network import Network
+from followspot.transport.zenoh.post import looking
+from followspot.transport.zenoh.session import close_session, connected
+from followspot_recording.record_sender import MAX_WAITING, framed_record
 
 Take = Callable[[str, int, bytes], None]
 """Gets port, number and packed message."""
@@ -57,6 +57,6 @@ class FarTaps:
                     return
                 port, packet = self._waiting.popleft()
                 self._bytes -= len(packet)
-            parcel = parcel_of(packet)
-            if parcel is not None and parcel[0] == port:  # a host speaks for its own ports only
-                self._take(*parcel)
+            record = framed_record(packet)
+            if record is not None and record[0] == port:  # a host speaks for its own ports only
+                self._take(*record)

@@ -13,7 +13,7 @@ from typing import Any
 from followspot import Context, Room
 from followspot.messages import Message
 from followspot_record.rows import TEXT, as_json, headings, rows
-from followspot_sinks.rerun_viewer import Rerun
+from followspot_sinks.rerun.viewer import Rerun
 
 _GROUP = 1 << 14
 

@@ -11,12 +11,12 @@ from contextlib import closing
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
-from followspot.deploy.launch import run_plan
-from followspot.deploy.summary import table
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
-from followspot.runtime.wiring import RunOptions
+from followspot.operator.launch import run_plan
+from followspot.operator.summary import table
+from followspot.worker.wiring import RunOptions
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
 from followspot_record.played import Clip, alone, played, replays

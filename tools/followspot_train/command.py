@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import InputError, Mistake
-from followspot_persons.hog_model import HogModel, save
+from followspot_persons.hog.model import HogModel, save
 from followspot_train import baseline, figures, recipe
 from followspot_train.pictures import Pictures, read_folder
 from followspot_train.recipe import Tell, Trial

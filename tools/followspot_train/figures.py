@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog_model import DIRECTIONS, trusted
+from followspot_persons.hog.model import DIRECTIONS, trusted
 from followspot_train.pictures import Person
 from followspot_train.recipe import Trial
 

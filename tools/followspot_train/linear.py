@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog_window import HEIGHT, STRIDE, WIDTH, describe, descriptor
+from followspot_persons.hog.window import HEIGHT, STRIDE, WIDTH, describe, descriptor
 from followspot_train import svm
 from followspot_train.pictures import Background
 from followspot_train.windows import anywhere

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog_model import DIRECTIONS, OUTPUTS, HogModel
+from followspot_persons.hog.model import DIRECTIONS, OUTPUTS, HogModel
 
 UNITS = 64
 EPOCHS = 10

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog_cells import looks
-from followspot_persons.hog_model import DIRECTIONS, HogModel, Judgement, judge
+from followspot_persons.hog.cells import looks
+from followspot_persons.hog.model import DIRECTIONS, HogModel, Judgement, judge
 from followspot_train import linear, network
 from followspot_train.pictures import Pictures
 from followspot_train.windows import Windows, exact, found, missed

@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 
 from followspot import Array
-from followspot_persons.hog_cells import looks
-from followspot_persons.hog_window import BODY, HEIGHT, TALL, WIDTH, cut, describe
+from followspot_persons.hog.cells import looks
+from followspot_persons.hog.window import BODY, HEIGHT, TALL, WIDTH, cut, describe
 from followspot_train.pictures import Background, Person
 
 PLACE_SIGMA, SIZE_SIGMA = 2.5 / TALL, 0.06

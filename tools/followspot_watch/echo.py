@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 
 from followspot.cli.agent_options import network_of
-from followspot.deploy.connect import connected_run
-from followspot.deploy.run_handle import RunHandle
 from followspot.messages import Array, Message
+from followspot.operator.connect import connected_run
+from followspot.operator.run_handle import RunHandle
 from followspot.plugins.registry import use_plugin_files
 from followspot.tracking import Frame
-from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot.transport.zenoh.network import AGENT, LOOPBACK
 from followspot_dashboard.picture import Picture
-from followspot_watch.ear import Ear, chosen, listening
 from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.tap_subscriber import TapSubscriber, chosen, listening
 
 SINK = "dashboard.echo"
 _PERIOD = 0.5
@@ -60,7 +60,7 @@ class Warner:
                 print(f"followspot: {line}", file=sys.stderr, flush=True)
 
 
-def _print(ear: Ear, args: argparse.Namespace, warner: Warner) -> None:
+def _print(ear: TapSubscriber, args: argparse.Namespace, warner: Warner) -> None:
     left, came = args.number, True
     for heard in ear.heard(_PERIOD):
         if heard is None:

@@ -11,17 +11,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.deploy.connect import connected_run
-from followspot.deploy.run_handle import RunHandle
-from followspot.deploy.status import is_unheard
-from followspot.deploy.summary import table
+from followspot.operator.connect import connected_run
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_status import is_unheard
+from followspot.operator.summary import table
 from followspot.plugins.registry import use_plugin_files
-from followspot.runtime.ledger import LOSSES
-from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot.transport.zenoh.network import AGENT, LOOPBACK
+from followspot.worker.ledger import LOSSES
 from followspot_dashboard.meter import Rhythm
-from followspot_watch.ear import Ear, HeardPort, chosen, listening
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.screen import BAD, marked, screenful
+from followspot_watch.tap_subscriber import HeardPort, TapSubscriber, chosen, listening
 
 SINK = "dashboard.meter"
 SILENCE = 2.0
@@ -150,7 +150,7 @@ def _row(pace: Pace) -> tuple[str, ...]:
     )
 
 
-def _measure(ear: Ear, measured: Measured, seconds: float | None) -> None:
+def _measure(ear: TapSubscriber, measured: Measured, seconds: float | None) -> None:
     """For the time from the first measurement on, or until the run ends; without a time, with tables."""
     end = None if seconds is None else time.monotonic() + _BEGINNING + seconds
     for heard in ear.heard(_PERIOD if seconds is None else min(_PERIOD, seconds)):

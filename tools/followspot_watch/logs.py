@@ -11,12 +11,12 @@ from itertools import islice
 from pathlib import Path
 
 from followspot.cli.agent_options import network_of
-from followspot.deploy.connect import connected_run
-from followspot.deploy.log.file import read_log
-from followspot.deploy.log.record import LEVELS, LogRecord
-from followspot.deploy.run_handle import RunHandle
 from followspot.errors import FollowspotError, InputError
-from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot.log.file import read_log
+from followspot.log.record import LEVELS, LogRecord
+from followspot.operator.connect import connected_run
+from followspot.operator.run_handle import RunHandle
+from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
 _PERIOD = 0.3
 """Seconds between two questions for more."""

@@ -8,14 +8,14 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from followspot.deploy.clocks.status import ClockStatus
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.run_handle import NoAnswer
-from followspot.deploy.status import OLD, RunStatus, is_old, is_unheard
+from followspot.control.clock_status import ClockStatus
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.runtime.ledger import COUNTS, EdgeCount
-from followspot.runtime.stage_status import EdgeAge, PathStatus, StageState, StageStatus
+from followspot.operator.run_handle import NoAnswer
+from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
+from followspot.worker.ledger import COUNTS, EdgeCount
 
 _WINDOW = 2.0
 """Seconds over which rates are taken."""

@@ -9,11 +9,11 @@ import time
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.deploy.clocks.status import LIMIT_MS
-from followspot.deploy.connect import connected_run
-from followspot.deploy.summary import table
-from followspot.runtime.ledger import LOSSES
-from followspot.transport.zenoh_network import AGENT, LOOPBACK
+from followspot.control.clock_status import LIMIT_MS
+from followspot.operator.connect import connected_run
+from followspot.operator.summary import table
+from followspot.transport.zenoh.network import AGENT, LOOPBACK
+from followspot.worker.ledger import LOSSES
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.screen import BAD, marked, screenful
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
-from followspot.deploy.absence import OPERATOR_TIMEOUT
+from followspot.host.operator_timeout import OPERATOR_TIMEOUT
 from followspot.plugins.hooks import Command
 
 
@@ -63,10 +63,10 @@ def _seconds(text: str) -> float:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.agent import Agent, AgentOptions
-    from followspot.deploy.security.door import Door
-    from followspot.deploy.security.grants import Grants
-    from followspot.transport.zenoh_network import AGENT, everywhere
+    from followspot.host.agent import Agent, AgentOptions
+    from followspot.security.grants import Grants
+    from followspot.security.rejected_peers import RejectedPeers
+    from followspot.transport.zenoh.network import AGENT, everywhere
 
     network = network_of(args, everywhere(args.certificates) if args.discover else AGENT, ())
     options = AgentOptions(
@@ -78,7 +78,7 @@ def _run(args: argparse.Namespace) -> int:
         round(args.clock_offset * 1e6),
         args.operator_timeout,
     )
-    with Door(_tell):
+    with RejectedPeers(_tell):
         agent = Agent(options, _tell)
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: agent.stop())

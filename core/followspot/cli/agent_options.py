@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from followspot.transport.zenoh_network import Network
+    from followspot.transport.zenoh.network import Network
 
 _INSECURE = (
     "warning: --insecure: whoever reaches {} can watch every picture, start and stop runs on it, and "
@@ -61,7 +61,7 @@ def add_network_options(
 
 def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequence[str]) -> Network:
     """What the options say; listen, connect: where they say nothing. Says at every start what is open."""
-    from followspot.transport.zenoh_network import Network, secured
+    from followspot.transport.zenoh.network import Network, secured
 
     listen = tuple(getattr(args, "listen", None) or listen)
     discover = getattr(args, "discover", False)

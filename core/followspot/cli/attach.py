@@ -22,10 +22,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.cli.progress import ProgressBar
-    from followspot.deploy import summary
-    from followspot.deploy.attach import attached
-    from followspot.deploy.launch import interruptible
-    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+    from followspot.operator import summary
+    from followspot.operator.attach import attached
+    from followspot.operator.launch import interruptible
+    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
     network = network_of(args, LOOPBACK, AGENT)
     with attached(network, args.graph) as attachment:

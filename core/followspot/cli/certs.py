@@ -47,7 +47,7 @@ def _configure_show(parser: argparse.ArgumentParser) -> None:
 
 
 def _init(args: argparse.Namespace) -> int:
-    from followspot.deploy.security.authority import AUTHORITY, create_authority
+    from followspot.security.authority import AUTHORITY, create_authority
 
     authority = create_authority(Path(args.dir))
     print(f"authority in {args.dir}, until {authority.expires:%Y-%m-%d}")
@@ -57,7 +57,7 @@ def _init(args: argparse.Namespace) -> int:
 
 
 def _host(args: argparse.Namespace) -> int:
-    from followspot.deploy.security.authority import Authority
+    from followspot.security.authority import Authority
 
     authority = Authority(Path(args.dir))
     known = {member.name: member for member in authority.members}
@@ -69,7 +69,7 @@ def _host(args: argparse.Namespace) -> int:
 
 
 def _remove(args: argparse.Namespace) -> int:
-    from followspot.deploy.security.authority import Authority
+    from followspot.security.authority import Authority
 
     authority = Authority(Path(args.dir))
     authority.remove(args.name)
@@ -85,12 +85,12 @@ def _tell_others(folder: Path, names: list[str]) -> None:
 
 
 def _show(args: argparse.Namespace) -> int:
-    from followspot.transport.roster import ROSTER, read_roster
+    from followspot.transport.host_registry import REGISTRY, read_host_registry
 
-    path = Path(args.dir) / ROSTER
+    path = Path(args.dir) / REGISTRY
     if not path.is_file():
         raise FollowspotError(f"there is no authority in {args.dir}; followspot certs init --dir {args.dir}")
-    own, members = read_roster(path)
+    own, members = read_host_registry(path)
     if args.json:
         hosts = [{"name": m.name, "role": m.role, "expires": m.expires.isoformat()} for m in members]
         print(json.dumps({"own": own, "hosts": hosts}))

@@ -26,10 +26,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.connect import connected_run
     from followspot.errors import InputError, Mistake
+    from followspot.operator.connect import connected_run
     from followspot.plugins.registry import use_plugin_files
-    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
     if len(args.words) not in (2, 3):
         raise InputError([Mistake(None, "what is to go where?", "for example: camera/cam3 pc-right")])

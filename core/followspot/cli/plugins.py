@@ -30,7 +30,7 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _list(*, as_json: bool) -> int:
-    from followspot.deploy.summary import table
+    from followspot.operator.summary import table
     from followspot.plugins.hooks import load_hooks
     from followspot.plugins.registry import catalogue, examined
 
@@ -46,7 +46,7 @@ def _list(*, as_json: bool) -> int:
 
 
 def _page(described: dict[str, Any]) -> str:
-    from followspot.deploy.summary import table
+    from followspot.operator.summary import table
 
     lines = [described["name"], "", described["description"], ""]
     kinds = {"plain": "", "latest": " (latest: sampled, never fires)", "joined": " (joined: one per edge)"}

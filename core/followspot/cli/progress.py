@@ -7,7 +7,7 @@ import time
 from collections import deque
 from typing import TextIO
 
-from followspot.runtime.worker import Progress
+from followspot.worker.scheduler import Progress
 
 _WIDTH = 30
 _LINE_EVERY = 5.0

@@ -16,14 +16,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.security.door import Door
-    from followspot.transport.zenoh_session import close_session, connected, locators
+    from followspot.security.rejected_peers import RejectedPeers
+    from followspot.transport.zenoh.session import close_session, connected, locators
 
     network = network_of(args, ("tcp/127.0.0.1:7447",), ())
     over = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: over.set())
-    with Door(_tell):
+    with RejectedPeers(_tell):
         session = connected(network, routes=True)
         try:
             _tell(f"router listens on {', '.join(locators(session))}")

@@ -20,7 +20,7 @@ _SOON = 1.0
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
-    from followspot.transport.zenoh_network import Network
+    from followspot.transport.zenoh.network import Network
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -62,11 +62,11 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.deploy import summary
-    from followspot.deploy.launch import run_plan
-    from followspot.deploy.truth import run_person_scores, run_scores
-    from followspot.runtime.wiring import RunOptions
-    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+    from followspot.operator import summary
+    from followspot.operator.launch import run_plan
+    from followspot.operator.truth import run_person_scores, run_scores
+    from followspot.transport.zenoh.network import AGENT, LOOPBACK
+    from followspot.worker.wiring import RunOptions
 
     plan = placed(plan, args.host)
     if not args.quiet:
@@ -78,9 +78,9 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     out = output_folder(args.out, plan.graph)
     with closing(ProgressBar()) as bar, ExitStack() as watchers:
         if network.certificates:
-            from followspot.deploy.security.door import Door
+            from followspot.security.rejected_peers import RejectedPeers
 
-            watchers.enter_context(Door(bar.say))
+            watchers.enter_context(RejectedPeers(bar.say))
         for options in load_plan_options():
             watchers.enter_context(options.watch(args))
         report = run_plan(
@@ -112,8 +112,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
 
 
 def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
-    from followspot.deploy.attach import detach
-    from followspot.runtime.wiring import RunOptions
+    from followspot.operator.attach import detach
+    from followspot.worker.wiring import RunOptions
 
     run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
     print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")

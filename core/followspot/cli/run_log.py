@@ -6,8 +6,8 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
-from followspot.deploy.log.file import LogFile
-from followspot.deploy.log.record import LogRecord
+from followspot.log.file import LogFile
+from followspot.log.record import LogRecord
 
 _MOST = 50
 """Lines shown; the file has the others."""

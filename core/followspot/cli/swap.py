@@ -28,10 +28,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.deploy.connect import connected_run
     from followspot.errors import InputError, Mistake
+    from followspot.operator.connect import connected_run
     from followspot.plugins.registry import use_plugin_files
-    from followspot.transport.zenoh_network import AGENT, LOOPBACK
+    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     named = "=" not in args.words[0]

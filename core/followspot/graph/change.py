@@ -12,7 +12,7 @@ from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.override import Override, read_override
 from followspot.graph.parameters import output_paths, validated
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.graph.successor import misfits
+from followspot.graph.replacement import misfits
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 

@@ -10,7 +10,7 @@ from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, successors
 from followspot.graph.expand import Wire
 from followspot.graph.sampling import Link
-from followspot.ports import InputPort, OutputPort, Ports, accepts, ports
+from followspot.ports import InputSpec, OutputSpec, Ports, accepts, ports
 from followspot.stage import Stage
 
 
@@ -59,7 +59,7 @@ def connect(
     return edges
 
 
-def _check_multiplicity(members: Sequence[Wire], port: InputPort, mistakes: list[Mistake]) -> None:
+def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list[Mistake]) -> None:
     if port.kind == "joined" or len(members) < 2:
         return
     first = members[0]
@@ -73,7 +73,7 @@ def _check_multiplicity(members: Sequence[Wire], port: InputPort, mistakes: list
     mistakes.append(Mistake(first.port_place, text, remedy))
 
 
-def _output(wire: Wire, source: Ports, port: InputPort, mistakes: list[Mistake]) -> OutputPort | None:
+def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake]) -> OutputSpec | None:
     """The output that a wire comes from: the one that is named, else the only one of the right type."""
     name, feed = wire.source.declared.name, wire.feed
     offer = ", ".join(f"{output.name} ({output.type.__name__})" for output in source.outputs)

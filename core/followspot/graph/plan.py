@@ -82,7 +82,7 @@ class PlannedEdge:
         return self.policy != "block"
 
     @property
-    def room(self) -> int:
+    def capacity(self) -> int:
         """Most messages under way or waiting: feedback needs those of its delay, and one more."""
         return self.depth + AHEAD if self.drops else max(self.depth, self.delay + 2)
 

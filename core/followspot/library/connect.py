@@ -6,9 +6,9 @@ from contextlib import ExitStack
 from types import TracebackType
 from typing import Self
 
-from followspot.deploy.connect import connected_run
-from followspot.deploy.run_handle import RunHandle
-from followspot.transport.zenoh_network import Network
+from followspot.operator.connect import connected_run
+from followspot.operator.run_handle import RunHandle
+from followspot.transport.zenoh.network import Network
 
 
 class ConnectedRun(RunHandle):

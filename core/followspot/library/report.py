@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from followspot.accuracy import PersonsScore, TargetScore, persons_table, table, to_json
-from followspot.deploy import summary
-from followspot.deploy.report import RunReport
-from followspot.runtime.ledger import COUNTS
+from followspot.operator import summary
+from followspot.operator.report import RunReport
+from followspot.worker.ledger import COUNTS
 
 
 class Table:

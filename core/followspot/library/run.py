@@ -10,13 +10,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from followspot.deploy.dispatch import Dispatcher, Request
-from followspot.deploy.launch import prepared
-from followspot.deploy.reachable import reachable
-from followspot.deploy.report import RunReport
-from followspot.deploy.run_handle import RunHandle
-from followspot.deploy.run_requests import run_dispatcher
-from followspot.deploy.truth import run_person_scores, run_scores
+from followspot.control.dispatch import Dispatcher, Request
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
@@ -25,8 +19,14 @@ from followspot.library.graph import Graph
 from followspot.library.report import Report
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
-from followspot.runtime.wiring import RunOptions
-from followspot.transport.zenoh_network import Network
+from followspot.operator.control_socket import reachable
+from followspot.operator.launch import prepared
+from followspot.operator.report import RunReport
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_requests import run_dispatcher
+from followspot.operator.truth import run_person_scores, run_scores
+from followspot.transport.zenoh.network import Network
+from followspot.worker.wiring import RunOptions
 
 _LOOK = 1.0
 """Seconds between two looks whether the run waits for a subscription that nobody reads."""

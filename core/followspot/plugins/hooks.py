@@ -57,7 +57,7 @@ class PlanOptions:
 
     configure: adds the options; change: the plan (`followspot.graph.plan.Plan`) as the options ask for it,
     the same one where they ask for nothing; raises InputError; watch: held open while
-    a graph runs in this process, for those who look on (`followspot.deploy.reachable`).
+    a graph runs in this process, for those who look on (`followspot.operator.control_socket`).
     """
 
     configure: Callable[[argparse.ArgumentParser], None]

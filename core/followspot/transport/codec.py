@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from followspot.messages import MAX_BYTES, Array, Header, InvalidMessage, Message, check_shape, in_range
-from followspot.transport.token import Settled, is_bound
+from followspot.transport.token import Watermark, is_watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, pack_head, padded, unpack_head
 
 MAX_NDIM = 8
@@ -134,10 +134,10 @@ def codec_of(kind: type[Message]) -> Codec:
     return codec
 
 
-def pack(token: Message | Settled) -> bytes:
-    """A sealed message, or a settled time, in one piece. Raises InvalidMessage if its head is too large."""
-    if isinstance(token, Settled):
-        return pack_head((None, token.bound))
+def pack(token: Message | Watermark) -> bytes:
+    """A sealed message, or a watermark, in one piece. Raises InvalidMessage if its head is too large."""
+    if isinstance(token, Watermark):
+        return pack_head((None, token.time))
     codec = codec_of(type(token))
     arrays = codec.arrays(token)
     parts = [codec.head(token, arrays)]
@@ -146,13 +146,13 @@ def pack(token: Message | Settled) -> bytes:
     return b"".join(parts)
 
 
-def unpack(data: bytes, kind: type[Message]) -> Message | Settled:
+def unpack(data: bytes, kind: type[Message]) -> Message | Watermark:
     """What `pack` packed, the arrays in fresh memory. Raises InvalidMessage."""
     if len(data) > MAX_PACKED:
         raise InvalidMessage(f"{len(data)} bytes, at most {MAX_PACKED} allowed")
     head, start = unpack_head(data)
     if head[0] is None:
-        return Settled(_bound(head, len(data) - start))
+        return Watermark(_bound(head, len(data) - start))
     body = aligned(len(data) - start)
     body[:] = np.frombuffer(data, np.uint8, offset=start)
     return codec_of(kind).decode(head, body)
@@ -182,6 +182,6 @@ def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
 
 
 def _bound(head: list[Any], surplus: int) -> int:
-    if len(head) != 2 or type(head[1]) is not int or not is_bound(head[1]) or surplus:
-        raise InvalidMessage(f"the settled time {str(head)[:80]} is not one number in its range")
+    if len(head) != 2 or type(head[1]) is not int or not is_watermark(head[1]) or surplus:
+        raise InvalidMessage(f"the watermark {str(head)[:80]} is not one number in its range")
     return head[1]

@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 from followspot.messages import Array, InvalidMessage, Message
 from followspot.transport.edge import PortWriter
-from followspot.transport.token import Settled
+from followspot.transport.token import Watermark
 
 _PLENTY = 1 << 30
 
@@ -26,7 +26,7 @@ class DroppingWriter:
     """`PortWriter` of one reader that always takes a message.
 
     What the reader gives no credit for waits here, as many messages as the edge is deep; of more, the oldest
-    is dropped. Settled times keep their place between the messages.
+    is dropped. Watermarks keep their place between the messages.
     """
 
     def __init__(self, inner: PortWriter, depth: int) -> None:
@@ -37,7 +37,7 @@ class DroppingWriter:
         """Called for each message that is dropped."""
         self.refused: Callable[[str], None] = _nobody_listens
         """Called with the reason for each message that cannot travel."""
-        self._waiting: deque[Message | Settled] = deque()
+        self._waiting: deque[Message | Watermark] = deque()
         self._messages = 0
         """Of those that wait."""
 
@@ -63,10 +63,10 @@ class DroppingWriter:
         """There is always room."""
         return _PLENTY
 
-    def send(self, token: Message | Settled) -> None:
+    def send(self, token: Message | Watermark) -> None:
         """Send the token, or let it wait and drop the oldest message."""
-        if isinstance(token, Settled):
-            if self._waiting and isinstance(self._waiting[-1], Settled):
+        if isinstance(token, Watermark):
+            if self._waiting and isinstance(self._waiting[-1], Watermark):
                 self._waiting.pop()
         elif self.inner.lost:
             return
@@ -131,12 +131,12 @@ class DroppingWriter:
         return self.inner.credit() > 0
 
     def _drop_oldest(self) -> None:
-        """Remove the oldest message; the settled times before and after it become one."""
+        """Remove the oldest message; the watermarks before and after it become one."""
         for index, token in enumerate(self._waiting):
             if isinstance(token, Message):
                 del self._waiting[index]
                 after = self._waiting[index] if index < len(self._waiting) else None
-                if index and isinstance(after, Settled):
+                if index and isinstance(after, Watermark):
                     del self._waiting[index - 1]
                 self._messages -= 1
                 self.dropped()

@@ -1,7 +1,7 @@
 """The two ends of an edge between workers, alike for the ring and for Zenoh.
 
 One writer serves all readers of an output port; each reader gets every token, in order. Messages need
-credit: at most `depth` of them are on their way to the slowest reader. Settled times need none. Nothing
+credit: at most `depth` of them are on their way to the slowest reader. Watermarks need none. Nothing
 here blocks: the runtime polls file descriptors and asks again. A peer that dies is `lost`, no exception.
 """
 
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from followspot.messages import Array, Message
-from followspot.transport.token import Settled, Token
+from followspot.transport.token import Token, Watermark
 
 
 class PortWriter(Protocol):
@@ -42,10 +42,10 @@ class PortWriter(Protocol):
     def credit(self) -> int:
         """How many messages may be sent now; the depth where no reader is left."""
 
-    def send(self, token: Message | Settled) -> None:
-        """Send a sealed, stamped message, which needs credit, or a settled time.
+    def send(self, token: Message | Watermark) -> None:
+        """Send a sealed, stamped message, which needs credit, or a watermark.
 
-        Settled times that have to wait are merged. Raises InvalidMessage where a message cannot be put on
+        Watermarks that have to wait are merged. Raises InvalidMessage where a message cannot be put on
         the wire (a head of over 64 kB), and RuntimeError where it has no credit; nothing was sent then.
         """
 
@@ -87,7 +87,7 @@ class PortReader(Protocol):
         """Whether the writer is there."""
 
     def poll(self) -> list[Token]:
-        """What has arrived: each message that was sent, or an `Invalid` in its place, and settled times."""
+        """What has arrived: each message that was sent, or an `Invalid` in its place, and watermarks."""
 
     def fileno(self) -> int:
         """Readable when `poll` has something to give, or the writer died."""

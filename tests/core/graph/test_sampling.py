@@ -9,7 +9,7 @@ import pytest
 from followspot.errors import InputError, Mistake
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.runtime.wiring import Wiring
+from followspot.worker.wiring import Wiring
 
 ROOT = Path(__file__).parents[3]
 TICKS = ROOT / "tests" / "stages" / "ticks.py"

@@ -12,10 +12,10 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import ec
 
 from followspot.cli.main import main
-from followspot.deploy.security.authority import Authority, create_authority
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT
-from followspot.transport.roster import read_certificates, read_roster
+from followspot.security.authority import Authority, create_authority
+from followspot.transport.host_registry import read_certificates, read_host_registry
 
 
 def mode(path: Path) -> int:
@@ -67,7 +67,7 @@ def test_the_authoritys_key_is_in_no_hosts_folder(authority: Authority) -> None:
 def test_every_host_learns_of_every_other(authority: Authority) -> None:
     folders = [authority.add("desk", "operator"), authority.add("pc-left", "camera")]
     for folder in folders:
-        own, members = read_roster(folder / "hosts.json")
+        own, members = read_host_registry(folder / "hosts.json")
         assert own == folder.name
         assert {(member.name, member.role) for member in members} == {
             ("desk", "operator"),
@@ -180,7 +180,7 @@ def test_a_list_of_hosts_that_is_none_is_refused(tmp_path: Path, text: str) -> N
     path = tmp_path / "hosts.json"
     path.write_text(text)
     with pytest.raises(FollowspotError, match="no list of hosts"):
-        read_roster(path)
+        read_host_registry(path)
 
 
 def test_the_commands_make_show_renew_and_remove(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

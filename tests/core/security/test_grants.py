@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from followspot.deploy.security.grants import Grants
 from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedStage
+from followspot.security.grants import Grants
 
 
 def stage(uses: str, **params: Any) -> PlannedStage:

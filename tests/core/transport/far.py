@@ -16,10 +16,10 @@ import numpy as np
 from followspot.messages import Header, Message, seal, stamped
 from followspot.tracking import Blobs, Frame
 from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import END, Settled, Token
-from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, open_session
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import END, Token, Watermark
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, open_session
 
 KEY = "test/port"
 
@@ -37,7 +37,7 @@ def intact(message: Message) -> bool:
     return not isinstance(message, Frame) or bool((message.pixels == message.header.seq % 251).all())
 
 
-def send_all(writer: PortWriter, tokens: Iterable[Message | Settled]) -> None:
+def send_all(writer: PortWriter, tokens: Iterable[Message | Watermark]) -> None:
     """Send with credit, sleeping while there is none, until all is out of the process."""
     for token in tokens:
         while isinstance(token, Message) and not writer.credit():
@@ -72,7 +72,7 @@ def read_to_end(reader: PortReader, delay: float, keep: int) -> dict[str, Any]:
     others: list[str] = []
     kept: list[Message] = []
     damaged = 0
-    while Settled(END) not in (tokens := receive(reader)) and not reader.lost:
+    while Watermark(END) not in (tokens := receive(reader)) and not reader.lost:
         damaged += take(reader, tokens, seqs, others, kept, delay, keep)
     damaged += take(reader, tokens, seqs, others, kept, delay, keep)
     return {
@@ -103,7 +103,7 @@ def take(
     damaged = 0
     for token in tokens:
         if not isinstance(token, Message):
-            others += [str(token)] if not isinstance(token, Settled) or token.bound == END else []
+            others += [str(token)] if not isinstance(token, Watermark) or token.time == END else []
             continue
         time.sleep(delay)
         seqs.append(token.header.seq)
@@ -153,7 +153,7 @@ def writing(writer: Any, order: dict[str, Any]) -> None:
     """Send frames; then end, or stay without a word."""
     send_all(writer, (frame(n, tuple(order["shape"]), writer) for n in range(order["count"])))
     if order["end"]:
-        send_all(writer, [Settled(END)])
+        send_all(writer, [Watermark(END)])
     print("sent", flush=True)
     sys.stdin.readline()
 

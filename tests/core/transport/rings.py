@@ -8,8 +8,8 @@ import numpy as np
 
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.tracking import Frame
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Token
 
 DEPTH = 4

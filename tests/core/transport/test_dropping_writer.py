@@ -6,9 +6,9 @@ import socket
 
 from followspot.messages import Header, Message, seal, stamped
 from followspot.transport.dropping_writer import DroppingWriter
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import END, Settled
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import END, Watermark
 
 
 class Note(Message):
@@ -43,8 +43,8 @@ class Bench:
                 if isinstance(token, Note):
                     read.append(token.text)
                     self.reader.consumed()
-                elif isinstance(token, Settled):
-                    read.append(token.bound)
+                elif isinstance(token, Watermark):
+                    read.append(token.time)
             self.writer.drain()
         return read
 
@@ -70,10 +70,10 @@ def test_a_reader_that_keeps_up_gets_everything() -> None:
 def test_settled_times_keep_their_place_and_the_end_comes_last() -> None:
     bench = Bench(depth=1)
     bench.send(0, 1, 2)
-    bench.writer.send(Settled(25))
+    bench.writer.send(Watermark(25))
     bench.send(3)
-    bench.writer.send(Settled(35))
-    bench.writer.send(Settled(END))
+    bench.writer.send(Watermark(35))
+    bench.writer.send(Watermark(END))
     assert not bench.writer.flush()
     assert bench.take() == ["0", "1", 25, "3", END]
     assert bench.dropped == 1

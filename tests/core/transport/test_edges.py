@@ -20,10 +20,10 @@ from tests.core.transport.far import KEY, frame, intact, receive, send_all
 from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.tracking import Blobs, Frame
 from followspot.transport.edge import PortReader, PortWriter
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import END, Settled, Token
-from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import END, Token, Watermark
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
 
 FAR = Path(__file__).with_name("far.py")
 DEPTH = 4
@@ -141,7 +141,7 @@ def until(condition: Callable[[], bool]) -> None:
 
 def read_until_over(reader: PortReader) -> list[Token]:
     tokens: list[Token] = []
-    while Settled(END) not in tokens and not reader.lost:
+    while Watermark(END) not in tokens and not reader.lost:
         tokens += (arrived := receive(reader))
         reader.consumed(sum(isinstance(token, Message) for token in arrived))
     return tokens + reader.poll()
@@ -155,18 +155,18 @@ def test_thousands_of_small_messages_arrive_in_order_at_two_readers(edge: Edge) 
     many = {"ring": 10_000, "zenoh": 2_000}[edge.kind]  # of the depth of any queue of Zenoh, several times
     writer = edge.writer({"kind": "Blobs"}, {"kind": "Blobs"})
     send_all(writer, (blobs(number) for number in range(many)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     for index in range(2):
         found = edge.found(index)
         assert found["seqs"] == list(range(many))
-        assert found["others"] == [str(Settled(END))]
+        assert found["others"] == [str(Watermark(END))]
         assert not found["lost"]
 
 
 def test_frames_of_six_megabytes_arrive_intact(edge: Edge) -> None:
     writer = edge.writer({})
     send_all(writer, (frame(number, FULL_HD, writer if number % 2 else None) for number in range(16)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     found = edge.found()
     assert found["seqs"] == list(range(16))
     assert found["damaged"] == 0
@@ -176,7 +176,7 @@ def test_a_slow_reader_loses_nothing_and_its_memory_stays_bounded(edge: Edge) ->
     """300 frames of 0.9 MB would take 276 MB; the depth of the edge is 4."""
     writer = edge.writer({"delay": 0.002})
     send_all(writer, (frame(number, VGA) for number in range(300)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     found = edge.found()
     assert found["seqs"] == list(range(300))
     assert found["damaged"] == 0
@@ -186,7 +186,7 @@ def test_a_slow_reader_loses_nothing_and_its_memory_stays_bounded(edge: Edge) ->
 def test_a_reader_keeps_old_frames_and_they_never_change(edge: Edge) -> None:
     writer = edge.writer({"keep": 2}, {"keep": 5})
     send_all(writer, (frame(number, (120, 160, 3), writer) for number in range(200)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     for index in range(2):
         found = edge.found(index)
         assert found["seqs"] == list(range(200))
@@ -195,11 +195,11 @@ def test_a_reader_keeps_old_frames_and_they_never_change(edge: Edge) -> None:
 
 def test_the_end_arrives_after_any_number_of_settled_times(edge: Edge) -> None:
     writer = edge.writer({})
-    send_all(writer, (Settled(bound) for bound in range(20_000)))
-    send_all(writer, [frame(20_000, (2, 2, 1)), Settled(END)])
+    send_all(writer, (Watermark(time) for time in range(20_000)))
+    send_all(writer, [frame(20_000, (2, 2, 1)), Watermark(END)])
     found = edge.found()
     assert found["seqs"] == [20_000]
-    assert found["others"] == [str(Settled(END))]
+    assert found["others"] == [str(Watermark(END))]
 
 
 def test_a_killed_reader_is_named_and_holds_nothing_up(edge: Edge) -> None:
@@ -208,7 +208,7 @@ def test_a_killed_reader_is_named_and_holds_nothing_up(edge: Edge) -> None:
     assert writer.credit() == 0
     edge.kill(1)
     send_all(writer, (frame(number, VGA) for number in range(DEPTH, 40)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     assert writer.lost == {1}
     found = edge.found(0)
     assert found["seqs"] == list(range(40))
@@ -220,7 +220,7 @@ def test_all_readers_killed_leaves_a_writer_that_goes_on_alone(edge: Edge) -> No
     send_all(writer, (frame(number, VGA) for number in range(DEPTH)))
     edge.kill()
     send_all(writer, (frame(number, VGA) for number in range(DEPTH, 40)))
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     assert writer.lost == {0}
 
 
@@ -267,5 +267,5 @@ def test_a_loan_reaches_the_other_process_without_a_copy(ring: Edge) -> None:
     send_all(writer, [stamped(seal(Frame("cam0", loan)), Header("camera/cam0", 0, 0)), frame(1, VGA)])
     until(lambda: writer.credit() == DEPTH)  # both were found intact
     behind[:] = 9
-    send_all(writer, [Settled(END)])
+    send_all(writer, [Watermark(END)])
     assert ring.found()["damaged"] == 1

@@ -10,7 +10,7 @@ import pytest
 from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.messages import Message, identical
-from followspot.transport.token import END, Settled, Token
+from followspot.transport.token import END, Token, Watermark
 
 
 @pytest.fixture
@@ -27,12 +27,12 @@ def shared() -> Iterator[Ring]:
 
 
 def test_messages_and_settled_times_arrive_in_order_bit_for_bit(ring: Ring) -> None:
-    sent: list[Message | Settled] = [
+    sent: list[Message | Watermark] = [
         frame(0),
-        Settled(1),
+        Watermark(1),
         frame(2),
         frame(3, np.zeros((0, 0, 1), np.uint8)),
-        Settled(END),
+        Watermark(END),
     ]
     for original in sent:
         ring.writer.send(original)
@@ -92,24 +92,24 @@ def test_the_writer_is_woken_by_credit_only_if_it_asked(ring: Ring) -> None:
 
 def test_settled_times_are_merged_while_the_socket_is_full_and_the_end_arrives(ring: Ring) -> None:
     writer, reader = ring.writer, ring.readers[0]
-    for bound in range(5000):
-        writer.send(Settled(bound))
-    writer.send(Settled(END))
+    for time in range(5000):
+        writer.send(Watermark(time))
+    writer.send(Watermark(END))
     assert not writer.flush()
     tokens: list[Token] = []
     for _ in range(50):
         tokens += reader.poll()
         writer.drain()
     assert writer.flush()
-    bounds = [token.bound for token in tokens if isinstance(token, Settled)]
+    bounds = [token.time for token in tokens if isinstance(token, Watermark)]
     assert bounds == sorted(bounds)
     assert bounds[-1] == END
     assert len(bounds) < 5000
 
 
 def test_a_full_socket_wakes_the_writer_when_the_reader_made_room(ring: Ring) -> None:
-    for bound in range(5000):
-        ring.writer.send(Settled(bound))
+    for time in range(5000):
+        ring.writer.send(Watermark(time))
     ready = select.poll()
     ready.register(ring.writer.filenos()[0], select.POLLIN)
     assert not ready.poll(0)

@@ -10,10 +10,10 @@ from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.messages import identical
 from followspot.tracking import Blobs, Frame
-from followspot.transport.doorbell import DOORBELL, INLINE, SLOT
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import END, Invalid, Settled
+from followspot.transport.ring.notification import DOORBELL, INLINE, SLOT
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import END, Invalid, Watermark
 
 
 @pytest.fixture
@@ -44,16 +44,16 @@ def test_what_was_sent_before_the_writer_died_arrives_and_then_it_is_lost(ring: 
 
 
 def test_an_ended_stream_is_not_lost(ring: Ring) -> None:
-    ring.writer.send(Settled(END))
+    ring.writer.send(Watermark(END))
     assert ring.writer.flush()
     ring.writer.close()
-    assert ring.readers[0].poll() == [Settled(END)]
+    assert ring.readers[0].poll() == [Watermark(END)]
     assert ring.readers[0].poll() == []
     assert not ring.readers[0].lost
 
 
 def test_a_reader_that_leaves_after_the_end_is_not_lost(ring: Ring) -> None:
-    ring.writer.send(Settled(END))
+    ring.writer.send(Watermark(END))
     ring.readers[0].poll()
     ring.readers[0].close()
     ring.writer.drain()

@@ -18,12 +18,21 @@ from tests.core.transport.rings import DEPTH, Ring, frame, messages
 
 from followspot.messages import Message, identical
 from followspot.tracking import Frame
-from followspot.transport.control import ARENAS, Control
-from followspot.transport.doorbell import ARENA, DOORBELL, HELLO, INLINE, MAX_SLOT, MAX_SLOTS, SETTLED, SLOT
-from followspot.transport.memory import Memory
-from followspot.transport.ring_reader import RingReader
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.token import ABSENT, END, MAX_BOUND, MAX_COUNT, Settled, Token
+from followspot.transport.ring.control import ARENAS, Control
+from followspot.transport.ring.memory import Memory
+from followspot.transport.ring.notification import (
+    ARENA,
+    DOORBELL,
+    HELLO,
+    INLINE,
+    MAX_SLOT,
+    MAX_SLOTS,
+    SLOT,
+    WATERMARK,
+)
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.transport.token import ABSENT, END, MAX_COUNT, MAX_WATERMARK, Token, Watermark
 
 EXTREME = (2**63 - 1, -(2**63), -1, MAX_COUNT + 1)
 
@@ -85,18 +94,18 @@ def test_numbers_of_messages_that_cannot_be_next_are_refused(ring: Hostile, kind
     ring.alive(1)
 
 
-@pytest.mark.parametrize("bound", [MAX_BOUND + 1, ABSENT - 1, -MAX_BOUND - 1, -(2**63)])
-def test_bounds_that_no_message_leads_to_are_refused(ring: Hostile, bound: int) -> None:
-    ring.say(SETTLED, 0, 0, 0, bound)
+@pytest.mark.parametrize("time", [MAX_WATERMARK + 1, ABSENT - 1, -MAX_WATERMARK - 1, -(2**63)])
+def test_bounds_that_no_message_leads_to_are_refused(ring: Hostile, time: int) -> None:
+    ring.say(WATERMARK, 0, 0, 0, time)
     assert ring.reader.strangers == 1
     assert not ring.reader._ended
     ring.alive()
 
 
-@pytest.mark.parametrize("bound", [MAX_BOUND, -MAX_BOUND, ABSENT, END])
-def test_bounds_that_can_be_meant_pass(ring: Hostile, bound: int) -> None:
-    ring.writer.send(Settled(bound))
-    assert ring.reader.poll() == [Settled(bound)]
+@pytest.mark.parametrize("time", [MAX_WATERMARK, -MAX_WATERMARK, ABSENT, END])
+def test_bounds_that_can_be_meant_pass(ring: Hostile, time: int) -> None:
+    ring.writer.send(Watermark(time))
+    assert ring.reader.poll() == [Watermark(time)]
 
 
 @pytest.mark.parametrize(
@@ -111,7 +120,7 @@ def test_bounds_that_can_be_meant_pass(ring: Hostile, bound: int) -> None:
         (0, 0, 0, 0, 0),
         (255, 255, 65535, 2**32 - 1, 2**63 - 1),
         (INLINE, 0, 0, 0, 1),  # nothing brings memory but the two that need it
-        (SETTLED, 0, 0, 0, 7),
+        (WATERMARK, 0, 0, 0, 7),
     ],
 )
 def test_memory_that_no_writer_gives_is_refused_and_let_go_of(ring: Hostile, words: tuple[int, ...]) -> None:

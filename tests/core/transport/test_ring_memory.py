@@ -13,8 +13,8 @@ from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.messages import Array, Header, Message, column, identical, seal, stamped
 from followspot.tracking import Frame
-from followspot.transport.ring_writer import RingWriter
-from followspot.transport.slots import Slots
+from followspot.transport.ring.slots import Slots
+from followspot.transport.ring.writer import RingWriter
 
 
 class Stereo(Message):

@@ -27,13 +27,13 @@ from followspot.messages import (
 )
 from followspot.tracking import Blobs, Forecast, Frame, Pairs
 from followspot.transport.codec import Codec, codec_of, pack, unpack
-from followspot.transport.token import ABSENT, END, MAX_BOUND, Settled
+from followspot.transport.token import ABSENT, END, MAX_WATERMARK, Watermark
 from followspot.transport.wire import ALIGN, MAX_HEAD, aligned, unpack_head
 
 INT64 = st.integers(-END, END)
 TIMES = st.integers(-MAX_TIME, MAX_TIME)
 HEADERS = st.builds(Header, st.text(max_size=20), st.integers(0, MAX_SEQ), TIMES, TIMES)
-BOUNDS = st.integers(-MAX_BOUND, MAX_BOUND) | st.sampled_from((ABSENT, END))
+BOUNDS = st.integers(-MAX_WATERMARK, MAX_WATERMARK) | st.sampled_from((ABSENT, END))
 
 
 class Sample(Message):
@@ -95,8 +95,8 @@ def test_any_message_arrives_bit_for_bit(message: Sample) -> None:
 
 
 @given(BOUNDS)
-def test_any_settled_time_arrives(bound: int) -> None:
-    assert unpack(pack(Settled(bound)), Blobs) == Settled(bound)
+def test_any_settled_time_arrives(time: int) -> None:
+    assert unpack(pack(Watermark(time)), Blobs) == Watermark(time)
 
 
 def test_arrays_arrive_aligned_contiguous_and_read_only() -> None:
@@ -195,8 +195,8 @@ def test_a_wrong_size_is_invalid() -> None:
     for wrong in (b"", data[:3], data[:40], data[:-64], data[:-1], data + bytes(64), data + b"\0"):
         with pytest.raises(InvalidMessage):
             unpack(wrong, Blobs)
-    with pytest.raises(InvalidMessage, match="settled"):
-        unpack(pack(Settled(5)) + bytes(64), Blobs)
+    with pytest.raises(InvalidMessage, match="watermark"):
+        unpack(pack(Watermark(5)) + bytes(64), Blobs)
 
 
 def test_another_version_is_invalid_and_both_are_named() -> None:
@@ -247,7 +247,7 @@ def test_a_type_that_is_not_plain_numbers_has_no_codec() -> None:
 def test_ten_thousand_mutated_messages_are_invalid_or_valid_never_a_crash(seed: int) -> None:
     """500 mutations of each of 20 examples: bits flipped, pieces cut, doubled and overwritten."""
     rng = random.Random(seed)
-    originals = [pack(blobs()), pack(blobs(0, 0)), pack(Settled(12))]
+    originals = [pack(blobs()), pack(blobs(0, 0)), pack(Watermark(12))]
     for _ in range(500):
         data = bytearray(rng.choice(originals))
         for _ in range(rng.randint(1, 4)):
@@ -262,7 +262,7 @@ def test_ten_thousand_mutated_messages_are_invalid_or_valid_never_a_crash(seed: 
                 case _:
                     data[at : at + 4] = rng.randbytes(4)
         with contextlib.suppress(InvalidMessage):
-            assert isinstance(unpack(bytes(data), Blobs), Blobs | Settled)
+            assert isinstance(unpack(bytes(data), Blobs), Blobs | Watermark)
 
 
 def test_a_scalar_of_numpy_is_a_plain_one_on_every_kind_of_edge() -> None:

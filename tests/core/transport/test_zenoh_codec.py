@@ -16,8 +16,8 @@ from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, Header, InvalidMessage, identical, seal, stamped
 from followspot.tracking import Blobs, Frame
 from followspot.transport.codec import pack
-from followspot.transport.token import Settled
-from followspot.transport.zenoh_codec import pack_as, unpack_as
+from followspot.transport.token import Watermark
+from followspot.transport.zenoh.codec import pack_as, unpack_as
 
 
 def picture(height: int, width: int, channels: int, seed: int = 0) -> Array:
@@ -56,7 +56,7 @@ def test_what_is_no_picture_is_never_changed(codec: EdgeCodec) -> None:
     found = unpack_as(pack_as(message, codec), Blobs)
     assert isinstance(found, Blobs)
     assert identical(found, message)
-    assert unpack_as(pack_as(Settled(9), codec), Blobs) == Settled(9)
+    assert unpack_as(pack_as(Watermark(9), codec), Blobs) == Watermark(9)
 
 
 @pytest.mark.parametrize(("codec", "way"), [("lossless", 1), ("jpeg", 2)])

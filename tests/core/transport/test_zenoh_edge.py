@@ -19,12 +19,12 @@ from hosts import free_port
 from followspot.errors import FollowspotError
 from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.tracking import Blobs, Frame
-from followspot.transport.bell import Bell
 from followspot.transport.codec import pack
 from followspot.transport.keys import reader_key
-from followspot.transport.token import END, Invalid, Settled, Token
-from followspot.transport.zenoh_edge import ZenohReader, ZenohWriter, locators, open_session
-from followspot.transport.zenoh_terms import CREDIT, NUMBER, WINDOW
+from followspot.transport.token import END, Invalid, Token, Watermark
+from followspot.transport.wakeup_event import WakeupEvent
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
+from followspot.transport.zenoh.terms import CREDIT, NUMBER, WINDOW
 
 KEY = "test/camera/cam0/out"
 NAME = "color/cam0.frame"
@@ -94,7 +94,7 @@ def frame(number: int) -> Frame:
 def test_both_ends_may_share_a_session(pair: Pair) -> None:
     for number in range(DEPTH):
         pair.writer.send(frame(number))
-    pair.writer.send(Settled(END))
+    pair.writer.send(Watermark(END))
     assert pair.writer.credit() == 0
     tokens = arrived(pair.reader, DEPTH + 1)
     assert all(isinstance(t, Message) and identical(t, frame(n)) for n, t in enumerate(tokens[:DEPTH]))
@@ -106,7 +106,7 @@ def test_both_ends_may_share_a_session(pair: Pair) -> None:
 
 
 def test_the_writer_is_not_done_before_the_end_was_read(pair: Pair) -> None:
-    pair.writer.send(Settled(END))
+    pair.writer.send(Watermark(END))
     assert not pair.writer.flush()
     arrived(pair.reader, 1)
     until(pair.finished)
@@ -211,19 +211,19 @@ def test_lost_and_broken_messages_are_invalid_in_their_place(pair: Pair) -> None
 
 
 def test_settled_times_that_never_came_are_no_loss(pair: Pair) -> None:
-    pair.intruder(KEY).put(pack(Settled(7)), attachment=NUMBER.pack(0, 5, 0))
-    assert arrived(pair.reader, 1) == [Settled(7)]
+    pair.intruder(KEY).put(pack(Watermark(7)), attachment=NUMBER.pack(0, 5, 0))
+    assert arrived(pair.reader, 1) == [Watermark(7)]
 
 
 def test_a_full_window_holds_back_and_merges_settled_times_in_order(pair: Pair) -> None:
-    for bound in range(WINDOW + 50):
-        pair.writer.send(Settled(bound))
+    for number in range(WINDOW + 50):
+        pair.writer.send(Watermark(number))
     assert pair.writer.credit() == 0
     tokens = arrived(pair.reader, WINDOW)
     until(lambda: pair.writer.credit() == DEPTH)
     pair.writer.send(frame(0))
     tokens += arrived(pair.reader, 2)
-    assert tokens[: WINDOW + 1] == [*map(Settled, range(WINDOW)), Settled(WINDOW + 49)]
+    assert tokens[: WINDOW + 1] == [*map(Watermark, range(WINDOW)), Watermark(WINDOW + 49)]
     assert isinstance(tokens[-1], Message)
 
 
@@ -343,7 +343,7 @@ def test_peers_of_one_peer_find_each_other() -> None:
 
 def test_closing_twice_or_after_the_session_harms_nobody(pair: Pair) -> None:
     pair.session.close()  # type: ignore[no-untyped-call]
-    pair.writer.send(Settled(5))
+    pair.writer.send(Watermark(5))
     pair.reader.consumed()
     for _ in range(2):
         pair.writer.close()
@@ -352,7 +352,7 @@ def test_closing_twice_or_after_the_session_harms_nobody(pair: Pair) -> None:
 
 def test_a_process_that_closes_its_edges_exits() -> None:
     script = (
-        "from followspot.transport.zenoh_edge import *; from followspot.tracking import Frame;"
+        "from followspot.transport.zenoh.edge import *; from followspot.tracking import Frame;"
         "session = open_session(); writer = ZenohWriter(session, 'k', {'r': ''}, 4);"
         "reader = ZenohReader(session, 'k', 'r', Frame, 4); writer.close(); reader.close(); session.close()"
     )
@@ -360,12 +360,12 @@ def test_a_process_that_closes_its_edges_exits() -> None:
 
 
 def test_a_signal_handler_may_ring_a_bell_that_its_thread_is_about_to_close() -> None:
-    bell = Bell()
+    wakeup = WakeupEvent()
 
     def interrupted() -> None:
-        with bell._lock:  # as `close` does
-            bell.ring()
-        bell.close()
+        with wakeup._lock:  # as `close` does
+            wakeup.set()
+        wakeup.close()
 
     closing = threading.Thread(target=interrupted, daemon=True)
     closing.start()
@@ -374,12 +374,12 @@ def test_a_signal_handler_may_ring_a_bell_that_its_thread_is_about_to_close() ->
 
 
 def test_a_closed_bell_does_not_touch_the_next_owner_of_its_descriptor() -> None:
-    bell = Bell()
-    number = bell.fileno()
-    bell.close()
-    other = Bell()
+    wakeup = WakeupEvent()
+    number = wakeup.fileno()
+    wakeup.close()
+    other = WakeupEvent()
     assert other.fileno() == number
-    bell.ring()
+    wakeup.set()
     with pytest.raises(BlockingIOError):
         os.eventfd_read(number)
     other.close()

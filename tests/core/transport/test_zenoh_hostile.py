@@ -12,8 +12,8 @@ from tests.core.transport.test_zenoh_edge import DEPTH, KEY, SAID, Pair, arrived
 
 from followspot.messages import MAX_SEQ, MAX_TIME, Header, identical, stamped
 from followspot.transport.codec import pack
-from followspot.transport.token import ABSENT, END, MAX_BOUND, MAX_COUNT, Invalid, Settled
-from followspot.transport.zenoh_terms import CREDIT, NUMBER, START, WINDOW
+from followspot.transport.token import ABSENT, END, MAX_COUNT, MAX_WATERMARK, Invalid, Watermark
+from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, WINDOW
 
 READER = "color%2Fcam0.frame"
 EXTREME = (2**63, 2**64 - 1, 2**63 - 1, MAX_COUNT + 1)
@@ -30,7 +30,7 @@ def alive(pair: Pair) -> None:
     """A good message still passes, and its credit comes back."""
     pair.writer.send(frame(7))
     (token,) = arrived(pair.reader, 1)
-    assert not isinstance(token, Settled | Invalid)
+    assert not isinstance(token, Watermark | Invalid)
     assert identical(token, frame(7))
     pair.reader.consumed()
     until(lambda: pair.writer.credit() == DEPTH)
@@ -109,18 +109,18 @@ def test_the_ends_of_the_range_pass(pair: Pair, seq: int, time: int) -> None:
     given = stamped(frame(1), Header("camera/cam0", seq, time, time))
     pair.writer.send(given)
     (token,) = arrived(pair.reader, 1)
-    assert not isinstance(token, Settled | Invalid)
+    assert not isinstance(token, Watermark | Invalid)
     assert identical(token, given)
 
 
-@pytest.mark.parametrize("bound", [MAX_BOUND + 1, ABSENT - 1, -MAX_BOUND - 1, -END])
-def test_a_bound_that_no_message_leads_to_is_refused(pair: Pair, bound: int) -> None:
-    pair.intruder(KEY).put(pack(Settled(bound)), attachment=NUMBER.pack(0, 0, 1))
+@pytest.mark.parametrize("time", [MAX_WATERMARK + 1, ABSENT - 1, -MAX_WATERMARK - 1, -END])
+def test_a_bound_that_no_message_leads_to_is_refused(pair: Pair, time: int) -> None:
+    pair.intruder(KEY).put(pack(Watermark(time)), attachment=NUMBER.pack(0, 0, 1))
     (token,) = arrived(pair.reader, 1)
     assert isinstance(token, Invalid)
 
 
-@pytest.mark.parametrize("bound", [MAX_BOUND, -MAX_BOUND, ABSENT, END])
-def test_bounds_within_the_range_the_absence_and_the_end_pass(pair: Pair, bound: int) -> None:
-    pair.writer.send(Settled(bound))
-    assert arrived(pair.reader, 1) == [Settled(bound)]
+@pytest.mark.parametrize("time", [MAX_WATERMARK, -MAX_WATERMARK, ABSENT, END])
+def test_bounds_within_the_range_the_absence_and_the_end_pass(pair: Pair, time: int) -> None:
+    pair.writer.send(Watermark(time))
+    assert arrived(pair.reader, 1) == [Watermark(time)]

@@ -9,7 +9,7 @@ import zenoh
 from hosts import free_port
 from tests.promises.cable import Cable, session
 
-from followspot.transport.zenoh_session import close_session
+from followspot.transport.zenoh.session import close_session
 
 
 @pytest.mark.thorough

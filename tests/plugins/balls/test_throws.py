@@ -15,8 +15,8 @@ from followspot.messages import seal, stamped
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot.tracking import Blobs, ImageTracks
-from followspot_balls.throws import Throws
-from followspot_balls.throws_parabola import bend, residual
+from followspot_balls.throws.parabola import bend, residual
+from followspot_balls.throws.stage import Throws
 
 REPOSITORY = Path(__file__).parents[3]
 THROWS = REPOSITORY / "../shared/data/balls-thrown-room"

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from followspot_persons.color_difference import OBSERVATION, ColorRelations, completed, shipped_relations
-from followspot_persons.color_model import FIRST_VARIANCE, ColorModel, learnt
+from followspot_persons.color.difference import OBSERVATION, ColorRelations, completed, shipped_relations
+from followspot_persons.color.model import FIRST_VARIANCE, ColorModel, learnt
 from followspot_persons.hsi import from_plane, hsi, plane
 from followspot_persons.identity import same_person
 from followspot_persons.shape import shipped_shape

@@ -13,11 +13,11 @@ from followspot.files import DATA
 from followspot.messages import Header, stamped
 from followspot.stage import Context
 from followspot.tracking import Frame
-from followspot_persons.hog import Hog
-from followspot_persons.hog_cells import LOOKS, looks
-from followspot_persons.hog_model import DIRECTIONS, SHIPPED, judge, load, save, trusted
-from followspot_persons.hog_search import groups, nesting, outermost, overlap
-from followspot_persons.hog_window import BODY, HEIGHT, WIDTH, cut
+from followspot_persons.hog.cells import LOOKS, looks
+from followspot_persons.hog.model import DIRECTIONS, SHIPPED, judge, load, save, trusted
+from followspot_persons.hog.search import groups, nesting, outermost, overlap
+from followspot_persons.hog.stage import Hog
+from followspot_persons.hog.window import BODY, HEIGHT, WIDTH, cut
 from followspot_persons.people_detector import PeopleDetector
 
 SHARED = Path(__file__).parents[4] / "shared/data"

@@ -13,11 +13,11 @@ from followspot.people import Appearances, Boxes, Gradients
 from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.body_view import HEADING, view
-from followspot_persons.color_difference import shipped_relations
-from followspot_persons.color_model import ColorModel
+from followspot_persons.color.difference import shipped_relations
+from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.girth import girths_of
-from followspot_persons.hog_likelihood import heading_log_likelihood
+from followspot_persons.hog.likelihood import heading_log_likelihood
 from followspot_persons.hsi import from_plane
 from followspot_persons.identity import same_person
 from followspot_persons.look import Look

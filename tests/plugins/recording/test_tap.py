@@ -14,8 +14,8 @@ from followspot import Context
 from followspot.messages import Header, Message, stamped
 from followspot.tracking import Frame
 from followspot.wire import unpack
-from followspot_recording import courier
-from followspot_recording.courier import HEAD, parcel_of, parcels
+from followspot_recording import record_sender
+from followspot_recording.record_sender import HEAD, framed_record, framed_records
 from followspot_recording.tap import RecordingTap
 
 PIXELS = np.arange(48 * 64 * 3, dtype="u1").reshape(48, 64, 3)
@@ -49,7 +49,7 @@ def test_every_message_arrives_with_its_number(door: socket.socket, tmp_path: Pa
     sender, _ = door.accept()
     for each in taps:
         each.close()
-    found = list(parcels(sender))
+    found = list(framed_records(sender))
     assert [(port, number) for port, number, _ in found] == [
         (each.port, number) for number in range(5) for each in taps
     ]
@@ -62,18 +62,18 @@ def test_every_message_arrives_with_its_number(door: socket.socket, tmp_path: Pa
 def test_a_recorder_that_does_not_read_holds_up_nobody_and_takes_bounded_memory(
     door: socket.socket, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(courier, "MAX_WAITING", 20 * PIXELS.nbytes)
+    monkeypatch.setattr(record_sender, "MAX_WAITING", 20 * PIXELS.nbytes)
     made = tap(tmp_path, "camera/cam0.out")
     for number in range(400):
         made.process(frame(number))
-    assert made.courier is not None
-    assert made.courier._bytes <= 20 * PIXELS.nbytes
+    assert made.sender is not None
+    assert made.sender._bytes <= 20 * PIXELS.nbytes
     sender, _ = door.accept()
     numbers = []
     closing = Thread(target=made.close)
-    for _, number, _ in parcels(sender):
+    for _, number, _ in framed_records(sender):
         numbers.append(number)
-        if closing.ident is None and made.courier._bytes < 10 * PIXELS.nbytes:  # there is room again
+        if closing.ident is None and made.sender._bytes < 10 * PIXELS.nbytes:  # there is room again
             made.process(frame(400))
             closing.start()
     closing.join()
@@ -126,13 +126,13 @@ def test_a_tap_on_another_host_sends_while_somebody_records_there() -> None:
     with pytest.raises(EOFError):
         made.process(frame(3))
     made.close()
-    found = [parcel_of(packet) for packet in post.packets]
-    assert [parcel[:2] for parcel in found if parcel] == [("camera/cam0.out", 0), ("camera/cam0.out", 1)]
+    found = [framed_record(packet) for packet in post.packets]
+    assert [record[:2] for record in found if record] == [("camera/cam0.out", 0), ("camera/cam0.out", 1)]
     message = unpack(found[0][2], Frame) if found[0] else None
     assert isinstance(message, Frame)
     assert message.header.seq == 1
     for junk in (b"", b"x" * 20, post.packets[0][:-1], HEAD.pack(0, 0, 9)):
-        assert parcel_of(junk) is None
+        assert framed_record(junk) is None
 
 
 def test_a_parcel_that_is_cut_off_is_left_out_and_one_that_cannot_be_is_refused() -> None:
@@ -140,9 +140,9 @@ def test_a_parcel_that_is_cut_off_is_left_out_and_one_that_cannot_be_is_refused(
     with ours, theirs:
         theirs.sendall(HEAD.pack(4, 0, 1) + b"a" + b"1234" + HEAD.pack(100, 1, 1) + b"a" + b"12")
         theirs.shutdown(socket.SHUT_WR)
-        assert list(parcels(ours)) == [("a", 0, b"1234")]
+        assert list(framed_records(ours)) == [("a", 0, b"1234")]
     ours, theirs = socket.socketpair()
     with ours, theirs:
         theirs.sendall(HEAD.pack((1 << 32) - 1, 0, 1))
         with pytest.raises(ValueError, match="bytes"):
-            list(parcels(ours))
+            list(framed_records(ours))

@@ -24,7 +24,7 @@ import numpy as np
 
 from followspot import Context, Message, Room, Stage, room_file
 from followspot.plugins.registry import load_stage
-from followspot_sim.actor_visibility import coarser
+from followspot_sim.actor.visibility import coarser
 
 
 def build(room: Room, name: str, frames: int) -> Stage:

@@ -16,15 +16,15 @@ from followspot.accuracy import read_pose_truth_csv
 from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.messages import Header, seal
-from followspot_sim.actor_body import SKULL
-from followspot_sim.actor_camera import PersonCamera
-from followspot_sim.actor_cast import cast_of
-from followspot_sim.actor_paint import in_picture, patches
-from followspot_sim.actor_parameters import ActorParams
-from followspot_sim.actor_picture import ActorPicture
-from followspot_sim.actor_pose import Stance, posed
-from followspot_sim.actor_truth import PoseTruthOfActors
-from followspot_sim.actor_visibility import Onlooker
+from followspot_sim.actor.body import SKULL
+from followspot_sim.actor.camera import PersonCamera
+from followspot_sim.actor.cast import cast_of
+from followspot_sim.actor.paint import in_picture, patches
+from followspot_sim.actor.parameters import ActorParams
+from followspot_sim.actor.picture import ActorPicture
+from followspot_sim.actor.pose import Stance, posed
+from followspot_sim.actor.truth import PoseTruthOfActors
+from followspot_sim.actor.visibility import Onlooker
 
 ROOMS = Path(__file__).parents[3] / "graphs/rooms"
 AHEAD = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
@@ -186,8 +186,8 @@ def test_the_same_seed_gives_the_same_pixels_in_another_process_and_order():
     program = (
         "import sys, hashlib, numpy as np\n"
         "from followspot import room_file\n"
-        "from followspot_sim.actor_parameters import ActorParams\n"
-        "from followspot_sim.actor_picture import ActorPicture\n"
+        "from followspot_sim.actor.parameters import ActorParams\n"
+        "from followspot_sim.actor.picture import ActorPicture\n"
         "room = room_file.load(sys.argv[1])\n"
         "picture = ActorPicture(ActorParams(**room.cameras['left'].source.params), room.cameras['left'])\n"
         "pixels = np.empty(picture.shape, np.uint8)\n"

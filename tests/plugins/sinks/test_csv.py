@@ -9,8 +9,8 @@ from followspot import Context, FollowspotError, Header, InputError, Room, Targe
 from followspot.accuracy import read_tracks_csv
 from followspot.messages import stamped
 from followspot.tracking import Blobs, Tracks
-from followspot_sinks.csv_blobs import CsvBlobs
-from followspot_sinks.csv_tracks import CsvTracks
+from followspot_sinks.csv_files.blobs import CsvBlobs
+from followspot_sinks.csv_files.tracks import CsvTracks
 
 ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})
 

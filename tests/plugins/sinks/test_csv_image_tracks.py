@@ -7,7 +7,7 @@ import numpy as np
 from followspot import Context, Header, Room, Target
 from followspot.messages import stamped
 from followspot.tracking import ImageTracks
-from followspot_sinks.csv_image_tracks import CsvImageTracks
+from followspot_sinks.csv_files.image_tracks import CsvImageTracks
 
 ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})
 

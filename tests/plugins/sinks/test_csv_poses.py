@@ -10,7 +10,7 @@ from followspot.accuracy import read_pose_truth_csv, read_poses_csv
 from followspot.messages import stamped
 from followspot.people import Poses
 from followspot.testing import check_stage
-from followspot_sinks.csv_poses import CsvPoses, as_seen
+from followspot_sinks.csv_files.poses import CsvPoses, as_seen
 
 PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"
 needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")

@@ -14,8 +14,8 @@ from followspot.messages import Header, seal, stamped
 from followspot.people import Poses, PoseTruth
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
-from followspot_sinks.rerun_scene import entity_of
-from followspot_sinks.rerun_viewer import Rerun
+from followspot_sinks.rerun.scene import entity_of
+from followspot_sinks.rerun.viewer import Rerun
 
 ROOM = tiny_room()
 XYZ = np.array([[0.0, 0.1, 1.0], [np.nan, 0.0, 0.0]])

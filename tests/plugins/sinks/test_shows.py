@@ -20,7 +20,7 @@ from followspot.messages import stamped
 from followspot.people import Poses
 from followspot.tracking import Tracks
 from followspot_sinks.osc import Osc, OscPoses
-from followspot_sinks.psn import Psn, PsnPoses, axes_matrix
+from followspot_sinks.psn.stage import Psn, PsnPoses, axes_matrix
 from followspot_sinks.slots import PersonSlots
 from followspot_sinks.udp_json import UdpJson
 

@@ -14,7 +14,7 @@ from followspot.geometry import project
 from followspot.messages import Array
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import similarity
-from followspot_calibrate.wand.growing import zoomed
+from followspot_calibrate.wand.incremental_sfm import zoomed
 
 SIZE = (640, 480)
 

@@ -11,12 +11,12 @@ import pytest
 
 from followspot import Room, room_file
 from followspot.cli.main import main
-from followspot.deploy.launch import run_plan
-from followspot.deploy.truth import run_scores
 from followspot.graph.compile import compile_graph
 from followspot.messages import Array
+from followspot.operator.launch import run_plan
+from followspot.operator.truth import run_scores
 from followspot.room import StageUse
-from followspot.runtime.wiring import RunOptions
+from followspot.worker.wiring import RunOptions
 from followspot_calibrate.clocks.command import with_offsets
 from followspot_calibrate.tracked import detectors
 from followspot_sim.recording import clock_offset_of, parameters_of, record

@@ -14,8 +14,8 @@ from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import similarity
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.solving import Solved, solve
-from followspot_calibrate.wand.telling import warnings_of
 
 NOISE = 0.4
 """px; from 4 m and with a focal length of 450 px, one sighting is 3.6 mm off."""

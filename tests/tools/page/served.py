@@ -15,10 +15,15 @@ from urllib.parse import urlsplit
 import numpy as np
 from websockets.sync.client import ClientConnection, connect
 
-from followspot.deploy.changes.changed import Changed, ChangedStage
-from followspot.deploy.dispatch import Dispatcher
-from followspot.deploy.reachable import reachable
-from followspot.deploy.run_requests import (
+from followspot.control.dispatch import Dispatcher
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+from followspot.messages import Header, Message, stamped
+from followspot.operator.changed import Changed, ChangedStage
+from followspot.operator.control_socket import reachable
+from followspot.operator.run_requests import (
     ChangeStages,
     GetPlan,
     GetStatus,
@@ -26,12 +31,7 @@ from followspot.deploy.run_requests import (
     PlaceTaps,
     Surroundings,
 )
-from followspot.deploy.status import RunStatus
-from followspot.errors import FollowspotError
-from followspot.graph.compile import compile_graph
-from followspot.graph.plan import Plan
-from followspot.graph.ship import plan_to_data
-from followspot.messages import Header, Message, stamped
+from followspot.operator.run_status import RunStatus
 from followspot.tracking import Tracks
 from followspot_dashboard.gate import Gate
 from followspot_dashboard.line import Line

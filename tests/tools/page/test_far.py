@@ -14,8 +14,8 @@ from followspot.messages import Header, Message, stamped
 from followspot.room import Room
 from followspot.tracking import Blobs, Frame
 from followspot.transport.keys import look_key
-from followspot.transport.zenoh_post import ZenohPost
-from followspot.transport.zenoh_session import locators, open_session
+from followspot.transport.zenoh.post import ZenohPost
+from followspot.transport.zenoh.session import locators, open_session
 from followspot_dashboard.line import packet, read
 from followspot_dashboard.tap import Tap
 from followspot_page.far import FarPreviews

@@ -13,14 +13,14 @@ import pytest
 from browser import CHROMIUM, Browser, browser
 from served import GRAPH, Shown, at, served, tracks
 
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.status import RunStatus, SeenHost
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.messages import Message
-from followspot.runtime.ledger import COLUMNS
-from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
+from followspot.operator.run_status import RunStatus, SeenHost
 from followspot.tracking import Frame
+from followspot.worker.ledger import COLUMNS
 from followspot_dashboard.picture import picture_of
 from followspot_page import metrics
 from followspot_watch.picture_of_run import RunPicture

@@ -18,14 +18,14 @@ from served import Shown, at, served, tracks
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.status import RunStatus
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
-from followspot.runtime.stage_status import EdgeAge, PathStatus, StageStatus
+from followspot.operator.run_status import RunStatus
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
+from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.gate import WATCHED, make_gate
 from followspot_dashboard.picture import picture_of
 from followspot_page.page import Page

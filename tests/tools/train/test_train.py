@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from followspot import InputError
 from followspot.cli.main import main
-from followspot_persons.hog_model import DIRECTIONS, OUTPUTS, load, trusted
+from followspot_persons.hog.model import DIRECTIONS, OUTPUTS, load, trusted
 from followspot_train import figures, linear, network, recipe, svm
 from followspot_train.pictures import Background, Person, Pictures, read_folder
 

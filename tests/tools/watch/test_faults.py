@@ -10,22 +10,22 @@ from typing import Any
 
 import pytest
 
-from followspot.deploy.dispatch import Request
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.run_handle import NoAnswer, RunHandle
-from followspot.deploy.run_requests import GetPlan, GetStatus
-from followspot.deploy.status import RunStatus, SeenHost
+from followspot.control.dispatch import Request
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
-from followspot.runtime.ledger import COLUMNS
-from followspot.runtime.stage_status import PathStatus, StageStatus
+from followspot.operator.run_handle import NoAnswer, RunHandle
+from followspot.operator.run_requests import GetPlan, GetStatus
+from followspot.operator.run_status import RunStatus, SeenHost
+from followspot.worker.ledger import COLUMNS
 from followspot_dashboard.meter import Rhythm
 from followspot_watch import hz
-from followspot_watch.ear import HeardPort
 from followspot_watch.echo import Warner
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.screen import screenful
+from followspot_watch.tap_subscriber import HeardPort
 from followspot_watch.top import text
 
 PLAN = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml", placement="stage")

@@ -10,17 +10,17 @@ from pathlib import Path
 import pytest
 
 from followspot.cli.main import main
-from followspot.deploy.dispatch import Dispatcher
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.log.file import LogFile
-from followspot.deploy.log.record import LogPage, LogRecord
-from followspot.deploy.log.run_log import RunLog
-from followspot.deploy.reachable import reachable
-from followspot.deploy.run_requests import GetLog, GetPlan, GetStatus, GetSurroundings, Surroundings
-from followspot.deploy.status import RunStatus
+from followspot.control.dispatch import Dispatcher
+from followspot.control.host import WorkerStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
+from followspot.log.file import LogFile
+from followspot.log.record import LogPage, LogRecord
+from followspot.log.run_log import RunLog
+from followspot.operator.control_socket import reachable
+from followspot.operator.run_requests import GetLog, GetPlan, GetStatus, GetSurroundings, Surroundings
+from followspot.operator.run_status import RunStatus
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 NAME = f"{os.getpid():x}10ca1"

@@ -15,22 +15,22 @@ import numpy as np
 import pytest
 
 from followspot.cli.main import build_parser
-from followspot.deploy.dispatch import Dispatcher
-from followspot.deploy.host import WorkerStatus
-from followspot.deploy.reachable import reachable
-from followspot.deploy.run_requests import GetPlan, GetStatus, GetSurroundings, PlaceTaps, Surroundings
-from followspot.deploy.status import RunStatus
+from followspot.control.dispatch import Dispatcher
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import PathStatus, StageStatus
+from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
+from followspot.operator.control_socket import reachable
+from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, PlaceTaps, Surroundings
+from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
-from followspot.runtime.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
-from followspot.runtime.stage_status import PathStatus, StageStatus
-from followspot.runtime.tapping import Tapping
 from followspot.stage import Context
 from followspot.tracking import Blobs, Frame, Tracks
+from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
 from followspot_watch.screen import screenful

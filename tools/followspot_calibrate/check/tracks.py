@@ -9,10 +9,10 @@ import numpy as np
 
 from followspot import Room
 from followspot.accuracy import TrackTable, read_tracks_csv
-from followspot.deploy.truth import TRACKS
 from followspot.errors import InputError, Mistake
 from followspot.geometry import Views
 from followspot.messages import Array
+from followspot.operator.truth import TRACKS
 from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, moments_at, read_blobs
 
 REACH = 0.03

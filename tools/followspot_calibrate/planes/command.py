@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from followspot import Room
-from followspot.deploy.summary import table
 from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
 from followspot.messages import Array
+from followspot.operator.summary import table
 from followspot.room_file import load, update
 from followspot_calibrate.planes.dots import find_marks
 from followspot_calibrate.planes.fit import FittedPlane, fit_plane

@@ -14,7 +14,7 @@ from followspot_calibrate.adjust import Free, Prior, Progress, adjust
 from followspot_calibrate.places import Places
 from followspot_calibrate.refine.planes import as_seen
 from followspot_calibrate.similarity import Similarity, on_a_line, similarity
-from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
+from followspot_calibrate.wand.rounds import SCALE, Watermark, chosen
 
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
 """What is adjusted."""
@@ -35,8 +35,8 @@ class Refinement:
     """
 
     pixel: Array
-    before: Settled
-    after: Settled
+    before: Watermark
+    after: Watermark
     planes: Mapping[str, Array]
 
 
@@ -66,7 +66,7 @@ def refine(
     return Refinement(pixel, before, after, as_seen(planes, cameras, after.cameras, after.points))
 
 
-def require_sightings(settled: Settled) -> None:
+def require_sightings(settled: Watermark) -> None:
     """Raises FollowspotError that names every camera with too few sightings that fit."""
     counts = settled.used.sum(axis=0).tolist()
     few = [
@@ -79,7 +79,7 @@ def require_sightings(settled: Settled) -> None:
         raise FollowspotError("\n".join(few))
 
 
-def prior_of(settled: Settled) -> Prior:
+def prior_of(settled: Watermark) -> Prior:
     """How far off cameras may be that contradict each other by so much: each cause moves pixels alike."""
     pixels = SCALE * settled.sigma / np.sqrt(CAUSES)
     rows = []

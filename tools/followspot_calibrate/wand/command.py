@@ -24,12 +24,12 @@ from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.similarity import on_a_line
 from followspot_calibrate.wand.alignment import Alignment, onto_centers, onto_itself, onto_marker
 from followspot_calibrate.wand.bulb import find_bulb
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.page import page_of
 from followspot_calibrate.wand.places import read_centers, read_marker
 from followspot_calibrate.wand.result import Calibrated, as_json, summary
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import with_targets
-from followspot_calibrate.wand.telling import warnings_of
 from followspot_calibrate.wand.timing import with_offsets
 
 LARGEST = 1 << 15

@@ -13,8 +13,8 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, Progress
 from followspot_calibrate.sightings import Sightings
-from followspot_calibrate.wand.growing import Beginning, Grown, grow
 from followspot_calibrate.wand.hazards.planar import REMEDY, in_a_plane
+from followspot_calibrate.wand.incremental_sfm import Beginning, Grown, grow
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 
 BENDS = (0.1, 0.05, 0.0, -0.05, -0.1, -0.15, -0.2, -0.25, -0.3, -0.4)

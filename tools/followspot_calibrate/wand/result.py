@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from followspot import Camera
-from followspot.deploy.summary import table
 from followspot.messages import Array
+from followspot.operator.summary import table
 from followspot_calibrate.wand.alignment import Alignment
 from followspot_calibrate.wand.rods import measured
 from followspot_calibrate.wand.solving import Solved

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from followspot.errors import FollowspotError
-from followspot.transport.roster import read_certificates
+from followspot.transport.host_registry import read_certificates
 from followspot_doctor.finding import Finding, doubtful, fine, wrong
 
 if TYPE_CHECKING:
-    from followspot.deploy.clocks.status import ClockStatus
-    from followspot.deploy.requests import Asker
-    from followspot.transport.zenoh_network import Network
+    from followspot.control.clock_status import ClockStatus
+    from followspot.control.zenoh_rpc import RpcClient
+    from followspot.transport.zenoh.network import Network
 
 PATIENCE = 3.0
 """Seconds for agents to be found, and for each to tell its clock."""
@@ -41,9 +41,9 @@ def certificates(folder: Path) -> Iterator[Finding]:
 
 def agents(network: Network) -> Iterator[Finding]:
     """A finding a host that answers; a problem where none does."""
-    from followspot.deploy.requests import Asker
-    from followspot.deploy.requests import agents as in_reach
-    from followspot.transport.zenoh_session import close_session, connected
+    from followspot.control.zenoh_rpc import RpcClient
+    from followspot.control.zenoh_rpc import agents as in_reach
+    from followspot.transport.zenoh.session import close_session, connected
 
     where = network.router or ", ".join(network.connect)
     try:
@@ -59,14 +59,14 @@ def agents(network: Network) -> Iterator[Finding]:
             remedy = "is it started there, with that --listen? a firewall, another certificate?"
             yield wrong("agents", f"none answers at {where}", remedy)
         for name in sorted(names):
-            yield _clock(Asker(session, network.own), name)
+            yield _clock(RpcClient(session, network.own), name)
     finally:
         close_session(session)
 
 
-def _clock(asker: Asker, host: str) -> Finding:
+def _clock(asker: RpcClient, host: str) -> Finding:
     """How the clock there differs from the one here."""
-    from followspot.deploy.clocks.host import HostClock
+    from followspot.host.clocks.host import HostClock
 
     clock = HostClock(asker)
     deadline = time.monotonic() + PATIENCE

@@ -59,7 +59,7 @@ def ports() -> Iterator[Finding]:
 def zenoh_session() -> Iterator[Finding]:
     """Zenoh opens and closes a session on loopback."""
     try:
-        from followspot.transport.zenoh_session import open_session
+        from followspot.transport.zenoh.session import open_session
 
         started = time.monotonic()
         open_session().close()  # type: ignore[no-untyped-call]

@@ -24,7 +24,7 @@ GROWTH = 8 << 20
 """Bytes that a stage may grow by while it handles the second half of many messages."""
 CACHED = 64
 """Objects that numpy and Python keep for reuse meanwhile; how many differs from machine to machine."""
-PATIENCE = 60.0
+TIMEOUT = 60.0
 """Seconds for a fresh process to import a stage."""
 
 
@@ -159,7 +159,7 @@ def _import_error(module: str) -> str:
         capture_output=True,
         text=True,
         check=False,
-        timeout=PATIENCE,
+        timeout=TIMEOUT,
     )
     return "" if done.returncode == 0 else (done.stderr.strip().splitlines() or ["?"])[-1]
 

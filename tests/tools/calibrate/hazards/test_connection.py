@@ -11,7 +11,7 @@ from rooms import MadeRoom, off_by, waved_room
 from followspot.errors import FollowspotError
 from followspot.geometry import undistort
 from followspot_calibrate.adjust import Free
-from followspot_calibrate.wand.growing import grow
+from followspot_calibrate.wand.incremental_sfm import grow
 from followspot_calibrate.wand.pairs import match
 from followspot_calibrate.wand.solving import solve
 

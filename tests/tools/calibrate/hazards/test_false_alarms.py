@@ -9,8 +9,8 @@ import pytest
 from rooms import camera_of, made_room, off_by, waved_room
 
 from followspot_calibrate.points_file import read_points
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.solving import Solved, solve
-from followspot_calibrate.wand.telling import warnings_of
 
 DATA = Path(__file__).parents[4] / "../shared/data"
 needs_shared = pytest.mark.skipif(not DATA.exists(), reason="needs ../shared")

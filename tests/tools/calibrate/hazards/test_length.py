@@ -13,8 +13,8 @@ from followspot import Room
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.room_file import save
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.solving import solve
-from followspot_calibrate.wand.telling import warnings_of
 
 LENGTH = 0.5
 

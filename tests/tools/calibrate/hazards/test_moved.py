@@ -13,8 +13,8 @@ from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.room_file import load, save
 from followspot_calibrate.adjust.projection import rotation_of
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.solving import solve
-from followspot_calibrate.wand.telling import warnings_of
 
 ROWS = 400
 

@@ -15,9 +15,9 @@ from followspot.errors import FollowspotError
 from followspot.room_file import load, save
 from followspot_calibrate.adjust import Free
 from followspot_calibrate.points_file import read_points
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.rounds import NothingFits, settle
 from followspot_calibrate.wand.solving import solve
-from followspot_calibrate.wand.telling import warnings_of
 from followspot_calibrate.wand.timing import with_offsets
 
 DATA = Path(__file__).parents[4] / "../shared/data"

@@ -7,9 +7,9 @@ import pytest
 from rooms import off_by, waved_room
 
 from followspot.errors import FollowspotError
+from followspot_calibrate.wand.diagnostics import warnings_of
 from followspot_calibrate.wand.hazards.planar import flatness
 from followspot_calibrate.wand.solving import solve
-from followspot_calibrate.wand.telling import warnings_of
 
 TABLE = (0.9, 0.9)
 """m: all points at one height."""

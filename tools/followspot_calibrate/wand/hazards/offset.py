@@ -16,7 +16,7 @@ from followspot_calibrate.clocks.moments import velocities
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
-from followspot_calibrate.wand.rounds import Settled
+from followspot_calibrate.wand.rounds import Watermark
 
 FEWEST = 12
 """Sightings of every camera of points whose motion is known; fewer tell nothing."""
@@ -50,7 +50,7 @@ class Late:
     cameras: tuple[Camera, ...]
 
 
-def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -> Late:
+def lateness(settled: Watermark, pixel: Array, sightings: Sightings, free: Free) -> Late:
     """What motion tells of a rest of lateness in tracks that are already nearly in step.
 
     pixel: (N, C, 2) px of the frames and labels of the sightings; free: what else of the cameras is open, for
@@ -167,7 +167,7 @@ def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int
 
 
 def drift(
-    settled: Settled, sightings: Sightings, late: Array, free: Free, sure: float, least: float
+    settled: Watermark, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
     """By how many frames lateness grew from the first half to the second, (C,); 0 where that is not sure.
 

@@ -9,7 +9,7 @@ import numpy as np
 from followspot import Camera
 from followspot.geometry import project
 from followspot.messages import Array
-from followspot_calibrate.wand.placing import resect
+from followspot_calibrate.wand.resection import resect
 
 ENOUGH = 0.5
 """Share of a camera's points that a cause must explain; with 30 % of reflections 70 % are left."""

@@ -1,0 +1,20 @@
+"""Latency from a source to a sink."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from followspot.ranges import Count, Figure
+
+
+@dataclass(frozen=True)
+class PathLatency:
+    """Latency of one path, ms; the worst with the number of its frame."""
+
+    origin: str
+    sink: str
+    count: Count
+    p50_ms: Figure
+    p95_ms: Figure
+    worst_ms: Figure
+    worst_id: str

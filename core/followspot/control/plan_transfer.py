@@ -1,0 +1,134 @@
+"""What of a plan travels to another host: no code, no absolute path, nothing that is not its business."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path, PurePath
+from typing import Any
+
+from followspot.control.tapping import Tapping, check_taps
+from followspot.errors import FollowspotError
+from followspot.graph.parameters import path_parameters
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.ship import plan_from_data, plan_to_data
+from followspot.plugins.registry import load_stage
+from followspot.security.grants import Grants
+from followspot.stage import PathIn, PathOut
+
+
+def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
+    """The plan as a host gets it: input files by their names below the folder `media`.
+
+    Raises FollowspotError where a stage there reads a file from elsewhere.
+    """
+    mine = {worker.name for worker in plan.workers if worker.host == host}
+
+    def stage_for(stage: PlannedStage) -> PlannedStage:
+        if stage.worker not in mine:
+            return replace(stage, params={})
+        return _with_inputs(stage, lambda path: _name_below(path, media, stage.name))
+
+    cameras = {name: replace(camera, source=None) for name, camera in plan.room.cameras.items()}
+    room = replace(plan.room, cameras=cameras, truth=None)
+    stages = tuple(stage_for(stage) for stage in plan.stages)
+    return plan_to_data(replace(plan, room=room, stages=stages, plugin_files=()))
+
+
+def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]) -> dict[str, Any]:
+    """The plan as the host's workers get it: input files below its own media folder, its own plugins.
+
+    Raises FollowspotError where the plan asks for what is not granted, or for a stage that is not installed.
+    """
+    plan = plan_from_data(data)
+    if plan.plugin_files:
+        raise FollowspotError("the plan brings code of its own; an agent runs only installed plugins")
+    mine = {worker.name for worker in plan.workers if worker.host == host}
+
+    def stage_here(stage: PlannedStage) -> PlannedStage:
+        if stage.worker not in mine:
+            return stage
+        return _granted(stage, grants)
+
+    stages = tuple(stage_here(stage) for stage in plan.stages)
+    return plan_to_data(replace(plan, stages=stages, plugin_files=plugin_files))
+
+
+def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedStage, ...]:
+    """Stages as a host gets them that has the files below `media`; names that it gave are left as they are.
+
+    Raises FollowspotError where a stage reads a file from elsewhere.
+    """
+    return tuple(_with_inputs(s, lambda p, n=s.name: _name_below(p, media, n)) for s in stages)  # type: ignore[misc]
+
+
+def unpacked_stages(stages: Sequence[PlannedStage], grants: Grants) -> tuple[PlannedStage, ...]:
+    """Stages as the host's workers get them. Raises FollowspotError; see `unpacked`."""
+    return tuple(_granted(stage, grants) for stage in stages)
+
+
+def tappings_from_data(data: Any) -> list[Tapping]:
+    """Taps that came from elsewhere, which have no files here. Raises FollowspotError."""
+    found = [Tapping(str(tap["port"]), str(tap["uses"]), dict(tap["params"])) for tap in data]
+    check_taps(found)
+    for tapping in found:
+        kind = load_stage(tapping.uses)
+        for mark in (PathIn, PathOut):
+            if any(tapping.params.get(name) is not None for name in path_parameters(kind.Params, mark)):
+                raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
+    return found
+
+
+def _granted(stage: PlannedStage, grants: Grants) -> PlannedStage:
+    """The stage with its input files as they are here. Raises FollowspotError where it may not be so."""
+    _check_outputs(stage)
+    grants.check(stage)
+    return _with_inputs(stage, lambda name: _path_below(name, grants.media, stage.name))
+
+
+def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:
+    """The stage with its input files changed."""
+    params = dict(stage.params)
+    for name in path_parameters(load_stage(stage.uses).Params, PathIn):
+        if params.get(name) is not None:
+            params[name] = change(str(params[name]))
+    return replace(stage, params=params)
+
+
+def _check_outputs(stage: PlannedStage) -> None:
+    for name in path_parameters(load_stage(stage.uses).Params, PathOut):
+        value = stage.params.get(name)
+        if value is not None and not _is_below(str(value)):
+            raise FollowspotError(f"stage {stage.name} would write {value!r}, outside the run's folder")
+
+
+def _name_below(path: str, media: Path, stage: str) -> str:
+    """The name of a file below `media`; one that a host gave before is such a name."""
+    if not Path(path).is_absolute():
+        return path
+    try:
+        return Path(path).resolve().relative_to(media.resolve()).as_posix()
+    except ValueError:
+        raise FollowspotError(
+            f"stage {stage} reads {path}, which is not below {media}; "
+            "agents take names below their own --media folder: name that folder here with --media"
+        ) from None
+
+
+def _path_below(name: str, media: Path | None, stage: str) -> str:
+    if media is None:
+        raise FollowspotError(
+            f"stage {stage} reads the file {name!r}; start the agent with --media DIR, the folder it is in"
+        )
+    path = (media / name).resolve()
+    if not _is_below(name) or not path.is_relative_to(media.resolve()):
+        raise FollowspotError(f"stage {stage} would read {name!r}, outside the agent's media folder")
+    if not path.exists():
+        raise FollowspotError(f"stage {stage} reads {name!r}, which is not in the agent's media folder")
+    return str(path)
+
+
+def _is_below(name: str) -> bool:
+    """Whether a name stays below the folder that it is put into."""
+    parts = PurePath(name).parts
+    return bool(parts) and not PurePath(name).is_absolute() and ".." not in parts and "\0" not in name

@@ -1,0 +1,87 @@
+"""What stages and libraries of a worker say, until it is taken away: bounded, and in nobody's way."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from threading import Lock
+
+from followspot.log.record import MAX_TEXT, Level, LogRecord
+from followspot.stage import LOGGER
+
+PER_SECOND = 50.0
+"""Records taken in the long run, 1/s."""
+BURST = 500
+"""Records taken at once; what comes on top is counted."""
+
+
+class LogCollector(logging.Handler):
+    """Takes Python's log records and warnings of stages; safe from any thread.
+
+    worker: whose they are; monotonic: a clock, s.
+    """
+
+    def __init__(self, worker: str, monotonic: Callable[[], float] = time.monotonic) -> None:
+        super().__init__(logging.INFO)
+        self.worker = worker
+        self._monotonic = monotonic
+        self._guard = Lock()
+        self._waiting: list[LogRecord] = []
+        self._left_out = 0
+        self._allowed, self._at = float(BURST), monotonic()
+
+    def say(self, level: Level, stage: str, text: str) -> None:
+        """Take a record, or count it where too many came."""
+        with self._guard:
+            now = self._monotonic()
+            self._allowed = min(BURST, self._allowed + (now - self._at) * PER_SECOND)
+            self._at = now
+            if self._allowed < 1.0:
+                self._left_out += 1
+                return
+            self._allowed -= 1.0
+            self._waiting.append(self._record(level, stage, text))
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Take one of Python's."""
+        try:
+            text = record.getMessage()
+            if record.exc_info:
+                text += "\n" + logging.Formatter().formatException(record.exc_info)
+        except Exception as error:
+            text = f"{record.msg!r} cannot be told: {error}"
+        self.say(_level(record.levelno), record.name.removeprefix(f"{LOGGER}."), text)
+
+    def take(self) -> list[LogRecord]:
+        """What has come since; each record once."""
+        with self._guard:
+            taken, self._waiting = self._waiting, []
+            left_out, self._left_out = self._left_out, 0
+        if left_out:
+            taken.append(self._record("warning", "", f"{left_out} more records were left out"))
+        return taken
+
+    def _record(self, level: Level, stage: str, text: str) -> LogRecord:
+        return LogRecord(time.time_ns(), level, text[:MAX_TEXT], worker=self.worker, stage=stage[:200])
+
+
+@contextmanager
+def collecting(collector: LogCollector) -> Iterator[None]:
+    """While the block runs, what this process logs goes to the collector, from level info on."""
+    root = logging.getLogger()
+    before = root.level
+    root.addHandler(collector)
+    root.setLevel(min(before, logging.INFO))
+    try:
+        yield
+    finally:
+        root.setLevel(before)
+        root.removeHandler(collector)
+
+
+def _level(number: int) -> Level:
+    if number >= logging.ERROR:
+        return "error"
+    return "warning" if number >= logging.WARNING else "info"

@@ -1,0 +1,66 @@
+"""The log of a run in its output folder: a JSON object a line."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+from followspot.errors import InputError, Mistake
+from followspot.files import open_text
+from followspot.log.record import LogRecord, records_from_data
+
+NAME = "log.jsonl"
+MAX_BYTES = 64 << 20
+"""Where the file ends, whatever comes."""
+
+
+class LogFile:
+    """Writes records to the folder; the file is made with the first, and ended by a disk that is full.
+
+    again: whether it is the same run as before in this folder; else the log that is there goes.
+    """
+
+    def __init__(self, folder: Path, *, again: bool = False) -> None:
+        self.path = folder / NAME
+        self._left = MAX_BYTES
+        with suppress(OSError):
+            if again:
+                self._left -= self.path.stat().st_size
+            else:
+                self.path.unlink()
+
+    def write(self, record: LogRecord) -> None:
+        """Append a record, which is on the disk's way when this returns."""
+        line = json.dumps(record.to_data()) + "\n"
+        if len(line) > self._left:
+            return
+        self._left -= len(line)
+        try:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(line)
+        except OSError:
+            self._left = 0
+
+
+def read_log(folder: Path) -> Iterator[LogRecord]:
+    """The records in a run's output folder. Raises InputError where there are none, or a line is none."""
+    path = folder / NAME
+    try:
+        with open_text(path, errors="replace") as file:
+            for number, line in enumerate(iter(lambda: file.readline(MAX_BYTES), ""), 1):
+                if line.endswith("\n"):  # else it is being written, or was when the run was killed
+                    yield _record(path, number, line)
+    except OSError as error:
+        remedy = "name the output folder of a run, or a run that goes on"
+        raise InputError([Mistake(None, f"cannot read {path}: {error.strerror}", remedy)]) from None
+
+
+def _record(path: Path, number: int, line: str) -> LogRecord:
+    try:
+        (record,) = records_from_data([json.loads(line)])
+    except (ValueError, RecursionError):
+        remedy = "it was not written by followspot, or damaged since; the lines before it are good"
+        raise InputError([Mistake(None, f"{path}:{number}: not a record of a log", remedy)]) from None
+    return record

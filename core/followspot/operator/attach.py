@@ -1,0 +1,172 @@
+"""Runs that go on without their operator: begun and left, found again, looked at, stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import pydantic
+
+from followspot.control.dispatch import Request
+from followspot.control.host import RunOrder, order_from_data
+from followspot.control.zenoh_rpc import RpcClient, agents
+from followspot.errors import FollowspotError, InputError
+from followspot.graph.change import with_stages
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_from_data
+from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.discovery import Agents, await_named, operating, reached
+from followspot.operator.listing import ListedPart, parts_of
+from followspot.operator.progress import OnProgress
+from followspot.operator.remote_host import RemoteHost
+from followspot.operator.report import RunReport
+from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_requests import Surroundings, run_dispatcher
+from followspot.transport.zenoh.network import Network
+from followspot.worker.wiring import RunOptions
+
+
+@dataclass(frozen=True)
+class Found:
+    """A run that agents have parts in; hosts: their names."""
+
+    run: str
+    graph: str
+    hosts: tuple[str, ...]
+    over: bool
+
+
+def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> str:
+    """Begin a run that goes on without an operator, and leave it; its name.
+
+    Raises FollowspotError where it would need this host, or not all workers get ready.
+    """
+    here = [worker.name for worker in plan.workers if not worker.host]
+    if here:
+        raise FollowspotError(
+            f"workers without a host cannot be left alone: {', '.join(here)}; give them one with --host NAME"
+        )
+    order = order_of(plan, options, restart=True, detached=True)
+    with reached(plan, network, media) as (hosts, _):
+        coordinator = Coordinator(plan, hosts, order)
+        if not coordinator.begin():
+            report = coordinator.watch()
+            for host in hosts:
+                host.close()
+            raise FollowspotError("the run did not begin\n" + "\n".join(report.errors))
+        _let_go(coordinator)
+    return order.run
+
+
+def found(client: RpcClient) -> list[Found]:
+    """All runs of all agents in reach, the newest of each agent last."""
+    parts: dict[str, dict[str, ListedPart]] = {}
+    for agent in sorted(agents(client.session)):
+        for part in parts_of(client, agent):
+            parts.setdefault(part.run, {})[agent] = part
+    return [_found(run, hosts) for run, hosts in parts.items()]
+
+
+def _found(run: str, hosts: Mapping[str, ListedPart]) -> Found:
+    """A run from what each of its hosts says of it."""
+    graph, *_ = (part.graph for part in hosts.values())
+    return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
+
+
+def chosen(runs: Sequence[Found], wanted: str | None) -> Found:
+    """The run that is meant: by the name of its graph or the beginning of its own. Raises FollowspotError."""
+    fitting = [r for r in runs if wanted is None or r.graph == wanted or r.run.startswith(wanted)]
+    fitting = [run for run in fitting if not run.over] or fitting
+    if len(fitting) == 1:
+        return fitting[0]
+    listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
+    which = "there is no run" if not fitting else "there are several runs"
+    raise FollowspotError(f"{which} {wanted or ''}".rstrip() + f"; runs in reach: {listing}")
+
+
+class Attachment:
+    """Looking on at a run; a stop only ends the looking."""
+
+    def __init__(self, found: Found, coordinator: Coordinator) -> None:
+        self.found = found
+        self.coordinator = coordinator
+        self.stopped = False
+
+    def stop(self) -> None:
+        """Leave the run to itself. Safe in a signal handler."""
+        self.stopped = True
+        self.coordinator.leave()
+
+    def execute(self, on_progress: OnProgress | None = None) -> RunReport:
+        """Look on to the end, or until `stop`."""
+        return self.coordinator.watch(on_progress)
+
+
+@contextmanager
+def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
+    """A run that goes on under agents. Raises FollowspotError where there is no such run."""
+    with operating(network) as session:
+        await_named(session, network)
+        client = RpcClient(session, network.own)
+        run = chosen(found(client), wanted)
+        orders = {name: _order(client, name, run.run) for name in run.hosts}
+        onlooker = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
+        order = orders[run.hosts[0]]
+        away = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *onlooker}
+        onlooker |= dict.fromkeys(sorted(away), onlooker[run.hosts[0]])
+        hosts = [RemoteHost(client, name, order=order) for name, order in onlooker.items()]
+        coordinator = Coordinator(_view(orders), hosts, order, others=Agents(client), begun=True)
+        try:
+            for host in hosts:
+                host.watch(silent=host.name in away)
+            yield Attachment(run, coordinator)
+            if all(host.status().all("over") for host in coordinator.hosts):
+                for every in coordinator.hosts:
+                    every.close()
+        finally:
+            _let_go(coordinator)
+
+
+def handle_of(attachment: Attachment, network: Network) -> RunHandle:
+    """The run that is looked at, as one of another operator; network: leads to its agents."""
+    coordinator = attachment.coordinator
+
+    def stop() -> None:
+        for host in coordinator.hosts:  # no thread watches the run here, to see that it is to end
+            host.stop()
+
+    dispatcher = run_dispatcher(coordinator, Surroundings(network=network), stop)
+
+    def ask(request: Request, timeout: float) -> Any:
+        try:
+            return dispatcher.dispatch(request)
+        except InputError as error:  # one answer, wherever the run is
+            raise FollowspotError(str(error)) from None
+
+    return RunHandle(attachment.found.run, attachment.found.graph, ask)
+
+
+def _let_go(coordinator: Coordinator) -> None:
+    """Ask the hosts no more; the run goes on."""
+    for host in coordinator.hosts:
+        if isinstance(host, RemoteHost):
+            host.leave()
+
+
+def _view(orders: Mapping[str, RunOrder]) -> Plan:
+    """The plan of a run, the parameters of each stage from the host that it runs on: others have none."""
+    plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
+    first = next(iter(plans.values()))
+    place = {worker.name: worker.host for worker in first.workers}
+    own = [stage for name, plan in plans.items() for stage in plan.stages if place.get(stage.worker) == name]
+    return with_stages(first, own)
+
+
+def _order(client: RpcClient, host: str, run: str) -> RunOrder:
+    try:
+        return replace(order_from_data(client.ask(host, "order", run=run)), incarnations={})
+    except pydantic.ValidationError as error:
+        raise FollowspotError(f"host {host}: its order is none: {error.errors()[0]['msg']}") from None

@@ -1,0 +1,87 @@
+"""A move on all hosts of a run: who must begin anew leaves everywhere, then all take their new places."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Mapping, Sequence
+
+from followspot.control.host import Host, WorkerStatus
+from followspot.control.move import MoveOrder
+from followspot.errors import FollowspotError
+from followspot.graph.move import anew, host_workers
+from followspot.graph.plan import Plan
+from followspot.graph.ship import plan_to_data
+
+_TIMEOUT = 60.0
+"""Seconds that workers may take to leave, and to be there again."""
+_POLL_INTERVAL = 0.02
+"""Seconds between two looks."""
+
+
+def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
+    """Bring a run from one plan to the other. Safe beside the thread that attends the hosts.
+
+    Raises FollowspotError where a host refuses its new part, before anybody has left; or where a worker
+    cannot begin at its new place: then all go back to their old ones.
+    """
+    for host in hosts:
+        host.move(MoveOrder(plan=plan_to_data(new), trial=True))
+    try:
+        _go(old, new, hosts)
+    except FollowspotError:
+        _go(new, old, hosts)
+        raise
+
+
+def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
+    """Leave, and take the new places."""
+    leaving = anew(old, new)
+    for host in hosts:
+        host.move(MoveOrder(tuple(sorted(leaving))))
+    _await_absent(leaving, hosts)
+    states = {stage: state for host in hosts for stage, state in host.states().items()}
+    before = {worker.name: worker.restarts for worker in _workers(hosts)}
+    home = {stage.name: stage.worker for stage in new.stages}
+    for host in hosts:
+        mine = {worker.name for worker in host_workers(new, host.name)}
+        own = {stage: state for stage, state in states.items() if home[stage] in mine}
+        host.move(MoveOrder((), plan_to_data(new), own))
+    _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
+
+
+def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
+    """Until none of these workers is there. Raises FollowspotError."""
+    for _ in _polls("workers did not leave"):
+        if all(worker.phase == "absent" for worker in _workers(hosts) if worker.name in workers):
+            return
+
+
+def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int]) -> None:
+    """Until all of these workers are at work again. Raises FollowspotError where one dies at its beginning.
+
+    before: how often each had been started.
+    """
+    begun: dict[str, int] = {}
+    for _ in _polls("workers did not begin at their new places"):
+        there = {worker.name: worker for worker in _workers(hosts) if worker.name in workers}
+        fresh = [w for w in there.values() if w.restarts > before.get(w.name, -1)]
+        for worker in fresh:
+            again = worker.restarts > begun.setdefault(worker.name, worker.restarts)
+            if again or worker.phase in ("absent", "over"):
+                why = worker.report.error if worker.report is not None else "it dies"
+                raise FollowspotError(f"worker {worker.name} cannot begin at its new place: {why}")
+        if len(fresh) == len(workers) and all(worker.phase == "running" for worker in fresh):
+            return
+
+
+def _workers(hosts: Sequence[Host]) -> Iterator[WorkerStatus]:
+    return (worker for host in hosts for worker in host.status().workers)
+
+
+def _polls(problem: str) -> Iterator[None]:
+    """Look again and again. Raises FollowspotError when that has taken too long."""
+    deadline = time.monotonic() + _TIMEOUT
+    while time.monotonic() < deadline:
+        yield
+        time.sleep(_POLL_INTERVAL)
+    raise FollowspotError(f"{problem} within {_TIMEOUT:.0f} s")

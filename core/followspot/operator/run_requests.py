@@ -1,0 +1,114 @@
+"""What can be asked of a run, and who answers: its coordinator."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+from followspot.control.dispatch import Dispatcher, Request
+from followspot.control.tapping import Tapping, check_taps
+from followspot.graph.ship import plan_to_data
+from followspot.log.record import LogPage
+from followspot.operator.changed import Changed, Moved
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.run_status import RunStatus
+from followspot.transport.zenoh.network import Network
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """Of a run: its output folder on the operator's host, and a network that leads to its other hosts.
+
+    network: None if the run has no other hosts; out: None if the operator's host is not this one.
+    """
+
+    out: Path | None = None
+    network: Network | None = None
+
+
+class GetPlan(Request):
+    """The plan as it is now, as `plan_to_data` gives it."""
+
+    answer: ClassVar[Any] = dict[str, Any]
+
+
+class GetStatus(Request):
+    """How the run is; without the reports of workers that have ended."""
+
+    answer: ClassVar[Any] = RunStatus
+
+
+class GetLog(Request):
+    """The records after the one of this number."""
+
+    after: int = -1
+    answer: ClassVar[Any] = LogPage
+
+
+class GetSurroundings(Request):
+    """Where the run writes, and which network leads to it."""
+
+    answer: ClassVar[Any] = Surroundings
+
+
+class ChangeStages(Request):
+    """Swap stages (`fuse=balls.mean`) and set parameters (`color.similarity=0.7`), all or none.
+
+    folder: what paths are relative to; fresh: without the state of the old stages.
+    """
+
+    words: tuple[str, ...]
+    folder: Path = Path()
+    fresh: bool = False
+    answer: ClassVar[Any] = Changed
+
+
+class MoveStages(Request):
+    """Bring stages to another worker or host."""
+
+    stages: tuple[str, ...]
+    place: str
+    answer: ClassVar[Any] = Moved
+
+
+class PlaceTaps(Request):
+    """Put sinks at ports."""
+
+    taps: tuple[Tapping, ...]
+
+
+class StopRun(Request):
+    """End the sources; what is in flight is finished."""
+
+
+def run_dispatcher(
+    run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
+) -> Dispatcher:
+    """Answers for a run; safe from any thread.
+
+    stop: ends its sources; in the coordinator's own way unless told.
+    """
+    end = run.stop if stop is None else stop
+
+    def status(_: GetStatus) -> RunStatus:
+        found = run.status()
+        return replace(found, workers=tuple(replace(worker, report=None) for worker in found.workers))
+
+    def tap(request: PlaceTaps) -> None:
+        check_taps(request.taps)
+        run.tap(request.taps)
+
+    return Dispatcher(
+        {
+            GetPlan: lambda _: plan_to_data(run.plan),
+            GetStatus: status,
+            GetLog: lambda request: run.records(request.after),
+            GetSurroundings: lambda _: surroundings,
+            ChangeStages: lambda request: run.change(request.words, request.folder, fresh=request.fresh),
+            MoveStages: lambda request: run.move(request.stages, request.place),
+            PlaceTaps: tap,
+            StopRun: lambda _: end(),
+        }
+    )

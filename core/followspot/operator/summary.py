@@ -1,0 +1,139 @@
+"""The end of a run: accuracy, latency, ledger, warnings, as text or as one JSON object."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from followspot.operator.report import RunReport
+from followspot.worker.ledger import COUNTS, EdgeCount
+
+
+def text(report: RunReport, accuracy: str) -> str:
+    """The summary for people; accuracy: its table, empty where the room knows no truth."""
+    rate = report.frames / report.seconds if report.seconds > 0 else 0.0
+    workers = f"{len(report.plan.workers)} worker{'s' * (len(report.plan.workers) != 1)}"
+    head = (
+        f"{report.plan.graph} in {report.plan.room.name}: {report.frames} frames in {report.seconds:.2f} s, "
+        f"{rate:.0f} per second, {workers}" + (", stopped early" if report.stopped else "")
+    )
+    parts = [head]
+    if accuracy:
+        parts.append("accuracy against ground truth\n" + accuracy)
+    if any(worker.paths for worker in report.workers):
+        parts.append("latency, source to sink\n" + _latency(report))
+    if report.clocks:
+        parts.append("clocks, what was added to the times of each host\n" + _clocks(report))
+    parts.append("ledger\n" + _ledger(report))
+    if report.plan.notes:
+        parts.append("notes\n" + "\n".join(f"  {note}" for note in report.plan.notes))
+    if report.warnings:
+        parts.append("warnings\n" + "\n".join(f"  {line}" for line in report.warnings))
+    if report.unbalanced:
+        parts.append("the ledger does not add up (a bug)\n" + "\n".join(f"  {e}" for e in report.unbalanced))
+    if report.errors:
+        parts.append("the run failed\n" + "\n".join(report.errors))
+    return "\n\n".join(parts)
+
+
+def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary for scripts; targets, persons: figures of each, empty where the room knows no truth."""
+    return {
+        "graph": report.plan.graph,
+        "room": report.plan.room.name,
+        "frames": report.frames,
+        "seconds": round(report.seconds, 6),
+        "stopped": report.stopped,
+        "ok": report.ok,
+        "targets": dict(targets),
+        "persons": dict(persons),
+        "paths": [
+            {
+                "from": path.origin,
+                "to": path.sink,
+                "p50_ms": round(path.p50_ms, 4),
+                "p95_ms": round(path.p95_ms, 4),
+                "worst_ms": round(path.worst_ms, 4),
+                "worst_id": path.worst_id,
+            }
+            for worker in report.workers
+            for path in worker.paths
+        ],
+        "edges": [
+            {
+                "from": f"{edge.from_stage}.{edge.from_port}",
+                "to": f"{edge.to_stage}.{edge.to_port}",
+                "kind": edge.kind,
+                **{name: getattr(count, name) for name in COUNTS},
+            }
+            for edge, count in report.edges
+        ],
+        "clocks": [
+            {
+                "host": host,
+                "reference": clock.reference,
+                "offset_ms": clock.offset_ms,
+                "round_trip_ms": clock.round_trip_ms,
+                "exchanges": clock.exchanges,
+            }
+            for host, clock in report.clocks.items()
+        ],
+        "workers": [worker.to_data() for worker in report.workers],
+        "warnings": list(report.warnings),
+        "notes": list(report.plan.notes),
+        "errors": [*report.errors, *report.unbalanced],
+    }
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Columns as wide as they need to be; the first to the left, the others to the right."""
+    widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
+    lines = []
+    for row in (head, *rows):
+        cells = [
+            row[0].ljust(widths[0]),
+            *(cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True)),
+        ]
+        lines.append("  " + "  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def _clocks(report: RunReport) -> str:
+    rows = [
+        (host or "this host", clock.reference, f"{clock.offset_ms:+.3f}", f"{clock.round_trip_ms:.3f}")
+        for host, clock in report.clocks.items()
+    ]
+    return table(("host", "by the clock of", "offset ms", "round trip ms"), rows)
+
+
+def _latency(report: RunReport) -> str:
+    paths = [path for worker in report.workers for path in worker.paths]
+    rows = [
+        (
+            f"{path.origin} -> {path.sink}",
+            str(path.count),
+            f"{path.p50_ms:.2f}",
+            f"{path.p95_ms:.2f}",
+            f"{path.worst_ms:.2f}",
+            path.worst_id,
+        )
+        for path in paths
+    ]
+    return table(("path", "messages", "p50 ms", "p95 ms", "worst ms", "worst frame"), rows)
+
+
+def _ledger(report: RunReport) -> str:
+    """One row per group of equal edges: the fan-out over cameras is summed up."""
+    groups: dict[tuple[str, str], list[EdgeCount]] = {}
+    for edge, count in report.edges:
+        name = f"{_group(edge.from_stage)}.{edge.from_port} -> {_group(edge.to_stage)}.{edge.to_port}"
+        groups.setdefault((name, edge.kind), []).append(count)
+    rows = [
+        (name, kind, str(len(counts)), *(str(sum(getattr(c, column) for c in counts)) for column in COUNTS))
+        for (name, kind), counts in groups.items()
+    ]
+    return table(("edges", "kind", "n", *(name.replace("_", " ") for name in COUNTS)), rows)
+
+
+def _group(stage: str) -> str:
+    return stage.partition("/")[0]

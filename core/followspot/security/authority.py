@@ -1,0 +1,229 @@
+"""A small certificate authority in a folder: ECDSA P-256, one folder of certificates a host.
+
+``DIR/authority/`` holds the authority's key and certificate and never leaves this machine; ``DIR/NAME/`` is
+to be copied to the host NAME; ``DIR/hosts.json`` lists who is who. Needs the package cryptography, which only
+the machine that issues certificates has to have: TLS itself is Zenoh's.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import re
+import shutil
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+from followspot.errors import FollowspotError
+from followspot.files import DOCUMENT, read_bytes
+from followspot.transport.host_registry import NAME, REGISTRY, Member, Role, read_host_registry, roster_text
+
+try:
+    from cryptography import x509
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.hashes import SHA256
+    from cryptography.hazmat.primitives.serialization import (
+        Encoding,
+        NoEncryption,
+        PrivateFormat,
+        load_pem_private_key,
+    )
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+except ImportError:
+    raise FollowspotError(
+        "certificates are made with the package cryptography: pip install 'followspot[certs]'"
+    ) from None
+
+AUTHORITY = "authority"
+AUTHORITY_YEARS = 10
+HOST_DAYS = 825
+"""Days that a host's certificate is valid unless told otherwise."""
+MAX_HOSTS = 1000
+_EARLY = timedelta(hours=1)
+"""Certificates are valid from so long ago, for clocks that are late."""
+_HOST_NAME = re.compile(r"(?!-)[A-Za-z0-9_-]{1,63}(?<!-)(\.(?!-)[A-Za-z0-9_-]{1,63}(?<!-))*")
+
+
+class Authority:
+    """The authority in one folder, its key read and its certificate checked."""
+
+    def __init__(self, folder: Path, now: datetime | None = None) -> None:
+        """Raises FollowspotError where there is none, others can read its key, or it has expired."""
+        self.folder = folder
+        self.now = now or datetime.now(UTC)
+        home = folder / AUTHORITY
+        if not (home / "key.pem").is_file() or not (home / "ca.pem").is_file():
+            raise FollowspotError(f"there is no authority in {folder}; followspot certs init --dir {folder}")
+        mode = (home / "key.pem").stat().st_mode & 0o777
+        if mode & 0o077:
+            raise FollowspotError(
+                f"{home / 'key.pem'} has mode {mode:04o}: who can read it can make certificates; "
+                f"chmod 600 {home / 'key.pem'}, or begin anew if others may have read it"
+            )
+        try:
+            key = load_pem_private_key(read_bytes(home / "key.pem", DOCUMENT), None)
+            self._certificate = x509.load_pem_x509_certificate(read_bytes(home / "ca.pem", DOCUMENT))
+        except (OSError, ValueError, TypeError) as error:
+            raise FollowspotError(f"the authority in {home} cannot be read: {error}") from None
+        if not isinstance(key, ec.EllipticCurvePrivateKey):
+            raise FollowspotError(f"{home / 'key.pem'} is not the key that certs init made")
+        self._key = key
+        if self.expires <= self.now:
+            raise FollowspotError(f"the authority in {home} expired on {self.expires:%Y-%m-%d}; begin anew")
+        _, members = read_host_registry(folder / REGISTRY)
+        self._members = {member.name: member for member in members}
+
+    @property
+    def expires(self) -> datetime:
+        """When its certificate ends, and with it all others."""
+        return self._certificate.not_valid_after_utc
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """All hosts, by name."""
+        return tuple(self._members[name] for name in sorted(self._members))
+
+    def add(
+        self,
+        name: str,
+        role: Role,
+        addresses: Sequence[str] = (),
+        days: int = HOST_DAYS,
+        *,
+        renew: bool = False,
+    ) -> Path:
+        """Make the folder of a host; the others' lists of hosts are made anew, too.
+
+        addresses: where others connect to it, IP or DNS; renew: replace the certificate of a known host.
+        Raises FollowspotError where the name cannot be or is taken.
+        """
+        if NAME.fullmatch(name) is None or name == AUTHORITY:
+            raise FollowspotError(f"{name!r} cannot be the name of a host; use letters, digits, - _ .")
+        if name in self._members and not renew:
+            raise FollowspotError(f"{name} has a certificate already; --renew replaces it")
+        if name not in self._members and (self.folder / name).exists():
+            raise FollowspotError(f"{self.folder / name} is in the way; move it elsewhere")
+        if role != "operator" and name == "operator":
+            raise FollowspotError("operator is what operators are called; choose another name")
+        if len(self._members) >= MAX_HOSTS:
+            raise FollowspotError(f"there are {MAX_HOSTS} hosts, as many as can be")
+        until = min(self.now + timedelta(days=days), self.expires).replace(microsecond=0)
+        member = Member(name, role, until)
+        key = ec.generate_private_key(ec.SECP256R1())
+        certificate = self._issue(member, key, _alternative_names([name, *addresses]))
+        self._members[name] = member
+        self._write_host(name, key, certificate)
+        self._write_rosters()
+        return self.folder / name
+
+    def remove(self, name: str) -> None:
+        """Take a host off all lists; nobody who has the new list listens to it. Raises FollowspotError."""
+        if self._members.pop(name, None) is None:
+            raise FollowspotError(
+                f"there is no host {name}; known: {', '.join(sorted(self._members)) or 'none'}"
+            )
+        shutil.rmtree(self.folder / name, ignore_errors=True)
+        self._write_rosters()
+
+    def _issue(
+        self, member: Member, key: ec.EllipticCurvePrivateKey, names: Iterable[x509.GeneralName]
+    ) -> x509.Certificate:
+        usage = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
+        issuer = self._key.public_key()
+        return (
+            _builder(_subject(member.name, member.role), key, self.now, member.expires)
+            .issuer_name(self._certificate.subject)
+            .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
+            .add_extension(x509.ExtendedKeyUsage(usage), critical=False)
+            .add_extension(x509.SubjectAlternativeName(names), critical=False)
+            .add_extension(x509.AuthorityKeyIdentifier.from_issuer_public_key(issuer), critical=False)
+            .sign(self._key, SHA256())
+        )
+
+    def _write_host(self, name: str, key: ec.EllipticCurvePrivateKey, certificate: x509.Certificate) -> None:
+        home = self.folder / name
+        home.mkdir(mode=0o700, exist_ok=True)
+        _write(home / "key.pem", _key_text(key), 0o600)
+        _write(home / "cert.pem", certificate.public_bytes(Encoding.PEM), 0o644)
+        _write(home / "ca.pem", self._certificate.public_bytes(Encoding.PEM), 0o644)
+
+    def _write_rosters(self) -> None:
+        _write(self.folder / REGISTRY, roster_text("", self._members).encode(), 0o644)
+        for name in self._members:
+            if (self.folder / name).is_dir():
+                _write(self.folder / name / REGISTRY, roster_text(name, self._members).encode(), 0o644)
+
+
+def create_authority(folder: Path, now: datetime | None = None) -> Authority:
+    """Make an authority. Raises FollowspotError where there is one, for its certificates would be void."""
+    now = now or datetime.now(UTC)
+    home = folder / AUTHORITY
+    if home.exists() or (folder / REGISTRY).exists():
+        raise FollowspotError(
+            f"there is an authority in {folder}; choose another --dir, or move it elsewhere"
+        )
+    key = ec.generate_private_key(ec.SECP256R1())
+    subject = _subject("followspot authority", AUTHORITY)
+    signing = x509.KeyUsage(False, False, False, False, False, True, True, False, False)
+    certificate = (
+        _builder(subject, key, now, now + timedelta(days=round(365.25 * AUTHORITY_YEARS)))
+        .issuer_name(subject)
+        .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        .add_extension(signing, critical=True)
+        .sign(key, SHA256())
+    )
+    try:
+        home.mkdir(mode=0o700, parents=True)
+        _write(home / "key.pem", _key_text(key), 0o600)
+        _write(home / "ca.pem", certificate.public_bytes(Encoding.PEM), 0o644)
+        _write(folder / REGISTRY, roster_text("", {}).encode(), 0o644)
+    except OSError as error:
+        raise FollowspotError(f"the authority cannot be written: {error}") from None
+    return Authority(folder, now)
+
+
+def _builder(
+    subject: x509.Name, key: ec.EllipticCurvePrivateKey, now: datetime, until: datetime
+) -> x509.CertificateBuilder:
+    public = key.public_key()
+    return (
+        x509.CertificateBuilder()
+        .subject_name(subject)
+        .public_key(public)
+        .serial_number(x509.random_serial_number())
+        .not_valid_before(now - _EARLY)
+        .not_valid_after(until)
+        .add_extension(x509.SubjectKeyIdentifier.from_public_key(public), critical=False)
+    )
+
+
+def _subject(name: str, unit: str) -> x509.Name:
+    attributes = [(NameOID.COMMON_NAME, name), (NameOID.ORGANIZATIONAL_UNIT_NAME, unit)]
+    return x509.Name([x509.NameAttribute(kind, text) for kind, text in attributes])
+
+
+def _alternative_names(addresses: Sequence[str]) -> list[x509.GeneralName]:
+    """Names that a host may be reached by; this host by loopback, too. Raises FollowspotError."""
+    names: list[x509.GeneralName] = []
+    for address in dict.fromkeys(["localhost", "127.0.0.1", "::1", *addresses]):
+        try:
+            names.append(x509.IPAddress(ipaddress.ip_address(address)))
+        except ValueError:
+            if _HOST_NAME.fullmatch(address) is None:
+                raise FollowspotError(f"{address!r} is neither an IP address nor a host name") from None
+            names.append(x509.DNSName(address))
+    return names
+
+
+def _key_text(key: ec.EllipticCurvePrivateKey) -> bytes:
+    return key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption())
+
+
+def _write(path: Path, text: bytes, mode: int) -> None:
+    """Write a file whole or not at all, never readable by more than `mode` says."""
+    fresh = path.with_name(f".{path.name}.new")
+    fresh.unlink(missing_ok=True)
+    with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
+        file.write(text)
+    fresh.replace(path)

@@ -1,0 +1,1 @@
+"""Edges between hosts, sessions, and who may do what on them; imported only if a run needs Zenoh."""

@@ -1,0 +1,124 @@
+"""Where a Zenoh session listens, whom it connects to, and what protects it; data, without Zenoh itself."""
+
+from __future__ import annotations
+
+import ipaddress
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from followspot.transport.host_registry import read_certificates
+from followspot.transport.keys import OPERATOR
+
+LOOPBACK = ("tcp/127.0.0.1:0",)
+"""Listen on a free port that no other host can reach."""
+AGENT = ("tcp/127.0.0.1:7450",)
+"""Where an agent listens, and operators look for one, unless told otherwise."""
+_SECURE = "tls/"
+_EVERYWHERE = "0.0.0.0:0"
+
+
+class Own(NamedTuple):
+    """Role and name under which a session speaks."""
+
+    role: str
+    name: str
+
+
+UNPROVEN = Own(OPERATOR, "anyone")
+"""Without certificates everybody may do everything."""
+
+
+@dataclass(frozen=True)
+class Network:
+    """Where a session listens, whom it connects to, and what protects it.
+
+    listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
+    certificates: folder as `followspot certs host` makes it, empty for none;
+    insecure: whether the user accepts plain endpoints that other hosts reach;
+    router: endpoint of a router through which all goes, in place of listening and connecting; "" for none;
+    discover: whether to look for others on the local network, and to be found there.
+    """
+
+    listen: tuple[str, ...] = LOOPBACK
+    connect: tuple[str, ...] = ()
+    certificates: str = ""
+    insecure: bool = False
+    router: str = ""
+    discover: bool = False
+
+    @property
+    def endpoints(self) -> tuple[str, ...]:
+        """All that this session opens."""
+        return (self.router,) if self.router else (*self.listen, *self.connect)
+
+    @property
+    def leads_somewhere(self) -> bool:
+        """Whether this session is to meet others, and does not only wait for them."""
+        return bool(self.connect or self.router)
+
+    @property
+    def public(self) -> bool:
+        """Whether others are told where they find this session: a port that is not just any, or a router."""
+        return bool(self.router) or any(_any_port(endpoint) != endpoint for endpoint in self.listen)
+
+    @property
+    def secured(self) -> tuple[str, ...]:
+        """Endpoints that TLS protects."""
+        return tuple(e for e in self.endpoints if e.startswith(_SECURE))
+
+    @property
+    def exposed(self) -> tuple[str, ...]:
+        """Endpoints beyond this host that nothing protects."""
+        found = ("the local network (--discover)",) if self.discover and not self.certificates else ()
+        return (*(e for e in self.endpoints if not e.startswith(_SECURE) and not _near(e)), *found)
+
+    @property
+    def findable(self) -> bool:
+        """Whether it makes sense for others on the local network to learn where this session listens."""
+        return not self.router and not all(_near(endpoint) for endpoint in self.listen)
+
+    @property
+    def own(self) -> Own:
+        """Who speaks: as certified, else nobody in particular. Raises FollowspotError."""
+        if not self.certificates:
+            return UNPROVEN
+        own = read_certificates(Path(self.certificates)).own
+        return Own(own.role, own.name)
+
+    def for_worker(self, hub: Sequence[str]) -> Network:
+        """The network of a worker: a free port where this one listens, connected to the hub's locators."""
+        listen = tuple(_any_port(e) for e in self.listen)
+        return replace(self, listen=listen, connect=tuple(hub), discover=False)
+
+
+def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
+    """The endpoints, those of loopback over TLS."""
+    return tuple(e.replace("tcp/", _SECURE, 1) if _near(e) else e for e in endpoints)
+
+
+def everywhere(certificates: str) -> tuple[str, ...]:
+    """Listen on a free port of all addresses of this host, for those who discover it."""
+    return ((_SECURE if certificates else "tcp/") + _EVERYWHERE,)
+
+
+def network_from_data(data: Mapping[str, Any]) -> Network:
+    """From JSON types, as `dataclasses.asdict` gave them."""
+    return Network(**{**data, "listen": tuple(data["listen"]), "connect": tuple(data["connect"])})
+
+
+def _near(endpoint: str) -> bool:
+    """Whether only this host reaches the endpoint; what is no address is not refused here, but by Zenoh."""
+    if endpoint.startswith("unixsock-stream/"):
+        return True
+    host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host in ("", "localhost")
+
+
+def _any_port(endpoint: str) -> str:
+    address, _, options = endpoint.partition("#")
+    return address.rpartition(":")[0] + ":0" + (f"#{options}" if options else "")

@@ -1,0 +1,43 @@
+"""Packets of taps over Zenoh, to whoever looks on: behind all else, and dropped where the network is full."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.transport.zenoh.terms import reached, undeclare
+
+
+class ZenohPost:
+    """`Post` to all who subscribe to its key. Closing it leaves the session open."""
+
+    def __init__(self, session: zenoh.Session, key: str) -> None:
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.BACKGROUND
+        )
+
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody subscribes."""
+        return reached(self._publisher)
+
+    def send(self, packet: bytes) -> None:
+        """Put, or drop."""
+        with suppress(zenoh.ZError):  # the session is closed
+            self._publisher.put(packet)
+
+    def close(self) -> None:
+        """Put no more."""
+        undeclare([self._publisher])
+
+
+def looking(session: zenoh.Session, key: str, take: Callable[[bytes], None]) -> zenoh.Subscriber[None]:
+    """Look on until it is undeclared; take: gets each packet, in a thread of Zenoh."""
+
+    def arrived(sample: zenoh.Sample) -> None:
+        take(sample.payload.to_bytes())
+
+    return session.declare_subscriber(key, Callback(arrived, indirect=False))

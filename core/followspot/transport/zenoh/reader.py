@@ -1,0 +1,273 @@
+"""The reading end of an edge over Zenoh (docs/wire.md).
+
+Zenoh's threads only append to a queue and ring a bell; all else happens in the worker's thread.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from urllib.parse import quote
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.graph.plan import EdgeCodec
+from followspot.messages import InvalidMessage, Message
+from followspot.transport.codec import MAX_PACKED
+from followspot.transport.keys import reader_key
+from followspot.transport.token import END, Invalid, Token, Watermark
+from followspot.transport.wakeup_event import WakeupEvent
+from followspot.transport.zenoh.codec import unpack_as
+from followspot.transport.zenoh.terms import (
+    CREDIT,
+    NUMBER,
+    START,
+    WINDOW,
+    chunks,
+    codec_key,
+    is_incarnation,
+    numbers,
+    presence,
+    publisher,
+    reached,
+    undeclare,
+)
+
+_CUTS = 64
+"""After so many cuts in a row, each with a full edge, what was under way is not believed any more."""
+
+
+class ZenohReader:
+    """`PortReader` of a `ZenohWriter`, and of those that come in its place when it dies."""
+
+    def __init__(
+        self,
+        session: zenoh.Session,
+        key: str,
+        name: str,
+        kind: type[Message],
+        depth: int,
+        *,
+        codec: EdgeCodec = "raw",
+        host: str = "",
+        incarnation: int = 0,
+    ) -> None:
+        """key, name, depth, codec, host: as the writer knows them; kind: type of the messages.
+
+        incarnation: how many readers of this name there were before.
+        """
+        self._kind = kind
+        self._limit = depth + WINDOW
+        self._incarnation = incarnation
+        self._arrived: deque[zenoh.Sample | int] = deque()
+        """Samples as they came; the incarnation of a writer that was seen to go."""
+        self._before: list[Token] = []
+        """What was found missing before the first poll."""
+        self._writer = -1
+        """Incarnation of the writer that told where to start; -1 before the first."""
+        self._tokens = 0
+        self._messages = 0
+        self._got = 0
+        """Messages, and `Invalid`s in their place, from this writer."""
+        self._unread = 0
+        """Messages handed out that a former writer sent: the present one gets no credit for them."""
+        self._consumed = 0
+        self._reported = 0
+        self._joined = False
+        """Whether the writer knows that this reader is there: what comes else was not meant for it."""
+        self._ended = False
+        self._passed_over = self._flooded = self._overlooked = 0
+        self._there: set[int] = set()
+        self._newest = -1
+        """Latest incarnation of the writer that was ever there."""
+        self._gone = incarnation > 0
+        self._wakeup = WakeupEvent()
+        key = codec_key(key, codec)
+        name = quote(name, safe="")
+        self._session = session
+        self._start_key = f"{key}/start/{name}/{incarnation}"
+        said = reader_key(key, host)
+        self._done_key = f"{said}/done/{name}"
+        self._report = publisher(session, f"{said}/credit/{name}")
+        self._declared = [
+            session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
+            session.declare_subscriber(self._start_key, Callback(self._on_arrival, indirect=False)),
+            presence(session, f"{key}/alive/writer/*", self._on_presence),
+        ]
+        self._alive_key = f"{said}/alive/{name}/{incarnation}"
+        self._alive = session.liveliness().declare_token(self._alive_key)
+
+    @property
+    def lost(self) -> bool:
+        """Whether the writer was there and is gone without an end."""
+        return self._gone and not (self._ended or self._arrived or self._before)
+
+    @property
+    def strangers(self) -> int:
+        """How much came that was malformed or not from the writer; no ledger knows it."""
+        return self._passed_over + self._flooded
+
+    @property
+    def broken(self) -> bool:
+        """False: another writer may come."""
+        return False
+
+    def matched(self) -> bool:
+        """Whether the writer is there, has told where to start, and would get reports."""
+        self._begin()
+        if self._writer < 0 or not reached(self._report):
+            return False
+        self._send_report()  # an earlier one may have reached nobody
+        return True
+
+    def fileno(self) -> int:
+        """The bell."""
+        return self._wakeup.fileno()
+
+    def poll(self) -> list[Token]:
+        """Everything that has arrived."""
+        self._wakeup.clear()
+        tokens, self._before = self._before, []
+        for _ in range(len(self._arrived)):
+            self._take(self._arrived.popleft(), tokens)
+        if self._tokens - self._reported >= WINDOW // 4:
+            self._send_report()
+        if self._flooded != self._overlooked:
+            self._overlooked = self._flooded
+            self._come_again()
+        return tokens
+
+    def consumed(self, count: int = 1) -> None:
+        """Give credit for messages that were taken out of the queue."""
+        former = min(count, self._unread)
+        self._unread -= former
+        self._consumed += count - former
+        self._send_report()
+
+    def close(self) -> None:
+        """Undeclare everything; the session stays open."""
+        undeclare([self._alive, *reversed(self._declared), self._report])
+        self._wakeup.close()
+
+    def _come_again(self) -> None:
+        """What there was no room for may have been the writer's: let it tell where it is, as after a cut."""
+        self._joined = False
+        undeclare([self._alive])
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._alive = self._session.liveliness().declare_token(self._alive_key)
+
+    def _begin(self) -> None:
+        """Before the first token: look whether the writer has told where to start."""
+        while self._writer < 0 and self._arrived:
+            self._take(self._arrived.popleft(), self._before)
+
+    def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
+        """A writer tells where its stream begins, or goes on after the link was cut."""
+        start = numbers(START, sample.payload)
+        if start is None or not self._possible(*start):
+            self._passed_over += 1
+            return
+        writer, number, messages, given = start
+        if writer < max(self._writer, self._newest):
+            return  # another one has taken its place
+        if writer > self._writer:
+            self._unread += self._got - self._consumed
+            self._writer, self._got, self._consumed, self._ended = writer, 0, 0, False
+        missing = max(0, given - self._got)
+        tokens += [Invalid("gap: it was on its way when the link was cut", missing=True)] * missing
+        self._got += missing
+        self._tokens, self._messages, self._joined = number, messages, True
+        self._send_report()
+
+    def _possible(self, writer: int, number: int, messages: int, given: int) -> bool:
+        """Whether a writer can mean that: its counts agree, and those of one writer never go back."""
+        if not given <= messages <= number:
+            return False
+        if writer != self._writer:
+            return given <= _CUTS * self._limit
+        forward = number >= self._tokens and messages >= self._messages
+        return forward and given - self._got <= _CUTS * self._limit
+
+    def _take(self, sample: zenoh.Sample | int, tokens: list[Token]) -> None:
+        """Append the sample's token, and before it an `Invalid` for each message that is missing.
+
+        What does not carry on the numbers comes from a stranger, or from a writer that is gone; no ledger
+        knows it, so it is passed over.
+        """
+        if isinstance(sample, int):
+            self._joined &= sample != self._writer
+            return
+        if str(sample.key_expr) == self._start_key:
+            self._start(sample, tokens)
+            return
+        counted = numbers(NUMBER, sample.attachment)
+        if counted is None:
+            self._passed_over += 1
+            return
+        writer, number, messages = counted
+        skipped = number - self._tokens
+        new = messages - self._messages
+        if not self._joined or writer != self._writer:
+            return
+        if not 0 <= skipped <= self._limit or not 0 <= new <= skipped + 1:
+            self._passed_over += 1
+            return
+        token = self._token(sample)
+        missing = new - (not isinstance(token, Watermark))
+        if missing < 0:
+            self._passed_over += 1
+            return
+        self._tokens, self._messages = number + 1, messages
+        self._got += new
+        tokens += [Invalid(f"gap: it is one of {missing} messages that never came", missing=True)] * missing
+        tokens.append(token)
+
+    def _token(self, sample: zenoh.Sample) -> Token:
+        if len(sample.payload) > MAX_PACKED:
+            return Invalid(f"{len(sample.payload)} bytes, at most {MAX_PACKED} allowed")
+        try:
+            token = unpack_as(sample.payload.to_bytes(), self._kind)
+        except InvalidMessage as error:
+            return Invalid(str(error))
+        if not self._ended and isinstance(token, Watermark) and token.time == END:
+            self._ended = True
+            self._declare_done()
+        return token
+
+    def _declare_done(self) -> None:
+        """Tell the writer that the end is here, in a way that the news of leaving cannot overtake."""
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            done = self._session.liveliness().declare_token(f"{self._done_key}/{self._writer}")
+            self._declared.insert(0, done)
+
+    def _send_report(self) -> None:
+        """In the writer's own numbers: what this reader was not there for counts as consumed."""
+        self._reported = self._tokens
+        if self._writer < 0:
+            return
+        consumed = self._messages - self._got + self._consumed
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._report.put(CREDIT.pack(self._writer, self._incarnation, consumed, self._tokens))
+
+    def _on_arrival(self, sample: zenoh.Sample) -> None:
+        if len(self._arrived) < self._limit:  # a flood from a stranger; the numbers show what is missing
+            self._arrived.append(sample)
+        else:
+            self._flooded += 1
+        self._wakeup.set()
+
+    def _on_presence(self, sample: zenoh.Sample) -> None:
+        incarnation = chunks(sample, 1)[0]
+        if not is_incarnation(incarnation):
+            self._passed_over += 1
+            return
+        number = int(incarnation)
+        if sample.kind == zenoh.SampleKind.PUT:
+            self._there.add(number)
+            self._newest = max(self._newest, number)
+        else:
+            self._there.discard(number)
+            self._arrived.append(number)
+        self._gone = self._newest not in self._there
+        self._wakeup.set()

@@ -1,0 +1,112 @@
+"""A Zenoh session that is quiet, meshes by itself, and stays on this host unless told otherwise."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import zenoh
+
+from followspot.errors import FollowspotError
+from followspot.transport.host_registry import read_certificates
+from followspot.transport.zenoh.access import access_control
+from followspot.transport.zenoh.network import LOOPBACK, Network
+
+_SETTINGS: dict[str, Any] = {
+    "scouting/multicast/address": "224.0.0.224:7449",  # not that of all other users of Zenoh
+    "transport/shared_memory/enabled": False,  # the ring does better, and leaves nothing in /dev/shm
+    "transport/link/tx/lease": 1500,  # ms until a silent peer counts as dead; a closed one is noticed at once
+    "transport/unicast/open_timeout": 3000,  # ms for an attempt to connect, which a close has to wait for
+    "connect/exit_on_failure": False,  # peers may start in any order
+    "connect/timeout_ms": -1,  # for ever, in the background
+    "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000},
+    "adminspace/enabled": True,  # read-only; tells which port was free
+}
+
+
+def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
+    """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
+
+    Raises FollowspotError where an endpoint is open to other hosts without certificates or consent, or these
+    cannot be used.
+    """
+    if network.exposed and not network.insecure:
+        raise FollowspotError(
+            f"{network.exposed[0]} is open to other hosts without protection; "
+            "use tls/ with certificates, or say --insecure"
+        )
+    if network.secured and not network.certificates:
+        raise FollowspotError(
+            f"{network.secured[0]} needs certificates; name their folder with --certificates "
+            "(followspot certs makes them)"
+        )
+    settings = {
+        "mode": "router" if routes else "client" if network.router else "peer",
+        "listen/endpoints": [] if network.router else list(network.listen),
+        "connect/endpoints": [network.router] if network.router else list(network.connect),
+        "scouting/multicast/enabled": network.discover,  # else peers are named; gossip makes others known
+        "scouting/multicast/listen": network.findable,
+        **_SETTINGS,
+    }
+    if network.certificates:
+        certificates = read_certificates(Path(network.certificates))
+        settings["transport/link/tls"] = _tls(certificates.folder)
+        settings["access_control"] = access_control(certificates.members)
+    config = zenoh.Config()
+    for key, value in settings.items():
+        config.insert_json5(key, json.dumps(value))
+    return config
+
+
+def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
+    """Open a session; close it in a `finally`, or the process never exits.
+
+    routes: whether it passes on what others send to each other.
+
+    Raises FollowspotError where an endpoint cannot be used.
+    """
+    try:
+        return zenoh.open(config_of(network, routes=routes))
+    except zenoh.ZError as error:
+        raise FollowspotError(f"Zenoh cannot use {', '.join(network.endpoints)}: {error}") from None
+
+
+def close_session(session: zenoh.Session) -> None:
+    """Close a session; of a link that is stuck, what it still holds is given up after ten seconds."""
+    with contextlib.suppress(zenoh.ZError):
+        session.close()  # type: ignore[no-untyped-call]
+
+
+def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) -> zenoh.Session:
+    """Open a peer session within this host. Raises FollowspotError."""
+    return connected(Network(tuple(listen), tuple(connect)))
+
+
+def locators(session: zenoh.Session) -> list[str]:
+    """Where other sessions can reach this one, with the ports that were free. Raises FollowspotError."""
+    for reply in session.get(f"@/{session.zid()}/*", timeout=5.0):
+        if reply.ok is not None:
+            return [str(locator) for locator in json.loads(reply.ok.payload.to_bytes())["locators"]]
+    raise FollowspotError("Zenoh does not say where it listens")
+
+
+def _tls(folder: Path) -> dict[str, Any]:
+    """Mutual TLS: either side shows the certificate in the folder, signed by the authority there."""
+    certificate, key = str(folder / "cert.pem"), str(folder / "key.pem")
+    return {
+        "root_ca_certificate": str(folder / "ca.pem"),
+        "listen_certificate": certificate,
+        "listen_private_key": key,
+        "connect_certificate": certificate,
+        "connect_private_key": key,
+        "enable_mtls": True,
+        "close_link_on_expiration": True,
+    }
+
+
+def log_refusals() -> None:
+    """Let Zenoh say on standard output which peers it refuses, and why; RUST_LOG overrides that."""
+    zenoh.init_log_from_env_or("error,zenoh_link_tls=warn,zenoh::net::routing::interceptor=info")

@@ -1,0 +1,235 @@
+"""From a plan to the stage runners of one worker: which queue feeds which stage."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from itertools import groupby
+from typing import Protocol
+
+import numpy as np
+
+from followspot.belonging import misfit
+from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
+from followspot.messages import Array, Message, seal
+from followspot.ports import InputSpec
+from followspot.stage import Context
+from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.token import ABSENT
+from followspot.worker.input_queue import UNCHANGED, InputQueue, SampledInput
+from followspot.worker.join import Join, JoinInput
+from followspot.worker.ledger import LOST, Ledger
+from followspot.worker.output_port import OutputPort
+from followspot.worker.pace import Pace
+from followspot.worker.scheduler import Worker
+from followspot.worker.source import LiveSourceRunner, SourceRunner
+from followspot.worker.stage_runner import StageRunner
+from followspot.worker.wiring import RunOptions, Wiring
+
+_ENDLESS = 1 << 30
+"""Depth of an edge that is never full, for it drops."""
+
+
+class Links(Protocol):
+    """Makes the ends of edges that are not plain references; edges are named by their number in the plan."""
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """The reading end of one edge."""
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """The writing end of all edges of one output port that have the same kind and codec."""
+
+
+class NoLinks:
+    """For plans in which every edge is a reference."""
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """There is none. Raises LookupError."""
+        raise LookupError(f"edge {edge} ({kind.__name__}) has no link")
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """There is none. Raises LookupError."""
+        raise LookupError(f"edges {edges} ({kind}) have no link")
+
+
+def build_worker(
+    wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
+) -> Worker:
+    """The worker of that name with all its stages built, none of them set up."""
+    return _Builder(wiring, name, ledger, options, links or NoLinks()).build()
+
+
+class _Builder:
+    """Collects the parts of one worker while its stages are built in order."""
+
+    def __init__(self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links) -> None:
+        self.wiring = wiring
+        self.plan = wiring.plan
+        self.words = ledger.words
+        self.ledger = ledger
+        self.options = options
+        self.links = links
+        self.mine = [stage for stage in self.plan.stages if stage.worker == name]
+        self.names = {stage.name for stage in self.mine}
+        self.queues: dict[int, InputQueue] = {}
+        self.writers: list[tuple[PortWriter, int]] = []
+        self.runners: list[StageRunner] = []
+        self.pace = Pace()
+
+    def build(self) -> Worker:
+        """Input queues first, then the stage runners that join them, then the calls that wake them."""
+        for stage in self.mine:
+            for number in self.wiring.into[stage.name]:
+                self.queues[number] = self._queue(number)
+        for rank, stage in enumerate(self.mine):
+            self.runners.append(self._runner(rank, stage))
+        remote = [queue for queue in self.queues.values() if queue.reader is not None]
+        worker = Worker(self.runners, remote, self.writers, self.pace)
+        ranks = {stage.name: rank for rank, stage in enumerate(self.mine)}
+        for number, queue in self.queues.items():
+            edge = self.plan.edges[number]
+            queue.wake = partial(worker.mark, ranks[edge.to_stage])
+            if edge.kind == "reference":
+                queue.reopened = partial(worker.mark, ranks[edge.from_stage])
+        for runner in self.runners:
+            for sampled in runner.join.sampled:
+                wake = partial(worker.mark_waiting, runner)
+                sampled.queue.wake = (
+                    wake if sampled.queue.keep is None else partial(_shed, sampled.queue, wake)
+                )
+        return worker
+
+    def _queue(self, number: int) -> InputQueue:
+        edge = self.plan.edges[number]
+        lateness = self.wiring.lateness[edge.from_stage]
+        depth, keep = self._limits(edge)
+        queue = InputQueue(
+            edge.name, self.words, self.ledger.row(number), depth=depth, lateness=lateness, keep=keep
+        )
+        if edge.kind != "reference":
+            kind = self.wiring.message_type(edge)
+            queue.reader = self.links.reader(number, kind)
+            queue.unfit = misfit(kind, self.plan.room, self.wiring.stages[edge.from_stage].camera)
+            if self.options.rejoin:
+                queue.after_loss = ABSENT if self.wiring.live else UNCHANGED
+        return queue
+
+    def _limits(self, edge: PlannedEdge) -> tuple[int, int | None]:
+        """Messages with which an edge is full for its sender, and beyond which its oldest goes, if ever.
+
+        What a live stage only samples does not wait for it to fire: else a camera that falls silent, or comes
+        back after a while, would hold up those whose results it samples, and they what it waits for.
+        """
+        if self.wiring.live and edge.drops:
+            return _ENDLESS, edge.depth
+        if self.wiring.live and self.wiring.sampled(edge):
+            return edge.capacity, max(edge.capacity - AHEAD, edge.delay + 1)
+        return edge.capacity, None
+
+    def _runner(self, rank: int, stage: PlannedStage) -> StageRunner:
+        outputs = self._outputs(rank, stage)
+        warn = partial(self.options.warn, stage.name)
+        for output in outputs.values():
+            output.refused = warn
+            output.patient = self.options.rejoin and not self.wiring.live
+        context = Context(
+            name=stage.name,
+            room=self.plan.room,
+            camera=self.plan.room.cameras[stage.camera] if stage.camera else None,
+            out=self.options.out,
+            seed=self.plan.seed,
+            warn=warn,
+            loan=partial(_loan, tuple(outputs.values())),
+            pause=self.pace.wait_aside if stage.live else self.pace.wait,
+        )
+        build = partial(self.wiring.classes[stage.name], context, **stage.params)
+        if self.wiring.ports[stage.name].source:
+            kind = LiveSourceRunner if stage.live else SourceRunner
+            source = kind(
+                stage.name,
+                rank,
+                build,
+                Join((), window=0, lateness=0),
+                outputs,
+                on_error=stage.on_error,
+                clock=self.options.clock,
+            )
+            source.limit = self.options.frames
+            return source
+        deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
+        return StageRunner(
+            stage.name,
+            rank,
+            build,
+            self._join(stage),
+            outputs,
+            on_error=stage.on_error,
+            deadline=deadline,
+            clock=self.options.clock,
+        )
+
+    def _outputs(self, rank: int, stage: PlannedStage) -> dict[str, OutputPort]:
+        outputs = {}
+        for port in self.wiring.ports[stage.name].outputs:
+            output = OutputPort(port.type, self.words, lateness=self.wiring.lateness[stage.name])
+            numbers = [n for n in self.wiring.out_of[stage.name] if self.plan.edges[n].from_port == port.name]
+            for _, group in groupby(sorted(numbers, key=self._way), key=self._way):
+                self._attach(output, list(group), rank)
+            outputs[port.name] = output
+        return outputs
+
+    def _attach(self, output: OutputPort, numbers: list[int], rank: int) -> None:
+        kind = self.plan.edges[numbers[0]].kind
+        if kind == "reference":
+            for number in numbers:
+                self._bury(number)
+            output.connect([self.queues[n] for n in numbers])
+            return
+        writer = self.links.writer(numbers, kind)
+        names = [self.plan.edges[n].name for n in numbers]
+        output.attach(writer, names, [self.ledger.row(n) for n in numbers])
+        self.writers.append((writer, rank))
+
+    def _bury(self, number: int) -> None:
+        """What was under way within a worker when it died is lost."""
+        self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
+
+    def _join(self, stage: PlannedStage) -> Join:
+        by_port: Mapping[str, list[int]] = defaultdict(list)
+        for number in self.wiring.into[stage.name]:
+            by_port[self.plan.edges[number].to_port].append(number)
+        input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
+        lateness = self.wiring.lateness[stage.name]
+        return Join(input_ports, window=self.wiring.window(stage), lateness=lateness)
+
+    def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
+        numbers = list(numbers)
+        if numbers and self.wiring.sampled(self.plan.edges[numbers[0]]):
+            edge = self.plan.edges[numbers[0]]
+            initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
+            timed = self.wiring.timed(edge)
+            sampled = SampledInput(self.queues[numbers[0]], delay=edge.delay, timed=timed, initial=initial)
+            return JoinInput(port.name, joined=False, sampled=sampled)
+        members = tuple(self.queues[n] for n in numbers)
+        return JoinInput(port.name, joined=port.kind == "joined", members=members)
+
+    def _way(self, number: int) -> str:
+        """What edges must have in common to share a writer; one that drops has its own."""
+        edge = self.plan.edges[number]
+        return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way
+
+
+def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:
+    """What comes to an input that is only sampled takes the place of what is too old."""
+    queue.shed()
+    wake()
+
+
+def _loan(outputs: Sequence[OutputPort], shape: tuple[int, ...], dtype: str) -> Array:
+    """An output array in shared memory where an edge offers it, else in private memory."""
+    for output in outputs:
+        array = output.loan(shape, dtype)
+        if array is not None:
+            return array
+    return np.empty(shape, dtype)

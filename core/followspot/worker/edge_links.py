@@ -1,0 +1,197 @@
+"""The ends of edges that leave a stage's call: rings over socket pairs, and Zenoh keys."""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from followspot.errors import FollowspotError
+from followspot.graph.plan import AHEAD, EdgeKind, Plan, PlannedEdge
+from followspot.messages import Message
+from followspot.transport.dropping_writer import DroppingWriter
+from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.keys import port_key
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.writer import RingWriter
+from followspot.worker.ledger import COLUMNS
+from followspot.worker.scheduler import Worker
+
+if TYPE_CHECKING:
+    import zenoh
+
+    from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter
+
+_MATCH_TIMEOUT = 45.0
+"""Seconds for all Zenoh edges of a run to find their other ends; workers of a busy host start slowly."""
+
+
+class EdgeLinks:
+    """Makes edge ends for one worker.
+
+    sending, receiving: this worker's ends of the ring edges' socket pairs, by edge number;
+    session: open where the worker has Zenoh edges; run: name that keeps the keys of two runs apart;
+    incarnation: how often the worker was started before.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        sending: Mapping[int, socket.socket],
+        receiving: Mapping[int, socket.socket],
+        session: zenoh.Session | None,
+        run: str,
+        incarnation: int = 0,
+    ) -> None:
+        self.plan = plan
+        self.sending = sending
+        self.receiving = receiving
+        self.session = session
+        self.run = run
+        self.incarnation = incarnation
+        hosts = {worker.name: worker.host for worker in plan.workers}
+        self._host = {stage.name: hosts[stage.worker] for stage in plan.stages}
+        self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
+        self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
+        self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
+        self._refused: Counter[str] = Counter()
+        """What ends that were replaced since had refused."""
+
+    def reader(self, edge: int, kind: type[Message]) -> PortReader:
+        """The reading end of one edge."""
+        planned = self.plan.edges[edge]
+        if planned.kind == "ring":
+            return self._ring_reader(edge, self.receiving[edge], kind)
+        from followspot.transport.zenoh.edge import ZenohReader
+
+        assert self.session is not None
+        reader = ZenohReader(
+            self.session,
+            self._key(edge),
+            str(edge),
+            kind,
+            self._depth([planned]),
+            codec=planned.codec,
+            host=self._host[planned.to_stage],
+            incarnation=self.incarnation,
+        )
+        self._zenoh_ends.append((planned.name, reader))
+        return reader
+
+    def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
+        """The writing end of all edges of one output port that have the same kind, codec and policy."""
+        planned = [self.plan.edges[edge] for edge in edges]
+        drops = planned[0].drops and self.plan.live
+        if kind == "ring":
+            ring: RingWriter | DroppingWriter = RingWriter(
+                [self.sending[edge] for edge in edges], self._depth(planned)
+            )
+            ring = DroppingWriter(ring, planned[0].depth) if drops else ring
+            self._ring_writers.update({edge: (ring, index) for index, edge in enumerate(edges)})
+            return ring
+        from followspot.transport.zenoh.edge import ZenohWriter
+
+        assert self.session is not None
+        readers = {str(edge): self._host[self.plan.edges[edge].to_stage] for edge in edges}
+        writer = ZenohWriter(
+            self.session,
+            self._key(edges[0]),
+            readers,
+            self._depth(planned),
+            codec=planned[0].codec,
+            incarnation=self.incarnation,
+        )
+        self._zenoh_ends.append((planned[0].name, writer))
+        return DroppingWriter(writer, planned[0].depth) if drops else writer
+
+    def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
+        """The worker at the other end of a ring edge was started again; `sock` leads to it."""
+        if edge in self._ring_readers:
+            old, kind = self._ring_readers[edge]
+            self._refused[self.plan.edges[edge].name] += old.strangers
+            worker.adopt_reader(old, self._ring_reader(edge, sock, kind))
+        else:
+            ring, index = self._ring_writers[edge]
+            ring.replace(index, sock)
+            worker.adopt_link(ring, sock.fileno())
+
+    def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
+        reader = RingReader(sock, kind)
+        self._ring_readers[edge] = reader, kind
+        return reader
+
+    def wait_matched(self) -> None:
+        """Return when every Zenoh edge has found its other end, so that nothing is lost at the start.
+
+        Raises FollowspotError naming the edges that did not.
+        """
+        deadline = time.monotonic() + _MATCH_TIMEOUT
+        waiting = self._zenoh_ends
+        while waiting:
+            waiting = [(name, end) for name, end in waiting if not end.matched()]
+            if waiting and time.monotonic() > deadline:
+                names = ", ".join(sorted({name for name, _ in waiting}))
+                raise FollowspotError(f"Zenoh found no other end for {names} within {_MATCH_TIMEOUT:.0f} s")
+            if waiting:
+                time.sleep(0.005)
+
+    def remind(self) -> None:
+        """Say again that the ends of Zenoh edges are here: who still waits for them may have missed it."""
+        for _, end in self._zenoh_ends:
+            end.matched()
+
+    def strangers(self) -> dict[str, int]:
+        """How much came to each edge that was malformed or not from its other end, where any did."""
+        found = self._refused.copy()
+        for name, end in self._zenoh_ends:
+            found[name] += end.strangers
+        for edge, (reader, _) in self._ring_readers.items():
+            found[self.plan.edges[edge].name] += reader.strangers
+        for edge, (writer, index) in self._ring_writers.items():
+            found[self.plan.edges[edge].name] += 0 if index else writer.strangers
+        return {name: count for name, count in found.items() if count}
+
+    def close(self) -> None:
+        """Close the session; the edges were closed by their worker."""
+        if self.session is not None:
+            from followspot.transport.zenoh.session import close_session
+
+            close_session(self.session)
+            self.session = None
+
+    def _depth(self, edges: Sequence[PlannedEdge]) -> int:
+        """Messages on their way to the slowest reader."""
+        return AHEAD if edges[0].drops and self.plan.live else max(edge.capacity for edge in edges)
+
+    def _key(self, edge: int) -> str:
+        """Of the port; an edge that drops has a key of its own, for its messages are not those of others."""
+        planned = self.plan.edges[edge]
+        port = port_key(self.run, self._host[planned.from_stage], planned.from_stage, planned.from_port)
+        return f"{port}/{planned.policy}/{edge}" if planned.drops else port
+
+
+def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
+    """Whether any edge (of this worker) goes over Zenoh."""
+    home = {stage.name: stage.worker for stage in plan.stages}
+    return any(
+        edge.kind == "zenoh" and (worker is None or worker in (home[edge.from_stage], home[edge.to_stage]))
+        for edge in plan.edges
+    )
+
+
+def rows_of(plan: Plan, workers: Collection[str]) -> set[int]:
+    """Where the ledger has the edges to and from these workers."""
+    theirs = {stage.name for stage in plan.stages if stage.worker in workers}
+    return {n * COLUMNS for n, e in enumerate(plan.edges) if e.from_stage in theirs or e.to_stage in theirs}
+
+
+def ring_edges(plan: Plan) -> list[int]:
+    """Numbers of the edges that need a socket pair."""
+    return [number for number, edge in enumerate(plan.edges) if edge.kind == "ring"]
+
+
+def socket_pair() -> tuple[socket.socket, socket.socket]:
+    """Sending and receiving end of one ring edge. It has no name, so nothing is left behind by a kill."""
+    return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

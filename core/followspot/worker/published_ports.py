@@ -1,0 +1,74 @@
+"""Every port of a worker for any Zenoh client (docs/wire.md): put while somebody listens, else free."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.graph.plan import Plan
+from followspot.messages import InvalidMessage, Message
+from followspot.transport.codec import pack
+from followspot.transport.keys import port_key
+from followspot.transport.zenoh.terms import reached
+from followspot.worker.edge_links import EdgeLinks
+from followspot.worker.output_port import OutputPort
+from followspot.worker.scheduler import Worker
+
+
+class PublishedPort:
+    """A tap of one output port that is there while somebody subscribes to its key. It waits for nobody."""
+
+    def __init__(self, session: zenoh.Session, key: str, output: OutputPort, worker: Worker) -> None:
+        self._output = output
+        self._worker = worker
+        self._publisher = session.declare_publisher(
+            key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
+        )
+        self._listener = self._publisher.declare_matching_listener(Callback(self._matched, indirect=False))
+        if reached(self._publisher):
+            self._follow()
+
+    def __call__(self, message: Message) -> None:
+        """Put the message, or drop it where the network is full or the session closed."""
+        with suppress(zenoh.ZError, InvalidMessage):
+            self._publisher.put(pack(message))
+
+    def _matched(self, status: zenoh.MatchingStatus) -> None:
+        """Somebody came, or the last one went; from a thread of Zenoh."""
+        self._worker.between_firings(self._follow)
+
+    def _follow(self) -> None:
+        self._output.untap(self)
+        if reached(self._publisher):
+            self._output.tap(self)
+
+
+def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
+    """The ports of a worker whose messages no edge puts on their key already; none without a session.
+
+    They end with the session of the links.
+    """
+    if links.session is None:
+        return []
+    hosts = {w.name: w.host for w in links.plan.workers}
+    home = {stage.name: hosts[stage.worker] for stage in links.plan.stages}
+    taken = _on_their_keys(links.plan)
+    return [
+        PublishedPort(
+            links.session, port_key(links.run, home[runner.name], runner.name, port), output, worker
+        )
+        for runner in worker.runners
+        for port, output in runner.outputs
+        if (runner.name, port) not in taken
+    ]
+
+
+def _on_their_keys(plan: Plan) -> set[tuple[str, str]]:
+    """Ports with an edge over Zenoh on the port's very key: raw, and without a policy that drops."""
+    return {
+        (edge.from_stage, edge.from_port)
+        for edge in plan.edges
+        if edge.kind == "zenoh" and edge.codec == "raw" and not edge.drops
+    }

@@ -1,0 +1,64 @@
+"""The report of a worker that has ended, and what its stages warned of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from followspot.control.worker_report import RUN_AGAIN, StageReport, WorkerReport
+from followspot.worker.scheduler import Worker
+
+MAX_WARNINGS = 200
+"""Different warnings kept per worker; further ones are only counted."""
+
+
+class Warnings:
+    """Collects what stages warn of; the same text is kept once.
+
+    tell: gets the stage and text of each.
+    """
+
+    def __init__(self, tell: Callable[[str, str], None] = lambda stage, text: None) -> None:
+        self._tell = tell
+        self._counts: dict[str, int] = {}
+        self._more = 0
+        self.last: dict[str, str] = {}
+        """The newest of each stage."""
+
+    def add(self, stage: str, text: str) -> None:
+        """A stage's warning; safe from any thread."""
+        self.last[stage] = text
+        self._tell(stage, text)
+        line = f"{stage}: {text}"
+        if line in self._counts or len(self._counts) < MAX_WARNINGS:
+            self._counts[line] = self._counts.get(line, 0) + 1
+        else:
+            self._more += 1
+
+    def lines(self) -> tuple[str, ...]:
+        """The texts, with how often each was said."""
+        lines = [text + (f" ({count} times)" if count > 1 else "") for text, count in self._counts.items()]
+        return (*lines, f"{self._more} more warnings") if self._more else tuple(lines)
+
+
+def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = "") -> WorkerReport:
+    """The report of a worker that has ended, one way or the other."""
+    for queue in worker.readers:
+        if queue.invalid_reason:
+            warnings.add(queue.name, f"invalid message: {queue.invalid_reason}")
+    return WorkerReport(
+        name,
+        max((source.yielded for source in worker.sources), default=0),
+        tuple(
+            StageReport(c.name, c.count.fired, c.count.skipped, c.count.restarts, c.count.busy_ns / 1e6)
+            for c in worker.runners
+        ),
+        tuple(path.summary(origin, c.name) for c in worker.runners for origin, path in c.paths.items()),
+        warnings.lines(),
+        error,
+    )
+
+
+def missing(worker: Worker) -> str:
+    """The error that it is in a replay if messages were lost on their way to the worker; "" for none."""
+    lost = [f"{queue.name}: {queue.missing} messages" for queue in worker.readers if queue.missing]
+    return f"{', '.join(lost)} were lost on their way; {RUN_AGAIN}" if lost else ""

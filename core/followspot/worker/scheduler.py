@@ -1,0 +1,343 @@
+"""One worker: a single thread that fires ready stages, and pulls sources when nothing else is ready.
+
+Stages nearest to the sinks go first, so work in flight is finished before new work is taken in. Which stage
+goes first never changes a result, for a firing depends on the streams alone.
+"""
+
+from __future__ import annotations
+
+import select
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass
+from functools import partial
+from heapq import heappop, heappush
+from operator import attrgetter
+
+from followspot.errors import FollowspotError
+from followspot.transport.edge import PortReader, PortWriter
+from followspot.transport.token import END
+from followspot.transport.wakeup_event import WakeupEvent
+from followspot.worker.batch_group import batch_groups
+from followspot.worker.input_queue import InputQueue
+from followspot.worker.pace import Pace
+from followspot.worker.source import LiveSourceRunner, SourceRunner
+from followspot.worker.stage_runner import StageError, StageRunner
+
+_TURNS = 32
+"""Firings between two looks at what other workers sent."""
+_NAP_MS = 100
+"""Longest sleep, ms; a wake-up that was missed costs no more."""
+_SWITCH_INTERVAL = 0.0005
+"""Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
+
+
+_ALL = range(sys.maxsize)
+"""Rows of all edges."""
+_watermark = attrgetter("watermark")
+
+
+class StuckError(FollowspotError):
+    """No stage can fire, no source can yield, and yet the streams have not ended."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a worker, or a run, is."""
+
+    fired: int
+    """Firings of its sinks; of its sources where it has no sinks."""
+    time: int
+    """Newest capture time that a source sent, ns; -1 before the first."""
+    faults: tuple[str, ...] = ()
+    """What is absent or was not heard lately, a line each; of a run."""
+
+
+class Worker:
+    """Runs the stage runners of one process.
+
+    runners: by rank; readers: input queues fed by other workers; writers: with the rank of the stage runner
+    that owns each; pace: by which the sources wait.
+    """
+
+    def __init__(
+        self,
+        runners: Sequence[StageRunner],
+        readers: Sequence[InputQueue],
+        writers: Sequence[tuple[PortWriter, int]],
+        pace: Pace,
+    ) -> None:
+        self.runners = tuple(runners)
+        self.sources = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
+        self.live = tuple(runner for runner in self.sources if isinstance(runner, LiveSourceRunner))
+        self.readers = tuple(readers)
+        self.writers = tuple(writers)
+        self.pace = pace
+        self.regroup()
+        self._ready: list[int] = []
+        self._marked = [False] * len(runners)
+        self._stopping = False
+        self._errands: deque[Callable[[], None]] = deque()
+        self._poll = select.poll()
+        self._watched: dict[int, Callable[[], bool]] = {}
+        self._wakeup = WakeupEvent()
+        self._connect()
+
+    def mark(self, rank: int) -> None:
+        """The inputs or outputs of this stage runner changed; look at it."""
+        if not self._marked[rank]:
+            self._marked[rank] = True
+            heappush(self._ready, -rank)
+
+    def mark_waiting(self, runner: StageRunner) -> None:
+        """Feedback came for this stage runner; look at it if that may be what it waits for."""
+        if runner.done:
+            self.mark(runner.rank)
+            return
+        for queue in runner.join.members:
+            if queue.messages:
+                self.mark(runner.rank)
+                return
+
+    def regroup(self) -> None:
+        """Form the teams: stages that are alike now."""
+        self.batch_groups = batch_groups(self.runners, self.mark)
+        self._steps: list[Callable[[], None]] = [runner.step for runner in self.runners]
+        for group in self.batch_groups:
+            for runner in group.runners:
+                self._steps[runner.rank] = partial(group.step, runner)
+
+    def fire_waiting(self) -> bool:
+        """Fire members of a team without those that are not ready; False where none waits."""
+        for group in self.batch_groups:
+            if group.waiting:
+                group.fire()
+                return True
+        return False
+
+    def between_firings(self, errand: Callable[[], None]) -> None:
+        """Let the worker's thread do something as soon as no stage is at work. Safe from any thread."""
+        self._errands.append(errand)
+        self.ring()
+
+    def watch(self, fd: int, callback: Callable[[], bool]) -> None:
+        """Call back when the descriptor is readable, until the callback says that it is over."""
+        self._watched[fd] = callback
+        self._poll.register(fd, select.POLLIN)
+
+    def adopt_reader(self, old: PortReader, new: PortReader) -> None:
+        """The worker that wrote to `old` was started again, and writes to `new`."""
+        queue = next(queue for queue in self.readers if queue.reader is old)
+        self._unwatch(old.fileno())
+        queue.adopt(new)
+        self.watch(new.fileno(), queue.poll)
+
+    def adopt_link(self, writer: PortWriter, fd: int) -> None:
+        """The worker that read from `writer` was started again, and reads through `fd`."""
+        rank = next(rank for known, rank in self.writers if known is writer)
+        self.watch(fd, partial(self._credited, fd, writer, rank))
+        for _, output in self.runners[rank].outputs:
+            output.look()
+            output.returned(writer)
+        self.mark(rank)
+
+    def give_up(self, rows: Container[int]) -> None:
+        """Who is away at the other ends of these edges, or dies from now on, does not come back.
+
+        rows: of the edges in the ledger.
+        """
+        for queue in self.readers:
+            if queue.row in rows:
+                queue.after_loss = END
+                queue.poll()
+        for runner in self.runners:
+            for _, output in runner.outputs:
+                output.patient &= not any(row in rows for group in output.rows for row in group)
+            self.mark(runner.rank)
+
+    def stop(self) -> None:
+        """End all sources; what is in flight is still finished. Safe in signal handlers and threads."""
+        self._stopping = True
+        self.pace.end()
+        self.ring()
+
+    def ring(self) -> None:
+        """Wake the worker from another thread."""
+        self._wakeup.set()
+
+    def setup(self) -> None:
+        """Set all stages up, in order. Raises StageError."""
+        sys.setswitchinterval(_SWITCH_INTERVAL)
+        if "cv2" in sys.modules:
+            sys.modules["cv2"].setNumThreads(1)  # workers are the parallelism
+        for runner in self.runners:
+            runner.setup()
+
+    def run(self) -> None:
+        """Run to the end of all streams. Stages are closed however it ends. Raises StageError, StuckError."""
+        problems: list[StageError] = []
+        try:
+            for source in self.live:
+                source.start()
+            for runner in self.runners:
+                self.mark(runner.rank)
+            while self._turn():
+                pass
+        finally:
+            problems = self.close()
+        if problems:
+            raise problems[0]
+
+    def close(self) -> list[StageError]:
+        """Close stages and edges, all of them whatever one of them raises; what was raised."""
+        problems = []
+        for runner in self.runners:
+            try:
+                if isinstance(runner, LiveSourceRunner):
+                    runner.stop()
+                runner.close()
+            except StageError as error:
+                problems.append(error)
+        for writer, _ in self.writers:
+            writer.close()
+        for runner in self.runners:
+            for _, output in runner.outputs:
+                output.look()  # what was on its way to readers that were cut off
+        for queue in self.readers:
+            if queue.reader is not None:
+                queue.reader.close()
+        self._wakeup.close()
+        return problems
+
+    def progress(self) -> Progress:
+        """How far the worker is."""
+        counted = [runner.count.fired for runner in self.runners if runner.is_sink] or [
+            s.yielded for s in self.sources
+        ]
+        return Progress(min(counted, default=0), max((s.watermark for s in self.sources), default=-1))
+
+    def expected(self) -> int | None:
+        """Messages that the longest source will yield, None where none of them knows."""
+        known = [n for n in (source.expected() for source in self.sources) if n is not None]
+        return max(known, default=None)
+
+    def _connect(self) -> None:
+        self.watch(self._wakeup.fileno(), self._answer_bell)
+        for queue in self.readers:
+            assert queue.reader is not None
+            self.watch(queue.reader.fileno(), queue.poll)
+        for writer, rank in self.writers:
+            for fd in writer.filenos():
+                self.watch(fd, partial(self._credited, fd, writer, rank))
+        for source in self.live:
+            source.notify = self.ring
+
+    def _turn(self) -> bool:
+        """One round; False when everything has ended."""
+        for _ in range(_TURNS):
+            if not self._ready:
+                break
+            rank = -heappop(self._ready)
+            self._marked[rank] = False
+            self._steps[rank]()
+        if len(self._watched) > 1:
+            self._receive(0)
+        while self._errands:
+            self._errands.popleft()()
+        if self._stopping:
+            self._stop_sources()
+        if self._ready or self._pull() or self.fire_waiting():
+            return True
+        if self._finished():
+            return False
+        self._wait()
+        return True
+
+    def _pull(self) -> bool:
+        """Let the source that is furthest behind yield, and all that then are; False where none can."""
+        candidates = [s for s in self.sources if not s.done]
+        candidates.sort(key=_watermark)
+        reached = END
+        for source in candidates:
+            if source.watermark >= reached:
+                break
+            source.blocked = not source.has_room()
+            if not source.blocked and (source.pull() or source.done):
+                reached = min(reached, source.watermark)
+        return reached < END
+
+    def _finished(self) -> bool:
+        """Whether all is done, sent, and received: feedback to a stage that has ended is still counted."""
+        flushed = [writer.flush() for writer, _ in self.writers]
+        received = all(queue.watermark == END for queue in self.readers)
+        return received and all(flushed) and all(runner.done for runner in self.runners)
+
+    def _wait(self) -> None:
+        """Sleep until another worker, a thread or a deadline has something for us."""
+        if self._credit_came():
+            return
+        deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
+        if not (deadlines or self.readers or self.writers or self.live):
+            raise StuckError(self._why_stuck())
+        if not deadlines:
+            self._receive(_NAP_MS)
+            return
+        left_ms = (min(deadlines) - time.monotonic()) * 1000
+        self._receive(int(min(max(left_ms, 0), _NAP_MS)) + 1)
+        for runner in self.runners:
+            if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
+                self.mark(runner.rank)
+
+    def _credit_came(self) -> bool:
+        """Ask readers to wake us when they take a message; whether one already did."""
+        came = False
+        for writer, rank in self.writers:
+            runner = self.runners[rank]
+            if runner.blocked:
+                writer.want_credit()
+                if runner.has_room():
+                    self.mark(rank)
+                    runner.blocked = False
+                    came = True
+        return came
+
+    def _receive(self, timeout_ms: int) -> None:
+        for fd, _ in self._poll.poll(timeout_ms):
+            if self._watched[fd]():
+                self._unwatch(fd)
+
+    def _unwatch(self, fd: int) -> None:
+        if self._watched.pop(fd, None) is not None:
+            self._poll.unregister(fd)
+
+    def _answer_bell(self) -> bool:
+        self._wakeup.clear()
+        return False
+
+    def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
+        writer.drain()
+        for _, output in self.runners[rank].outputs:
+            output.look()
+        self.mark(rank)
+        return fd not in writer.filenos()
+
+    def _stop_sources(self) -> None:
+        self._stopping = False
+        self.give_up(_ALL)
+        for source in self.sources:
+            if not source.done:
+                source.stop()
+
+    def _why_stuck(self) -> str:
+        """Name the stages that wait, and for which edges."""
+        lines = []
+        for runner in self.runners:
+            full = [i.name for _, o in runner.outputs for i in o.queues if len(i.messages) >= i.depth]
+            dry = [i.name for i in runner.join.members if not i.messages and i.watermark != END]
+            if not runner.done:
+                lines.append(
+                    f"  {runner.name}: " + (f"full: {full}" if runner.blocked else f"waits for: {dry}")
+                )
+        return "the graph is stuck; raise `depth` of the full edges\n" + "\n".join(lines)

@@ -1,0 +1,102 @@
+"""What the workers of a plan agree on: types of ports, windows of joins, what may be promised when."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from followspot.errors import InputError
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.graph.sampling import plan_sampled_cycles
+from followspot.messages import Message
+from followspot.plugins.registry import load_stage
+from followspot.ports import InputSpec, Ports, ports
+from followspot.stage import Stage
+from followspot.worker.clock import Clock
+
+
+@dataclass(frozen=True)
+class RunOptions:
+    """What the user said about this run and not about the graph.
+
+    out: folder for outputs; frames: messages per source, None for all; warn: stage name and text;
+    rejoin: whether workers that die are started again: live joins then go on without them, others wait;
+    clock: of this host.
+    """
+
+    out: Path = Path()
+    frames: int | None = None
+    warn: Callable[[str, str], None] = lambda stage, text: None
+    rejoin: bool = False
+    clock: Clock = field(default_factory=Clock)
+
+
+class Wiring:
+    """What the workers of a plan agree on: port types, windows, which held inputs are sampled by time."""
+
+    def __init__(self, plan: Plan) -> None:
+        """Raises InputError if the plan is a replay whose result would depend on timing."""
+        if not plan.live and (mistakes := plan_sampled_cycles(plan)):
+            raise InputError(mistakes)
+        self.plan = plan
+        self.stages = {stage.name: stage for stage in plan.stages}
+        self.classes: dict[str, type[Stage]] = {s.name: load_stage(s.uses) for s in plan.stages}
+        self.ports: dict[str, Ports] = {name: ports(cls) for name, cls in self.classes.items()}
+        self.live = plan.live
+        self.into: dict[str, list[int]] = defaultdict(list)
+        self.out_of: dict[str, list[int]] = defaultdict(list)
+        for number, edge in enumerate(plan.edges):
+            self.into[edge.to_stage].append(number)
+            self.out_of[edge.from_stage].append(number)
+        self.lateness = self._latenesses()
+        self.deadline = self._deadlines()
+
+    def message_type(self, edge: PlannedEdge) -> type[Message]:
+        """Type of the messages on an edge: what its sender declares."""
+        outputs = {port.name: port.type for port in self.ports[edge.from_stage].outputs}
+        return outputs[edge.from_port]
+
+    def input_port(self, edge: PlannedEdge) -> InputSpec:
+        """The declaration of the port that an edge leads to."""
+        return next(port for port in self.ports[edge.to_stage].inputs if port.name == edge.to_port)
+
+    def sampled(self, edge: PlannedEdge) -> bool:
+        """Whether the edge is sampled at a firing instead of firing itself."""
+        return edge.delay > 0 or self.input_port(edge).kind == "latest"
+
+    def timed(self, edge: PlannedEdge) -> bool:
+        """Whether a held edge is sampled by capture time, not by arrival as a `Latest` of a live run is."""
+        return edge.delay > 0 or not self.live
+
+    def window(self, stage: PlannedStage) -> int:
+        """Largest difference in capture time within the stage's join, ns; 0 for a single input."""
+        members = [n for n in self.into[stage.name] if not self.sampled(self.plan.edges[n])]
+        return round(stage.tolerance * 1e9) if len(members) > 1 else 0
+
+    def _latenesses(self) -> dict[str, int]:
+        """For each stage, ns after a message's time for which the message promises that nothing else comes.
+
+        A join takes the earliest time of its members as its own and gives up what comes within its window
+        later; that lets a feedback edge be certain as soon as its message is there.
+        """
+        lateness: dict[str, int] = {}
+        for stage in self.plan.stages:
+            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            inherited = [lateness[e.from_stage] for e in edges if not self.sampled(e)]
+            lateness[stage.name] = self.window(stage) + max(inherited, default=0)
+        return lateness
+
+    def _deadlines(self) -> dict[str, float]:
+        """For each stage, s from a message's entering the graph until those still missing are given up.
+
+        A join waits on top of what joins upstream of it wait: else what they make of the rest comes too late.
+        """
+        deadline: dict[str, float] = {}
+        for stage in self.plan.stages:
+            edges = [self.plan.edges[n] for n in self.into[stage.name]]
+            members = [deadline[e.from_stage] for e in edges if not self.sampled(e)]
+            own = stage.deadline if len(members) > 1 else 0.0
+            deadline[stage.name] = own + max(members, default=0.0)
+        return deadline

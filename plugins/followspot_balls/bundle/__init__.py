@@ -1,0 +1,1 @@
+"""Fusion by bundle adjustment of all sightings of a target."""

@@ -1,0 +1,271 @@
+"""Robust maximum-likelihood fusion over all views, with its covariance: better than pairs and their mode."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot import Array, Field, Latest, Stage, StageParams
+from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
+from followspot_balls.bundle.glow import glow_sigma, nearest_planes
+from followspot_balls.bundle.points import (
+    PARAMETERS,
+    Belief,
+    Model,
+    Views,
+    empty_belief,
+    estimated,
+    glowing_model,
+    images,
+    linearised,
+    point_images,
+    solved,
+    weighted,
+)
+from followspot_balls.bundle.sightings import sightings
+from followspot_balls.bundle.trust import Outlines, variance
+from followspot_balls.evidence import appearing, recovery_credit
+from followspot_balls.search import lost_targets
+
+USED = 0.4
+"""Weight above which a view counts as support: that of an error of three quarters of the cutoff."""
+VAGUE = 1e-3
+"""Least information on a place, 1/m^2: keeps equations of views that do not determine it solvable."""
+PLACE = [0, 1, 2]
+DARK = 1e-6
+"""Least sigma of the glow, m: far from every plane there is none."""
+STEPS = 3
+"""Of reweighted least squares; the start is one of the candidates, so the images may be linearised once."""
+
+
+class Fit(NamedTuple):
+    """Places of M targets and what they rest on."""
+
+    xyz: Array
+    """(M, 3) m."""
+    covariance: Array
+    """(M, 3, 3) m^2."""
+    trust: Array
+    """(M, C) robust weight of each view, 0 where there is none."""
+    slot: Array
+    """(M, C) blob of each target in each view."""
+
+
+class Bundle(Stage):
+    """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
+
+    class Params(StageParams):
+        sigma: float = Field(
+            0.2, gt=0, unit="px", description="one sigma of a whole ball's centre; raising it smooths more"
+        )
+        hidden: float = Field(
+            4.0,
+            ge=0,
+            unit="1",
+            description="sigmas by which that of a wholly hidden ball would be larger; raising it trusts "
+            "small blobs less",
+        )
+        merged: float = Field(
+            14.0,
+            ge=0,
+            unit="1",
+            description="growth of that of a blob larger than the ball, with the squared excess; raising it "
+            "trusts merged blobs less",
+        )
+        agreement: float = Field(
+            1.0,
+            gt=0,
+            unit="px",
+            description="scale of the error at which views agree in the search for a start; raising it "
+            "survives a poor calibration",
+        )
+        cutoff: float = Field(
+            4.0,
+            gt=0,
+            unit="1",
+            description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
+        )
+        appearing: float = Field(
+            3.0,
+            gt=0,
+            unit="1",
+            description="cutoff of a target without forecast where three views confirm each other, over that "
+            "of others, for it often shows only parts of itself; raising it finds more, also false ones",
+        )
+        labelled: float = Field(
+            0.5,
+            ge=0,
+            unit="1",
+            description="by how much more a colour camera's vote for a start counts than an infrared one's, "
+            "which may have seen another ball; raising it survives crowds",
+        )
+        prior: float = Field(
+            0.15,
+            gt=0,
+            unit="m",
+            description="one sigma of the start's distance from the forecast; raising it lets targets jump",
+        )
+        forecast: float = Field(
+            0.3,
+            ge=0,
+            unit="1",
+            description="weight of the forecast in judging which views to trust; it does not enter the "
+            "position; raising it leaves wrong forecasts later",
+        )
+        sharpest: float = Field(
+            0.004,
+            ge=0,
+            unit="m",
+            description="one sigma added to the forecast's; raising it trusts sharp forecasts less",
+        )
+        glow: float = Field(
+            0.02,
+            ge=0,
+            unit="m",
+            description="one sigma by which the light of a ball on a plane draws its centre there in colour "
+            "cameras; raising it trusts them less along the normal",
+        )
+        reach: float = Field(
+            0.35, gt=0, unit="m", description="clearance from the plane at which there is none of it"
+        )
+        lean: float = Field(
+            0.3,
+            ge=0,
+            unit="1",
+            description="mean of the glow in its sigmas, for light draws towards the plane, never away; 0 "
+            "suits balls that do not glow",
+        )
+        certainty: float = Field(
+            4.0,
+            gt=0,
+            unit="1",
+            description="errors that the sigma counts for in the covariance; raising it heeds those of the "
+            "frame less",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        cameras = list(self.room.cameras.values())
+        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.color = np.array([c.kind == "color" for c in cameras], bool)
+        self.voice = 1 + self.params.labelled * self.color
+        self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
+        self.radii = np.array([t.radius for t in self.room.targets.values()])
+        self.outlines = Outlines(self.room)
+
+    def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
+        lost = lost_targets(forecast, candidates.targets.shape[1])
+        seeds = candidates.targets.T & (candidates.confirmed | ~lost[:, None])
+        target = np.flatnonzero(seeds.any(axis=1))
+        if not len(target):
+            return Positions.empty()
+        table = sightings(candidates, len(self.P))
+        sizes = self.outlines.at_unit_depth(table.xy, table.area)
+        claims = Claims(table.xy, table.targets[target], sizes, self.radii[target], lost[target])
+        credit = seeds[target] * self.credit(candidates, target, claims.lost, forecast)
+        start = candidates.xyz[self.votes(candidates.xyz, credit, claims).argmax(axis=1)]
+        expected = self.expectation(target, claims.lost, forecast)
+        fit = self.refined(start, claims, expected, self.cutoff(candidates, target, lost))
+        agreeing = (fit.slot[:, candidates.view] == table.slot) & (fit.trust[:, candidates.view] > USED)
+        used = agreeing.all(axis=2) & candidates.targets.T[target]
+        positions = Positions(
+            target=target.astype(np.int32),
+            xyz=fit.xyz,
+            covariance=fit.covariance,
+            support=used.sum(axis=1).astype(np.int32),
+            confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
+            evident=np.asarray((used & candidates.evident).any(axis=1)),
+            iterations=np.full(len(target), STEPS, np.int32),
+            predicted=np.zeros(len(target), bool),
+        )
+        return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
+
+    def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
+        """Factor of the candidates' votes, (M, N): by their distance from the forecast, or as evidence."""
+        evidence = np.broadcast_to(recovery_credit(candidates), (len(target), len(candidates.xyz)))
+        if forecast is None or lost.all():
+            return evidence
+        distance2 = np.square(candidates.xyz - forecast.xyz[target][:, None]).sum(axis=2)
+        return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior**2)))
+
+    def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
+        """How well all views agree with each candidate, as a place of each target: (M, N).
+
+        xyz: (N, 3) m; credit: (M, N) factors, 0 for candidates that are not in question.
+        """
+        row, candidate = np.nonzero(credit)
+        seen = point_images(self.P, xyz[candidate])
+        squares = squared_errors(claims.xy, seen, claims.possible[row])
+        exactness = 1 / np.sqrt(self.variance(shares(claims, seen.depth, row)))
+        agreement = exactness / (1 + squares / self.params.agreement**2)
+        votes = np.zeros(credit.shape)
+        best = np.ascontiguousarray(agreement.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
+        votes[row, candidate] = best @ self.voice * credit[row, candidate]
+        return votes
+
+    def variance(self, share: Array) -> Array:
+        """Of centres whose blobs show these shares of their outlines, px^2."""
+        p = self.params
+        return variance(share, p.sigma, p.hidden, p.merged)
+
+    def cutoff(self, candidates: Candidates, target: Array, lost: Array) -> Array | float:
+        """Sigmas, of all targets' views, or (M, 1) where one has no forecast. lost: (T,) bool."""
+        p = self.params
+        if not lost.any():
+            return p.cutoff
+        wide = np.asarray(appearing(candidates, lost).any(axis=0))[target]
+        return np.where(wide, p.appearing * p.cutoff, p.cutoff)[:, None]
+
+    def expectation(self, target: Array, lost: Array, forecast: Forecast | None) -> Belief:
+        """The forecast of each target's place, with part of its information; none of lost targets."""
+        vector, information = empty_belief(len(target))
+        if forecast is not None and not lost.all():
+            known = target[~lost]
+            spread = forecast.covariance[known] + np.eye(3) * self.params.sharpest**2
+            try:
+                weight = self.params.forecast * np.linalg.inv(spread)
+            except np.linalg.LinAlgError:  # a covariance that is none says nothing
+                return Belief(vector, information)
+            information[~lost, :3, :3] = weight
+            vector[~lost, :3] = (weight @ forecast.xyz[known, :, None])[..., 0]
+        return Belief(vector, information)
+
+    def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
+        """The model of glowing balls near these places (M, 3) m, and what is known of the glow."""
+        normal, clearance = nearest_planes(self.planes, xyz, radius)
+        sigma = glow_sigma(clearance, self.params.glow, self.params.reach)
+        vector, information = empty_belief(len(xyz))
+        information[:, PLACE, PLACE] = VAGUE
+        information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))
+        vector[:, :3] = VAGUE * xyz
+        vector[:, 3] = -self.params.lean * sigma * information[:, 3, 3]
+        return glowing_model(self.P, normal, self.color), Belief(vector, information)
+
+    def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
+        """The most likely places, from nearby ones: (M, 3) m.
+
+        The forecast helps to judge the views, for two that disagree cannot judge each other; the place
+        comes from the views alone, because the filter adds the forecast itself.
+        cutoff: sigmas at which a view keeps a quarter of its weight.
+        """
+        p = self.params
+        model, glow = self.glow(start, claims.radius)
+        row, camera = np.arange(len(start)), np.arange(len(self.P))
+        origin = np.zeros((len(start), PARAMETERS))
+        origin[:, :3] = start
+        seen = images(model, origin)
+        slot, found = assigned(claims, seen)
+        spread = self.variance(shares(claims, seen.depth, row, slot))
+        views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.sigma * np.sqrt(spread))
+        design = linearised(model, seen, views)
+        glow = glow.relative(origin)
+        belief = glow.and_also(expected.relative(origin))
+        step = np.zeros_like(origin)
+        for _ in range(STEPS):
+            step = solved(weighted(design, step, views), belief)
+        equations = weighted(design, step, views)
+        step, covariance = estimated(equations, glow, p.certainty)
+        return Fit(start + step[:, :3], covariance, equations.trust, slot)

@@ -1,0 +1,1 @@
+"""Throws: parabolas among the measured positions."""

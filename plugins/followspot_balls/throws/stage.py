@@ -1,0 +1,161 @@
+"""Thrown balls in one camera: blobs that move like the image of a parabola become tracks."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+
+from followspot import Array, Field, Stage, StageParams
+from followspot.tracking import Blobs, ImageTracks
+from followspot_balls.throws.motion import Paths, assigned, born, predicted, updated
+from followspot_balls.throws.parabola import bend, residual
+
+MEMORY = 240
+"""Blobs of a path that its shape is judged by: two seconds of a fast camera, longer than a throw."""
+CLEAR = 5.0
+"""Least rise of a path over its residual: scatter that happens to bend is no throw."""
+NO_PATHS = born(0, np.empty(0, int), np.empty((0, 2)), (0.0, 0.0, 0.0))
+
+
+class Throws(Stage):
+    """Track balls in free flight in one picture; what rests, drifts or jumps is followed but not reported.
+
+    A track appears once its path is long and bent enough, and carries on while it fits. Blobs cut by
+    the edge of the picture are ignored, for their centroid is not the ball's. A ball that is caught, or
+    bounces, leaves its path's gate and begins another.
+    """
+
+    per_camera = True
+
+    class Params(StageParams):
+        length: int = Field(
+            12,
+            ge=6,
+            le=MEMORY,
+            unit="1",
+            description="fewest blobs of a track; raising it reports later and rejects more decoys",
+        )
+        travel: float = Field(
+            40.0,
+            gt=0,
+            unit="px",
+            description="least extent of a path; raising it rejects what trembles, and throws far away",
+        )
+        bend: float = Field(
+            4.0,
+            gt=0,
+            unit="px",
+            description="least rise of a path above the line between its ends; raising it reports later and "
+            "rejects what rolls or slides",
+        )
+        residual: float = Field(
+            3.0,
+            gt=0,
+            unit="px",
+            description="largest RMS distance from the image of a parabola; raising it accepts lenses that "
+            "are not calibrated, and decoys",
+        )
+        gate: float = Field(
+            3.5,
+            gt=0,
+            unit="1",
+            description="largest distance of a blob from its path's forecast, in standard deviations; "
+            "raising it survives blur, and confuses neighbours",
+        )
+        noise: float = Field(
+            1.5, gt=0, unit="px", description="standard deviation of a centroid; raising it smooths more"
+        )
+        speed: float = Field(
+            800.0, gt=0, unit="px/s", description="standard deviation of a new path's velocity"
+        )
+        acceleration: float = Field(
+            1500.0, gt=0, unit="px/s^2", description="standard deviation of a new path's acceleration"
+        )
+        jerk: float = Field(
+            600.0,
+            gt=0,
+            unit="px/s^2",
+            description="change of acceleration within a second; raising it bends with lens and perspective",
+        )
+        patience: int = Field(
+            5,
+            ge=0,
+            unit="1",
+            description="frames without a blob that a path survives; raising it bridges more",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        self.paths = NO_PATHS
+        self.points: dict[int, deque[tuple[float, float, float]]] = {}
+        self.time = 0.0
+        self.births = 0
+        self.largest = np.array(self.camera.size) - 1.0
+
+    def process(self, blobs: Blobs) -> ImageTracks:
+        row, target = np.nonzero(blobs.targets & self.whole(blobs)[:, None])
+        xy = blobs.xy[row]
+        path, blob = self.followed(blobs.header.time * 1e-9, target, xy)
+        shape = np.array([self.judged(number) for number in self.paths.number[path].tolist()])
+        thrown = np.flatnonzero(np.isfinite(shape))
+        path, blob = path[thrown], blob[thrown]
+        return ImageTracks(
+            camera=blobs.camera,
+            target=target[blob].astype("i4"),
+            track=self.paths.number[path].astype("i4"),
+            xy=xy[blob],
+            pixel=blobs.pixel[row[blob]],
+            velocity=self.paths.state[path, 1],
+            residual=shape[thrown],
+        )
+
+    def whole(self, blobs: Blobs) -> Array:
+        """Blobs that the edge of the picture does not cut: (N,) bool."""
+        inside = np.minimum(blobs.pixel, self.largest - blobs.pixel).min(axis=1)
+        return np.asarray(inside > np.sqrt(blobs.area / np.pi))
+
+    def followed(self, time: float, target: Array, xy: Array) -> tuple[Array, Array]:
+        """Continue the paths to now (s) with blobs of targets (N,) at xy (N, 2); rows of paths and blobs."""
+        p = self.params
+        paths = predicted(self.paths, time - self.time, p.jerk)
+        self.time = time
+        path, blob = assigned(paths, target, xy, p.noise, p.gate)
+        paths = updated(paths, path, xy[blob], p.noise)
+        fresh = np.setdiff1d(np.arange(len(target)), blob)
+        sigma = (p.noise, p.speed, p.acceleration)
+        blob = np.concatenate([blob, fresh])
+        path = np.concatenate([path, len(paths.number) + np.arange(len(fresh))])
+        paths = paths.and_also(born(self.births, target[fresh], xy[fresh], sigma))
+        self.births += len(fresh)
+        self.remember(time, paths.number[path], xy[blob])
+        return self.kept(paths, path), blob
+
+    def remember(self, time: float, number: Array, xy: Array) -> None:
+        """Add a place (px) at a time (s) to each of some paths."""
+        for key, (u, v) in zip(number.tolist(), xy.tolist(), strict=True):
+            self.points.setdefault(key, deque(maxlen=MEMORY)).append((time, u, v))
+
+    def kept(self, paths: Paths, seen: Array) -> Array:
+        """Forget paths that were missed too long; the rows that were seen, as they are numbered then."""
+        keep = paths.missed <= self.params.patience
+        for number in paths.number[~keep].tolist():
+            del self.points[number]
+        self.paths = paths.take(keep)
+        return np.asarray(np.cumsum(keep) - 1)[seen]
+
+    def judged(self, number: int) -> float:
+        """Residual of a path that moves like a throw, px; infinite for any other."""
+        p = self.params
+        if len(self.points[number]) < p.length:
+            return np.inf
+        points = np.array(self.points[number])
+        time, xy = points[:, 0], points[:, 1:]
+        if np.ptp(xy, axis=0).max() < p.travel:
+            return np.inf
+        rise = bend(time, xy[:, 1])
+        if rise < p.bend:
+            return np.inf
+        shape = residual(time, xy)
+        return shape if shape <= min(p.residual, rise / CLEAR) else np.inf

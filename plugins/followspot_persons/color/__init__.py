@@ -1,0 +1,1 @@
+"""Colour of upper bodies: models, differences and likelihoods."""

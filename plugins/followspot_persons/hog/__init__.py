@@ -1,0 +1,1 @@
+"""Histograms of oriented gradients: features, detector and search windows."""

@@ -1,0 +1,132 @@
+"""Upper bodies by histograms of oriented gradients (Weinrich et al. 2010, section 3.2)."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from followspot import Array, Field, InputPath, Stage, StageParams
+from followspot.people import Boxes
+from followspot.tracking import Frame
+from followspot_persons.hog.cells import looks
+from followspot_persons.hog.model import DIRECTIONS, SHIPPED, Judgement, judge, load
+from followspot_persons.hog.search import groups, levels, outermost, plausible, proposals
+from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
+from followspot_persons.panorama import full_turn
+
+SAME = 0.45
+"""Overlap from which two boxes show the same body."""
+NESTED = 0.75
+"""Part of the smaller box within the larger one from which both show the same body."""
+CROWD = 4.0
+"""Windows that show a body in a usual search; what is no body shows in fewer."""
+FAINT = -2.5
+"""Log-odds from which a window counts as one of them."""
+
+
+class Hog(Stage):
+    """Find upper bodies of any orientation where people may stand, and tell where torso and head point to.
+
+    A linear detector proposes windows, a small network judges them. Slow by nature: run it every few frames.
+    """
+
+    per_camera = True
+
+    class Params(StageParams):
+        every: int = Field(
+            1, ge=1, description="search one frame of so many; raising it saves time", unit="1"
+        )
+        smallest: float = Field(
+            32.0,
+            ge=16,
+            description="height of the smallest upper body; lowering it finds distant people, in more time",
+            unit="px",
+        )
+        largest: float = Field(320.0, ge=16, description="height of the largest upper body", unit="px")
+        step: float = Field(
+            1.1,
+            ge=1.02,
+            le=2,
+            description="ratio of sizes that are searched; raising it saves time",
+            unit="1",
+        )
+        shortest: float = Field(1.2, gt=0, description="height of the smallest person", unit="m")
+        tallest: float = Field(2.1, gt=0, description="height of the tallest person", unit="m")
+        threshold: float = Field(
+            0.0,
+            description="least score, log-odds; raising it finds fewer people, and less that is none",
+            unit="1",
+        )
+        most: int = Field(
+            400, ge=1, le=5000, description="proposed windows that are judged, best first", unit="1"
+        )
+        weights: InputPath = Field(SHIPPED, description="weights, as `followspot train hog` makes them")
+
+    params: Params
+
+    def setup(self) -> None:
+        """Read the weights and plan the search. Raises InputError where the weights are none."""
+        p = self.params
+        self.model = load(p.weights)
+        self.detector = detector(self.model.linear)
+        self.heights = (p.shortest, p.tallest)
+        self.levels = levels(self.camera, (p.smallest, max(p.smallest, p.largest)), p.step, self.heights)
+        self.turn = float(self.camera.size[0]) if full_turn(self.camera) else 0.0
+
+    def process(self, frame: Frame) -> Boxes | None:
+        if max(frame.header.seq, 0) % self.params.every:
+            return None
+        pixels = frame.pixels
+        if pixels.shape[2] == 1:
+            pixels = np.asarray(cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR))
+        box = self.proposed(pixels)
+        judgement = judge(self.model, looks(self.windows(pixels, box)))
+        return self.boxes(box, judgement)
+
+    def proposed(self, pixels: Array) -> Array:
+        """Boxes worth a look, (N, 4) px."""
+        box, score = proposals(pixels, self.camera, self.levels, self.detector)
+        best = np.argsort(-score, kind="stable")
+        best = best[plausible(self.camera, box[best], self.heights)]
+        return np.asarray(box[best[: self.params.most]])
+
+    def windows(self, pixels: Array, box: Array) -> Array:
+        """What the boxes show, (N, HEIGHT, WIDTH, 3) u8."""
+        if self.turn and len(box):
+            beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()
+            margin = int(np.ceil(beyond))
+            pixels = np.asarray(cv2.copyMakeBorder(pixels, 0, 0, margin, margin, cv2.BORDER_WRAP))
+            box = box + np.array([margin, 0, margin, 0])
+        return np.array([cut(pixels, b) for b in box], np.uint8).reshape(-1, HEIGHT, WIDTH, 3)
+
+    def boxes(self, box: Array, judgement: Judgement) -> Boxes:
+        """One box for each body: the mean of the windows that show it, weighted by their odds.
+
+        Its odds are the sum of theirs over what a usual body gathers.
+        """
+        shown = judgement.score > FAINT
+        box, odds = box[shown], np.exp(judgement.score[shown])
+        torso, head = judgement.torso[shown], judgement.head[shown]
+        found = groups(box, odds, SAME, self.turn)
+        means, angles = np.empty((len(found), 4)), np.empty((2, len(found), DIRECTIONS))
+        for number, rows in enumerate(found):
+            weight = odds[rows] / odds[rows].sum()
+            means[number] = weight @ self.beside(box[rows])
+            angles[:, number] = weight @ torso[rows], weight @ head[rows]
+        total = np.array([odds[rows].sum() for rows in found])
+        best = outermost(means, total, NESTED, self.turn)
+        best = best[total[best] > CROWD * np.exp(self.params.threshold)]
+        return Boxes(
+            camera=self.camera.name,
+            box=means[best],
+            score=np.log(total[best] / CROWD),
+            torso=angles[0, best],
+            head=angles[1, best],
+        )
+
+    def beside(self, box: Array) -> Array:
+        """Boxes (N, 4) with those that are a turn away from the first moved next to it."""
+        if not self.turn:
+            return box
+        turns = np.rint((box[:, :1] - box[0, 0]) / self.turn)
+        return np.asarray(box - turns * self.turn * [1, 0, 1, 0])

@@ -1,0 +1,41 @@
+"""Stage `sim.person_camera`: one camera of the simulated room with people."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from followspot import Source, Stage, at
+from followspot.tracking import Frame
+from followspot_sim.actor.parameters import ActorParams
+from followspot_sim.actor.picture import ActorPicture
+from followspot_sim.camera import schedule
+
+
+class PersonCamera(Stage):
+    """Render people who walk, turn and look around in a furnished room, as this camera sees them.
+
+    Every instance plays the same performance by itself, so the pictures fit together wherever the
+    stages run. With `realtime` frames come no earlier than their time; none is ever left out.
+    """
+
+    per_camera: ClassVar[bool] = True
+
+    class Params(ActorParams):
+        """Who walks in the room, and where."""
+
+    params: Params
+
+    def setup(self) -> None:
+        """Draw the empty room."""
+        self._picture = ActorPicture(self.params, self.camera)
+
+    def length(self) -> int | None:
+        """Number of pictures; None where they never end."""
+        return self.params.frames or None
+
+    def process(self) -> Source[Frame]:
+        """Pictures, frame k at k / fps seconds."""
+        for frame, time_ns in schedule(self.params, self.context):
+            pixels = self.context.loan(self._picture.shape, "u1")
+            self._picture.render(frame, pixels)
+            yield at(time_ns, Frame(camera=self.camera.name, pixels=pixels), seq=frame)

@@ -1,0 +1,51 @@
+"""Stage `sim.pose_truth`: how the people of the simulated room really stand, and how much cameras see."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Source, Stage, at
+from followspot.people import PoseTruth
+from followspot_sim.actor.parameters import ActorParams
+from followspot_sim.actor.scene import stage_of
+from followspot_sim.actor.visibility import Onlooker
+from followspot_sim.camera import schedule
+
+
+class PoseTruthOfActors(Stage):
+    """Give the true poses of each frame; its parameters must equal those of the cameras."""
+
+    class Params(ActorParams):
+        """Who walks in the room, and where."""
+
+    params: Params
+
+    def setup(self) -> None:
+        """Prepare the performance and what each camera of the room can see."""
+        self._stage = stage_of(self.params)
+        self._onlookers = [Onlooker(self.params, camera) for camera in self.room.cameras.values()]
+
+    def length(self) -> int | None:
+        """One truth for each frame; None where they never end."""
+        return self.params.frames or None
+
+    def process(self) -> Source[PoseTruth]:
+        """Everybody's pose, with the visible share in the camera that sees most."""
+        for frame, time_ns in schedule(self.params, self.context):
+            yield at(time_ns, self.truth(frame), seq=frame)
+
+    def truth(self, frame: int) -> PoseTruth:
+        """The truth of one frame."""
+        play = self._stage.play(frame)
+        people = len(play.stances)
+        pose = np.array([(s.x, s.y, s.heading, s.pan, s.tilt) for s in play.stances]).reshape(-1, 5)
+        visible = [onlooker.visible(play) for onlooker in self._onlookers]
+        return PoseTruth(
+            person=np.arange(1, people + 1, dtype=np.int32),
+            xy=pose[:, :2],
+            height=play.heights,
+            heading=pose[:, 2],
+            pan=pose[:, 3],
+            tilt=pose[:, 4],
+            visible=np.max(visible, axis=0) if visible else np.zeros(people),
+        )

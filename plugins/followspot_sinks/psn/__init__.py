@@ -1,0 +1,1 @@
+"""PosiStageNet, for lighting desks."""

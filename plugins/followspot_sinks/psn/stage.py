@@ -1,0 +1,100 @@
+"""Targets and persons as PosiStageNet 2, the standard by which stage lights follow."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Field, OutputHost, Stage, StageParams
+from followspot.messages import Array
+from followspot.people import Poses
+from followspot.tracking import Tracks
+from followspot_sinks.datagrams import Datagrams
+from followspot_sinks.psn.packets import data_packets, info_packets
+from followspot_sinks.slots import SECOND, PersonSlots, Slots, with_tracks
+
+
+class PsnSink(Stage):
+    """Base of the PSN sinks: data packets for every frame, the names once a second of capture time."""
+
+    class Params(StageParams):
+        """Where to send, and how the stage lies in the room."""
+
+        host: OutputHost = Field(
+            "236.10.10.10", description="receiver; the group of the standard unless told otherwise"
+        )
+        port: int = Field(56565, ge=1, le=65535, description="UDP port", unit="1")
+        interface: str = Field("127.0.0.1", description="own address in the network of the lights")
+        system: str = Field("followspot", min_length=1, max_length=64, description="name shown by receivers")
+        axes: str = Field(
+            "x z y",
+            pattern=r"^[+-]?[xyz] [+-]?[xyz] [+-]?[xyz]$",
+            description="the room's axes that are PSN's x (right), y (up) and z (depth)",
+        )
+
+    params: Params
+    network: Datagrams | None = None
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        p = self.params
+        self.axes = axes_matrix(p.axes)
+        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
+        self.frame = 0
+        self.named_at = -SECOND
+
+    def send(self, slots: Slots, time: int) -> None:
+        """Send one frame, with capture time in ns."""
+        if self.network is None:
+            return
+        packets = data_packets(slots, self.axes, time, self.frame)
+        if time - self.named_at >= SECOND:
+            packets += info_packets(self.params.system, slots.names, time, self.frame)
+            self.named_at = time
+        for packet in packets:
+            self.network.send(packet)
+        self.frame += 1
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self.network is not None:
+            self.network.close()
+
+
+class Psn(PsnSink):
+    """Send each target as tracker 1, 2, ... in the order of the room file; status 1: its place is known."""
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        super().setup()
+        free = Slots.free(len(self.room.targets))
+        self.slots = Slots(tuple(self.room.targets), free.known, free.position, free.velocity, free.heading)
+
+    def process(self, tracks: Tracks) -> None:
+        """Send one frame."""
+        self.slots = with_tracks(self.slots, tracks)
+        self.send(self.slots, tracks.header.time)
+
+
+class PsnPoses(PsnSink):
+    """Send each person as a tracker of their own: the head's top, and where they face."""
+
+    class Params(PsnSink.Params):
+        slots: int = Field(8, ge=1, le=256, description="persons shown at a time", unit="1")
+        hold: float = Field(3.0, ge=0, description="how long a slot waits for one who is not seen", unit="s")
+
+    params: Params
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError where the host is unknown."""
+        super().setup()
+        self.persons = PersonSlots(self.params.slots, self.params.hold)
+
+    def process(self, poses: Poses) -> None:
+        """Send one frame."""
+        self.send(self.persons.after(poses), poses.header.time)
+
+
+def axes_matrix(text: str) -> Array:
+    """(3, 3) that makes PSN's axes from the room's, for example of "x z -y"."""
+    rows = [(-1.0 if word[0] == "-" else 1.0) * np.eye(3)["xyz".index(word[-1])] for word in text.split()]
+    return np.array(rows)

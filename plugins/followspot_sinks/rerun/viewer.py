@@ -1,0 +1,69 @@
+"""Any port into the Rerun viewer, or into a file for it; needs the extra `rerun`."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParams
+from followspot.errors import FollowspotError
+from followspot_sinks.line_sink import below
+from followspot_sinks.rerun.scene import entity_of, log_cameras, shape_of
+
+APPLICATION = "followspot"
+TIMELINE = "capture"
+
+
+class Rerun(Stage):
+    """Show pictures, blobs, points, tracks and poses in the Rerun viewer, with the room's cameras.
+
+    One for each port; those that name the same viewer share a recording there. Each file is one of its own:
+    open several together.
+    """
+
+    class Params(StageParams):
+        path: OutputPath = Field("show.rrd", description="the file, below the output folder")
+        viewer: OutputHost = Field(
+            "", description="address of a running viewer, rerun+http://HOST:PORT/proxy, instead of a file"
+        )
+        name: str = Field("", description="what it is called there; this stage's name unless told")
+
+    params: Params
+    stream: Any = None
+
+    def setup(self) -> None:
+        """Open the file or connect. Raises FollowspotError where rerun-sdk is missing."""
+        try:
+            self.rerun = importlib.import_module("rerun")
+        except ImportError as error:
+            remedy = 'pip install "followspot[rerun]"'
+            raise FollowspotError(f"sinks.rerun needs rerun-sdk: {error}\n    {remedy}") from None
+        run = str(self.context.out.absolute())
+        self.stream = self.rerun.RecordingStream(APPLICATION, recording_id=run)
+        if self.params.viewer:
+            self.stream.connect_grpc(self.params.viewer)
+        else:
+            path = below(self.context.out, self.params.path)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self.stream.save(path)
+        log_cameras(self.rerun, self.stream, self.room)
+        self.shown = True
+
+    def process(self, message: Message) -> None:
+        """Log it at its capture time; a type that the viewer knows nothing like is told once."""
+        if self.stream is None:
+            raise FollowspotError(f"{self.context.name} has no stream: it was not set up")
+        shape = shape_of(self.rerun, message, self.room)
+        if shape is not None:
+            self.stream.set_time(TIMELINE, duration=message.header.time / 1e9)
+            self.stream.log(entity_of(message, self.params.name or self.context.name), shape)
+        elif self.shown:
+            self.shown = False
+            self.context.warn(f"Rerun shows nothing like {type(message).__name__}")
+
+    def close(self) -> None:
+        """Write what is left."""
+        if self.stream is not None:
+            stream, self.stream = self.stream, None
+            stream.flush()
+            stream.disconnect()

@@ -1,0 +1,57 @@
+"""The control channel between a host and its workers: whole messages, in order, with what came along."""
+
+from __future__ import annotations
+
+import os
+import socket
+from collections.abc import Iterator
+
+import pytest
+
+from followspot.control.pipe import MAX_DESCRIPTORS, MAX_WAITING, Channel, ChannelClosed
+
+
+@pytest.fixture
+def ends() -> Iterator[tuple[Channel, Channel]]:
+    one, other = (Channel(end) for end in socket.socketpair())
+    yield one, other
+    one.close()
+    other.close()
+
+
+def test_what_came_along_with_a_message_is_waited_for_no_longer(ends: tuple[Channel, Channel]) -> None:
+    one, other = ends
+    assert not other.waits(0.0)
+    one.send("first")
+    one.send("second", value=2)
+    assert other.waits(60.0)
+    assert other.receive()["kind"] == "first"
+    assert other.waits(0.0), "the second is here already"
+    assert [message["value"] for message in other.buffered()] == [2]
+    assert not other.waits(0.0)
+
+
+def test_descriptors_without_a_message_are_taken_up_to_a_limit_that_all_rings_of_a_worker_need(
+    ends: tuple[Channel, Channel],
+) -> None:
+    one, other = ends
+    read, write = os.pipe()
+    try:
+        for _ in range(MAX_WAITING // MAX_DESCRIPTORS):
+            socket.send_fds(one.socket, [b" "], [read] * MAX_DESCRIPTORS)
+            assert other.arrived() == []
+        socket.send_fds(one.socket, [b" "], [read])
+        with pytest.raises(ValueError, match="more than 1024 descriptors without a message"):
+            other.arrived()
+    finally:
+        os.close(read)
+        os.close(write)
+
+
+def test_the_other_end_closes_the_channel(ends: tuple[Channel, Channel]) -> None:
+    one, other = ends
+    one.send("last")
+    one.close()
+    assert other.receive()["kind"] == "last"
+    with pytest.raises(ChannelClosed):
+        other.receive()

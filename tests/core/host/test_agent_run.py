@@ -1,0 +1,47 @@
+"""Parts of runs that an agent left behind when it died: which of them are taken up again."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from pathlib import Path
+
+from followspot.control.host import RunOrder
+from followspot.host.agent_run import AgentRun, KeptRuns
+from followspot.host.agent_runs import AgentRuns
+from followspot.host.local_host import LocalHost
+
+
+def leave(runs: Path, run: str, host: str, *, text: str = "", age: float = 0.0) -> None:
+    folder = runs / f"20261121-190000-{run}-{host}"
+    folder.mkdir(parents=True)
+    path = folder / ".order"
+    path.write_text(text or json.dumps(RunOrder(run, {}, detached=True).to_data()))
+    os.utime(path, (time.time() - age,) * 2)
+
+
+def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> None:
+    leave(tmp_path, "aaaaaaaa", "left")
+    leave(tmp_path, "bbbbbbbb", "pc-left")
+    leave(tmp_path, "cccccccc", "left", age=3600.0)
+    leave(tmp_path, "dddddddd", "left", text='{"run": "dddd')
+    leave(tmp_path, "eeeeeeee", "left", text='{"run": "eeeeeeee"}')
+    assert [order.run for order in KeptRuns(tmp_path, "left").left()] == ["aaaaaaaa"]
+    assert list(KeptRuns(tmp_path / "none", "left").left()) == []
+
+
+def test_a_run_that_was_closed_is_not_taken_up_again(tmp_path: Path) -> None:
+    said: list[str] = []
+    agent_runs = AgentRuns(tmp_path, "left", said.append)
+    for run in ("aaaaaaaa", "bbbbbbbb"):
+        leave(tmp_path, run, "left")
+        agent_run = AgentRun("show", RunOrder(run, {}, detached=True), LocalHost("left"))
+        agent_run.run.out = str(tmp_path / f"20261121-190000-{run}-left")
+        agent_runs.add(agent_run)
+    agent_runs.close("aaaaaaaa")
+    assert [order.run for order in agent_runs.kept.left()] == ["bbbbbbbb"]
+    assert said == ["run aaaaaaaa of show: over"]
+    assert (agent_runs.known("aaaaaaaa"), agent_runs.known("bbbbbbbb")) == ("unknown", "here")
+    agent_runs.forget()
+    assert list(agent_runs.kept.left()) == []

@@ -1,0 +1,211 @@
+"""An agent, over a real session, whose answers are none, or hold what no host can mean.
+
+The operator's side goes on asking, says why it believes nothing, and takes the next good answer.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+import zenoh
+from zenoh.handlers import Callback
+
+from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus, status_from_data
+from followspot.control.zenoh_rpc import MAX_ANSWER, RpcClient
+from followspot.errors import FollowspotError
+from followspot.host.clocks.host import HostClock
+from followspot.log.record import LogPage, LogRecord
+from followspot.messages import MAX_TIME
+from followspot.operator.attach import found
+from followspot.operator.remote_host import RemoteHost
+from followspot.ranges import MAX_EXACT
+from followspot.transport.keys import agent_key, request_key
+from followspot.transport.zenoh.edge import locators, open_session
+from followspot.transport.zenoh.network import UNPROVEN
+
+HOST = "pc-left"
+GOOD = HostStatus((WorkerStatus("left", "running", 5, 7),), (1, 1, 0), logged=0).to_data()
+PAGE = LogPage((LogRecord(1, "info", "well"),), 0).to_data()
+
+
+class Agent:
+    """Answers each verb with the bytes that stand in `says`."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self.says: dict[str, bytes] = {}
+        self.asked: dict[str, int] = {}
+        self.workers = self.named = 0
+        """How many workers with new names are over in each status, and how many there were."""
+        key = request_key(HOST, "*", "*", "*")
+        self._declared = [
+            session.declare_queryable(key, Callback(self._answer, indirect=False)),
+            session.liveliness().declare_token(agent_key(HOST)),
+        ]
+
+    def say(self, verb: str, data: Any) -> None:
+        self.says[verb] = json.dumps({"answer": data}).encode()
+
+    def _answer(self, query: zenoh.Query) -> None:
+        verb = str(query.key_expr).split("/")[-3]
+        self.asked[verb] = self.asked.get(verb, 0) + 1
+        if verb == "status" and self.workers:
+            self.named += self.workers
+            workers = [{"name": f"w{self.named + n}", "phase": "over"} for n in range(self.workers)]
+            self.say("status", {**GOOD, "workers": workers})
+        query.reply(query.key_expr, self.says.get(verb, b'{"answer": null}'))
+
+
+@pytest.fixture
+def agent() -> Iterator[tuple[Agent, RpcClient]]:
+    with ExitStack() as sessions:
+        there = sessions.enter_context(open_session())
+        here = sessions.enter_context(open_session(connect=locators(there)))
+        made = Agent(there)
+        made.say("status", GOOD)
+        made.say("log", PAGE)
+        until(lambda: bool(list(here.liveliness().get(agent_key(HOST), timeout=1.0))))
+        yield made, RpcClient(here, UNPROVEN)
+
+
+def until(condition: Callable[[], bool]) -> None:
+    limit = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < limit, "it never happened"
+        time.sleep(0.01)
+
+
+NO_ANSWERS = {
+    "nothing": b"",
+    "no JSON": b"\xff\xfe",
+    "a number": b"5",
+    "a list": b"[]",
+    "empty": b"{}",
+    "deep": b"[" * 100_000,
+    "long": b'{"answer": "' + b"a" * MAX_ANSWER + b'"}',
+    "a huge number": b'{"answer": ' + b"9" * 5000 + b"}",
+}
+NO_STATUS: dict[str, dict[str, Any]] = {
+    "a count of 2^63": {"counts": [2**63, 0, 0]},
+    "a count beyond JSON": {"counts": [MAX_EXACT + 1, 0, 0]},
+    "a negative count": {"counts": [-1, 0, 0]},
+    "a count that is no number": {"counts": [float("nan"), 0, 0]},
+    "an infinite age": {"age_s": float("inf")},
+    "a log without end": {"logged": 2**63},
+    "workers that are none": {"workers": [5]},
+    "a capture time of 2^63": {"workers": [{"name": "a", "phase": "running", "time": 2**63}]},
+    "a restart too many": {"workers": [{"name": "a", "phase": "running", "restarts": 2**63}]},
+    "an offset of 1e308": {"clock": {"reference": "x", "offset_ms": 1e308}},
+}
+
+
+def watched(agent: Agent, client: RpcClient) -> RemoteHost:
+    host = RemoteHost(client, HOST, order=RunOrder("feedc0de", {}))
+    host.watch()
+    assert host.status().workers[0].fired == 5
+    return host
+
+
+def believed_again(agent: Agent, host: RemoteHost) -> None:
+    """The next good answer is taken, by the thread that asked all the time."""
+    agent.say("status", {**GOOD, "out": "again"})
+    until(lambda: host.status().out == "again")
+    until(lambda: (host.attend(0.0), True)[1])
+    host.leave()
+
+
+@pytest.mark.parametrize("says", NO_ANSWERS.values(), ids=NO_ANSWERS)
+def test_what_is_no_answer_ends_nobody_and_the_next_one_is_taken(
+    agent: tuple[Agent, RpcClient], says: bytes
+) -> None:
+    there, client = agent
+    host = watched(there, client)
+    there.says["status"] = says
+    with pytest.raises(FollowspotError, match=HOST):
+        client.ask(HOST, "status")
+    asked = there.asked["status"]
+    until(lambda: there.asked["status"] > asked + 3)
+    believed_again(there, host)
+
+
+@pytest.mark.parametrize("change", NO_STATUS.values(), ids=NO_STATUS)
+def test_a_status_that_no_host_can_mean_is_refused(change: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=next(iter(change))):
+        status_from_data({**GOOD, **change})
+
+
+def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tuple[Agent, RpcClient]) -> None:
+    there, client = agent
+    change = NO_STATUS["a count of 2^63"]
+    host = watched(there, client)
+    there.say("status", {**GOOD, **change})
+    refused: list[str] = []
+
+    def lost() -> bool:
+        try:
+            host.attend(0.05)
+        except HostLost as error:
+            refused.append(str(error))
+        return bool(refused)
+
+    until(lost)
+    assert f"in a way that can be believed: {next(iter(change))}" in refused[0]
+    assert host.status().workers[0].fired == 5, "the last good one stays"
+    believed_again(there, host)
+
+
+@pytest.mark.parametrize(
+    "page", [{"last": 2**63}, {"records": [{"time": 2**63, "level": "info", "text": ""}]}, {"records": 5}]
+)
+def test_a_page_of_a_log_that_none_can_mean_is_refused(agent: tuple[Agent, RpcClient], page: Any) -> None:
+    there, client = agent
+    host = watched(there, client)
+    there.say("log", {**PAGE, **page})
+    there.say("status", {**GOOD, "logged": 7})
+    asked = there.asked["log"]
+    until(lambda: there.asked["log"] > asked + 2)
+    assert len(host.log.after(-1).records) == 1
+    there.say("log", {"records": [], "last": 7})
+    believed_again(there, host)
+
+
+def test_workers_that_end_and_are_named_no_more_fill_no_memory(
+    agent: tuple[Agent, RpcClient], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("followspot.operator.remote_host._PERIOD", 0.0)
+    monkeypatch.setattr("followspot.operator.remote_host._MOST_WORKERS", 50)
+    there, client = agent
+    host = watched(there, client)
+    there.workers = 20
+    until(lambda: there.named > 400)
+    assert len(host.status().workers) <= 70
+    host.leave()
+
+
+@pytest.mark.parametrize("verb", ["captured", "steady"])
+@pytest.mark.parametrize("reads", [2**63, MAX_TIME, -1, 1e308, float("nan"), "5", None, True, 10**400])
+def test_a_clock_that_none_can_be_is_not_believed(
+    agent: tuple[Agent, RpcClient], verb: str, reads: object
+) -> None:
+    there, client = agent
+    there.say("clock", {"captured": time.time_ns(), "steady": time.monotonic_ns(), verb: reads})
+    clock = HostClock(client)
+    clock.follow(HOST)
+    clock.close()
+    assert there.asked["clock"] == 1
+    assert clock.correction() == (0, 0)
+    assert clock.status().warning, "the operator is told"
+
+
+@pytest.mark.parametrize("runs", [5, [5], [{"run": 5}], [{}], {"run": "a"}])
+def test_runs_that_are_none_are_an_error_with_the_name_of_the_host(
+    agent: tuple[Agent, RpcClient], runs: object
+) -> None:
+    there, client = agent
+    there.say("runs", runs)
+    with pytest.raises(FollowspotError, match=f"host {HOST}: its runs are none"):
+        found(client)

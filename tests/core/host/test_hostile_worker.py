@@ -1,0 +1,115 @@
+"""A worker's end of the control channel, on which anything may come: the host kills it, says why, goes on."""
+
+from __future__ import annotations
+
+import json
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from followspot.control.pipe import MAX_LINE, Channel
+from followspot.control.worker_messages import Progress, Ready
+from followspot.host.worker_process import WorkerProcess
+
+
+class Speaker:
+    """A real worker process, and a socket that speaks in its place."""
+
+    def __init__(self) -> None:
+        self.worker = WorkerProcess("left", 0)
+        self.worker.channel.close()
+        ours, self.socket = socket.socketpair()
+        self.worker.channel = Channel(ours, takes_descriptors=False)
+
+    def say(self, data: Any) -> list[Any]:
+        """Send one message; what the host takes from it."""
+        self.socket.sendall(json.dumps(data).encode() + b"\n")
+        return list(self.worker.listen())
+
+
+@pytest.fixture
+def speaker() -> Iterator[Speaker]:
+    made = Speaker()
+    yield made
+    made.worker.end()
+    made.socket.close()
+
+
+def test_what_a_worker_says_is_taken(speaker: Speaker) -> None:
+    assert speaker.say({"kind": "ready", "expected": None}) == [Ready(None)]
+    assert speaker.say({"kind": "progress", "fired": 3, "time": -1}) == [Progress(3, -1)]
+    assert (speaker.worker.phase, speaker.worker.fired) == ("ready", 3)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        5,
+        [],
+        {},
+        {"kind": 5},
+        {"kind": []},
+        {"kind": "unheard of"},
+        {"kind": "progress"},
+        {"kind": "progress", "fired": 2**63, "time": 0},
+        {"kind": "progress", "fired": 0, "time": 2**63},
+        {"kind": "progress", "fired": float("nan"), "time": 0},
+        {"kind": "progress", "fired": -1, "time": 0},
+        {"kind": "ready", "expected": 10**400},
+        {"kind": "ready", "expected": "many"},
+        {"kind": "ready", "expected": 1, "descriptors": 1},
+        {"kind": "ready", "expected": 1, "descriptors": -1},
+        {"kind": "ready", "expected": 1, "descriptors": float("inf")},
+        {"kind": "ready", "expected": 1, "descriptors": []},
+        {"kind": "stages", "stages": [{"stage": "a", "state": "asleep"}], "paths": []},
+        {"kind": "stages", "stages": [{"stage": "a", "state": "over", "busy_ms": float("inf")}], "paths": []},
+        {"kind": "stages", "stages": 5, "paths": []},
+        {"kind": "log", "records": [{"time": 2**63, "level": "info", "text": "a"}]},
+        {"kind": "log", "records": [{"time": 0, "level": "info", "text": "a" * 5000}]},
+        {"kind": "change", "status": {"phase": "odd"}},
+        {"kind": "state", "state": 5},
+        {"kind": "done", "report": {"worker": "left", "frames": 2**63}},
+        {"kind": "failed"},
+        {"kind": "listening", "locators": 5},
+    ],
+    ids=lambda message: json.dumps(message)[:60],
+)
+def test_a_worker_that_says_what_none_says_is_killed_and_the_reason_told(
+    speaker: Speaker, message: Any
+) -> None:
+    assert speaker.say(message) == []
+    assert not speaker.worker.busy
+    assert "killed by SIGKILL, because it said what no worker says" in speaker.worker.obituary()
+
+
+@pytest.mark.parametrize("line", [b"\xff\n", b"[" * 200_000 + b"\n", b"{]\n", b"9" * 5000 + b"\n"])
+def test_lines_that_are_no_message_are_as_bad(speaker: Speaker, line: bytes) -> None:
+    for start in range(0, len(line), 1 << 15):
+        speaker.socket.sendall(line[start : start + (1 << 15)])
+        speaker.worker.listen()
+    assert "it said what no worker says" in speaker.worker.obituary()
+
+
+def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> None:
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    for _ in range(100):
+        socket.send_fds(speaker.socket, [b'{"kind": "built"}\n'], [speaker.socket.fileno()] * 8)
+        assert len(speaker.worker.listen()) == 1
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+
+
+def test_a_long_line_takes_time_in_proportion_and_has_an_end() -> None:
+    """Each piece is looked at once: what was searched is not searched again."""
+    ours, theirs = socket.socketpair()
+    channel = Channel(ours)
+    piece = b"a" * (1 << 15)
+    with pytest.raises(ValueError, match="longer than"):  # noqa: PT012  # somewhere on the way
+        for _ in range(2 * MAX_LINE // len(piece)):
+            theirs.sendall(piece)
+            assert channel.arrived() == []
+            assert channel._searched == len(channel._pending)
+    channel.close()
+    theirs.close()

@@ -1,0 +1,70 @@
+"""What a tap sees goes to other hosts only from a worker that is on one of them."""
+
+from __future__ import annotations
+
+import queue
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from solo import Solo
+
+from followspot.control.tapping import Tapping
+from followspot.graph.compile import compile_graph
+from followspot.plugins.registry import load_stage
+from followspot.transport.zenoh.edge import open_session
+from followspot.worker.edge_links import EdgeLinks
+from followspot.worker.taps import WorkerTaps
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+GRAPH = """
+graph: g
+stages:
+  a: {uses: ticks.count}
+  b: {uses: ticks.write, in: {number: a}}
+"""
+LOOK = """
+import queue
+from typing import ClassVar
+
+from followspot import Message, Stage
+
+
+class Look(Stage):
+    tap = True
+    posts: ClassVar[queue.Queue] = queue.Queue()
+
+    def setup(self) -> None:
+        self.posts.put(self.context.post)
+
+    def process(self, message: Message) -> None: ...
+"""
+
+
+@pytest.fixture(scope="module")
+def look(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("plugins") / "look.py"
+    path.write_text(LOOK)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("host", "joined", "posts"), [("", True, False), ("left", False, False), ("left", True, True)]
+)
+def test_only_a_worker_of_another_host_posts_over_zenoh(
+    tmp_path: Path, look: Path, host: str, joined: bool, posts: bool
+) -> None:
+    (tmp_path / "g.yaml").write_text(GRAPH)
+    plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS, look])
+    (worker,) = plan.workers
+    plan = replace(plan, workers=(replace(worker, host=host),))
+    found: queue.Queue[object] = sys.modules[load_stage("look.look").__module__].Look.posts
+    warnings: list[str] = []
+    with open_session() as session:
+        links = EdgeLinks(plan, {}, {}, session if joined else None, "run")
+        taps = WorkerTaps(worker.name, Solo(plan, tmp_path).worker, links, warnings.append)
+        taps.place([Tapping("a.out", "look.look", {})])
+        assert (found.get(timeout=60) is not None) is posts
+        taps.close()
+    assert warnings == []

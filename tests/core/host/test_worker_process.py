@@ -1,0 +1,56 @@
+"""How the process of a worker ends: by itself once it has reported, else at once."""
+
+from __future__ import annotations
+
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from followspot.control.worker_report import WorkerReport
+from followspot.host.worker_process import WorkerProcess
+
+
+def worker(seconds: float) -> WorkerProcess:
+    """One whose process ends by itself after a while."""
+
+    def start(_name: str, _end: socket.socket) -> subprocess.Popen[bytes]:
+        return subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({seconds})"])
+
+    return WorkerProcess("left", 0, start)
+
+
+def test_nothing_is_counted_before_a_worker_has_spoken() -> None:
+    left = worker(600.0)
+    try:
+        assert (left.phase, left.fired, left.time, left.expected) == ("starting", 0, -1, None)
+        assert left.busy
+    finally:
+        left.end()
+
+
+@pytest.mark.parametrize(("reported", "code"), [(True, 0), (False, -signal.SIGKILL)])
+def test_a_worker_that_has_reported_exits_by_itself_and_any_other_is_killed(
+    reported: bool, code: int
+) -> None:
+    left = worker(0.5 if reported else 600.0)
+    left.report = WorkerReport("left", 0) if reported else None
+    left.end()
+    assert left.process.poll() == code
+    assert not left.open
+
+
+def test_a_worker_in_a_thread_does_not_keep_its_process_alive() -> None:
+    program = (
+        "import socket\n"
+        "from followspot.host.worker_thread import WorkerThread\n"
+        "ours, theirs = socket.socketpair()\n"
+        "worker = WorkerThread('left', theirs)\n"
+        "print(worker.poll())\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout == "None\n"

@@ -1,0 +1,159 @@
+"""Changes of stages in several workers and on several hosts: all take over, or none does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+
+from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus
+from followspot.control.move import MoveOrder
+from followspot.control.swap import ChangeOrder, ChangeStatus
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.move import moved
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.ship import plan_from_data
+from followspot.host.swap_handler import HostChange
+from followspot.operator.hot_swap import change_hosts
+from followspot.operator.move import move_hosts
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+GRAPH = """
+graph: g
+stages:
+  a: {uses: ticks.live}
+  b: {uses: ticks.tally, in: {number: a}}
+  c: {uses: ticks.tally, in: {number: a}}
+"""
+
+
+def planned(folder: Path, left: str, right: str) -> Plan:
+    """The stages b and c in two workers, on these hosts."""
+    (folder / "g.yaml").write_text(GRAPH)
+    workers = f"  left: {{{left}stages: [b]}}\n  right: {{{right}stages: [c]}}\n"
+    (folder / "p.yaml").write_text(f"placement: p\nworkers:\n{workers}")
+    return compile_graph(folder / "g.yaml", placement=folder / "p.yaml", plugin_files=[TICKS])
+
+
+def swapped(plan: Plan) -> tuple[PlannedStage, ...]:
+    return tuple(replace(s, params={**s.params, "step": 7}) for s in plan.stages if s.name != "a")
+
+
+def test_a_worker_that_dies_while_others_take_over_comes_back_with_its_successors(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "", "")
+    change = HostChange(ChangeOrder("1", "take_over", swapped(plan)), plan)
+    assert change.heard("left", ChangeStatus("1", "done"))
+    assert change.status().phase == "building"
+    assert change.died("right")
+    assert change.status() == ChangeStatus("1", "done")
+    assert not change.died("right"), "once"
+    assert not change.died("left"), "it had answered"
+
+
+def test_a_worker_that_dies_before_anybody_takes_over_ends_the_change(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "", "")
+    change = HostChange(ChangeOrder("1", "build", swapped(plan)), plan)
+    change.heard("left", ChangeStatus("1", "built"))
+    assert not change.died("right")
+    assert change.status() == ChangeStatus("1", "failed", "worker right has ended")
+
+
+@dataclass
+class Place:
+    """A host that does what it is told at once, except for the step that it refuses."""
+
+    name: str
+    refuses: str = ""
+    steps: list[float] = field(default_factory=lambda: [1])
+    """What the parameter `step` of its stage was, newest last."""
+    change_status: ChangeStatus = ChangeStatus()
+
+    def change(self, order: ChangeOrder) -> None:
+        if order.step == self.refuses:
+            self.change_status = ChangeStatus(order.id, "failed", f"{self.name} cannot")
+            return
+        if order.step == "take_over":
+            self.steps += [stage.params["step"] for stage in order.stages]
+        self.change_status = ChangeStatus(order.id, "built" if order.step == "build" else "done")
+
+    def status(self) -> HostStatus:
+        return HostStatus((WorkerStatus("w", "running"),), (), change=self.change_status)
+
+
+def changed(plan: Plan, places: Sequence[Place]) -> None:
+    change_hosts(plan, places, swapped(plan), fresh=False)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("refused", "left", "right"), [("", [1, 7], [1, 7]), ("build", [1], [1]), ("take_over", [1, 7, 1], [1])]
+)
+def test_where_one_host_cannot_the_others_are_as_before(
+    tmp_path: Path, refused: str, left: list[int], right: list[int]
+) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    places = [Place("pc-left"), Place("pc-right", refused)]
+    if refused:
+        with pytest.raises(FollowspotError, match="pc-right cannot"):
+            changed(plan, places)
+    else:
+        changed(plan, places)
+    assert [place.steps for place in places] == [left, right]
+
+
+class WorkerPool:
+    """A host whose workers leave and begin at once, except for one that cannot."""
+
+    def __init__(self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "") -> None:
+        self.name = name
+        self.refuses = refuses
+        self.unable = unable
+        self.began: list[str] = []
+        """Workers that began anew, in order."""
+        self.workers = {w.name: WorkerStatus(w.name, "running") for w in plan.workers if w.host == name}
+
+    def move(self, order: MoveOrder) -> None:
+        if order.trial and self.refuses:
+            raise FollowspotError(f"{self.name} has no such file")
+        if order.trial:
+            return
+        for name in set(order.leaving) & set(self.workers):
+            self.workers[name] = replace(self.workers[name], phase="absent")
+        if order.plan is not None:
+            self._take_places(plan_from_data(order.plan))
+
+    def _take_places(self, plan: Plan) -> None:
+        mine = [worker.name for worker in plan.workers if worker.host == self.name]
+        there = {name: worker for name, worker in self.workers.items() if name in mine}
+        for name in mine:
+            if name not in there or there[name].phase == "absent":
+                self.began.append(name)
+                stages = [stage.name for stage in plan.stages if stage.worker == name]
+                phase: WorkerPhase = "absent" if self.unable in stages else "running"
+                there[name] = WorkerStatus(name, phase, restarts=len(self.began))
+        self.workers = there
+
+    def states(self) -> dict[str, object]:
+        return {}
+
+    def status(self) -> HostStatus:
+        return HostStatus(tuple(self.workers.values()), ())
+
+
+def test_a_host_that_cannot_take_a_stage_says_so_before_anybody_leaves(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    crews = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, refuses=True)]
+    with pytest.raises(FollowspotError, match="pc-right has no such file"):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
+    assert [pool.began for pool in crews] == [[], [], []]
+
+
+def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
+    crews = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, unable="b")]
+    with pytest.raises(FollowspotError, match="worker right cannot begin at its new place"):
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
+    assert [pool.began for pool in crews] == [["main", "main"], ["left"], ["right", "right"]]
+    assert {worker.phase for pool in crews for worker in pool.workers.values()} == {"running"}

@@ -1,0 +1,93 @@
+"""A run of several workers while it is being prepared: others find it then already, look and ask."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from followspot.control.host import HostStatus, RunOrder, WorkerStatus
+from followspot.control.tapping import Tapping
+from followspot.errors import FollowspotError
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.host.local_host import LocalHost
+from followspot.log.run_log import RunLog
+from followspot.operator.coordinator import Coordinator, order_of
+from followspot.worker.wiring import RunOptions
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+PAIR = """
+graph: g
+stages:
+  a: {uses: ticks.count}
+  b: {uses: ticks.write, in: {number: a}}
+"""
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    (tmp_path / "g.yaml").write_text(PAIR)
+    return compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
+
+
+def order(plan: Plan) -> RunOrder:
+    return order_of(plan, RunOptions(), restart=False)
+
+
+class Ready:
+    """A host whose workers are ready as soon as it has its part; it can be looked at from then on."""
+
+    name = ""
+
+    def __init__(self) -> None:
+        self.log = RunLog()
+        self.workers: tuple[WorkerStatus, ...] = ()
+        self.taps: list[Tapping] = []
+
+    def prepare(self, order: RunOrder) -> None:
+        self.workers = (WorkerStatus("a", "ready"), WorkerStatus("b", "ready"))
+
+    def start(self) -> None:
+        """Begin."""
+
+    def tap(self, tappings: Sequence[Tapping]) -> None:
+        assert self.workers, "there is nothing to look at"
+        self.taps += tappings
+
+    def status(self) -> HostStatus:
+        return HostStatus(self.workers, ())
+
+
+def test_who_looks_before_there_is_anything_to_see_sees_it_as_soon_as_it_is_there(plan: Plan) -> None:
+    host, taps = Ready(), [Tapping(f"a.{name}", "seen", {}) for name in ("first", "second")]
+    run = Coordinator(plan, [host], order(plan))  # type: ignore[list-item]
+    run.tap(taps[:1])
+    assert host.taps == []
+    assert run.begin()
+    assert host.taps == taps[:1]
+    run.tap(taps[1:])
+    assert host.taps == taps
+
+
+def test_a_run_that_has_not_begun_is_not_changed(plan: Plan) -> None:
+    run = Coordinator(plan, [LocalHost("")], order(plan))
+    for ask in (lambda: run.change(["a.count=7"], Path()), lambda: run.move(["a"], "b")):
+        with pytest.raises(FollowspotError, match="has not begun yet"):
+            ask()
+    assert [(w.name, w.phase) for w in run.status().workers] == [("a", "starting"), ("b", "starting")]
+
+
+def test_a_host_tells_its_status_while_workers_are_started() -> None:
+    """Who asks does so from another thread: here another worker comes while the first one is looked at."""
+    host, workers = LocalHost(""), {}
+
+    def status() -> WorkerStatus:
+        workers["b"] = workers["a"]
+        return WorkerStatus("a", "starting")
+
+    workers["a"] = SimpleNamespace(status=status)
+    host.pool = SimpleNamespace(workers=workers)  # type: ignore[assignment]
+    assert [worker.name for worker in host.status().workers] == ["a"]

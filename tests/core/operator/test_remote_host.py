@@ -1,0 +1,219 @@
+"""A host under an agent: its last words come before its end, and pauses of a listener are not its own."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from dataclasses import dataclass, field
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, WorkerStatus
+from followspot.log.record import LogPage, LogRecord
+from followspot.operator import remote_host
+from followspot.operator.remote_host import RemoteHost
+
+
+@dataclass
+class Agent:
+    """Answers that its run is over, and what was said last."""
+
+    seen: list[tuple[WorkerStatus, ...]] = field(default_factory=list)
+    """The workers that the operator's side knew of when it asked for the log."""
+
+    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
+        if verb == "status":
+            return HostStatus((WorkerStatus("left", "over"),), (), logged=0, age_s=0.0).to_data()
+        assert verb == "log"
+        self.seen.append(self.host.status().workers)
+        return LogPage((LogRecord(1, "error", "the last word"),), 0).to_data()
+
+    def operated(self) -> RemoteHost:
+        self.host = RemoteHost(self, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
+        return self.host
+
+
+def test_the_log_is_there_before_the_run_is_seen_to_be_over() -> None:
+    agent = Agent()
+    host = agent.operated()
+    host.watch()
+    host.leave()
+    assert agent.seen == [()]
+    assert host.status().all("over")
+    assert [record.text for record in host.log.after(-1).records] == ["the last word"]
+
+
+@dataclass
+class Closed:
+    """An agent that was told by another operator that the run is over, after it was asked once."""
+
+    asked: list[str] = field(default_factory=list)
+
+    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
+        self.asked.append(verb)
+        if verb == "knows":
+            return "unknown"
+        if verb == "status" and self.asked.count("status") == 1:
+            return HostStatus((WorkerStatus("left", "running"),), ()).to_data()
+        raise HostRefused("there is no run here")
+
+
+def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(remote_host, "_FORGOTTEN", 0.3)
+    agent = Closed()
+    host = RemoteHost(agent, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
+    host.watch()
+    deadline = time.monotonic() + 60.0
+    while not host.status().all("over"):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
+    host.leave()
+    assert set(agent.asked) == {"status", "knows"}
+
+
+def test_a_status_is_as_old_as_the_answer_that_it_came_with(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    host = Agent().operated()
+    assert host.status().age_s is None  # nobody has heard of it
+    host._refresh()
+    now[0] += 7.5
+    assert host.status().age_s == 7.5
+
+
+def test_a_host_is_lost_when_it_is_silent_and_not_when_nobody_listened(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    host = Agent().operated()
+
+    def attended(seconds: float) -> None:
+        for _ in range(round(5 * seconds)):
+            now[0] += 0.2
+            host.attend(0.0)
+
+    attended(1.0)
+    now[0] += 60.0  # this process was stopped, and had no time to ask
+    attended(1.4)
+    with pytest.raises(HostLost, match="host pc-left does not answer"):
+        attended(1.0)
+
+
+@dataclass
+class Forgetful:
+    """An agent that knew of a run once.
+
+    refuses: verbs, and why; cut: verbs whose answers never arrive, once each.
+    """
+
+    known: str
+    refuses: dict[str, str] = field(default_factory=dict)
+    cut: list[str] = field(default_factory=list)
+    asked: list[str] = field(default_factory=list)
+    prepared: RunOrder | None = None
+    started: bool = False
+
+    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
+        self.asked.append(verb)
+        answer = self.answer(verb, data)
+        if verb in self.cut:
+            self.cut.remove(verb)
+            raise HostLost("host pc-left does not answer")
+        return answer
+
+    def answer(self, verb: str, data: dict[str, Any]) -> Any:
+        if verb == "knows":
+            return self.known
+        if verb in self.refuses:
+            raise HostRefused(f"host pc-left: {self.refuses[verb]}")
+        if verb == "prepare":
+            self.known, self.prepared = "here", RunOrder(**data["order"])
+            return None
+        if self.known != "here":
+            raise HostRefused("host pc-left: there is no run 'feedc0de' here")
+        if verb == "status":
+            return HostStatus((WorkerStatus("left", "running" if self.started else "ready"),), ()).to_data()
+        self.started |= verb == "start"
+        return None
+
+
+def operated(agent: Forgetful, *, restart: bool = True) -> RemoteHost:
+    """Its host in a run whose worker was started twice."""
+    host = RemoteHost(agent, "pc-left", order=RunOrder("feedc0de", {}, restart=restart))  # type: ignore[arg-type]
+    host._status = HostStatus((WorkerStatus("left", "running", restarts=2),), ())
+    return host
+
+
+@pytest.mark.parametrize(
+    ("known", "said"),
+    [("unknown", "the agent was started anew"), ("given up", "the agent had given the run up")],
+)
+def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str, said: str) -> None:
+    agent = Forgetful(known)
+    host = operated(agent)
+    for _ in range(2):
+        host._ask_once()
+    assert agent.prepared is not None
+    assert agent.prepared.incarnations["left"] > 2, "what the workers before sent is not taken for theirs"
+    assert agent.started
+    host._ask_once()
+    assert host.status().all("running")
+    assert host.status().news == (f"{said}: its part of the run begins anew",)
+    assert agent.asked.count("start") == 1
+
+
+@pytest.mark.parametrize("verb", ["prepare", "start"])
+def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(verb: str) -> None:
+    agent = Forgetful("unknown", cut=[verb])
+    host = operated(agent)
+    for _ in range(3):
+        with suppress(HostLost):
+            host._ask_once()
+    assert agent.started
+
+
+def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = [0.0]
+    monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
+    agent = Forgetful("unknown", refuses={"prepare": "it has no camera"})
+    host = operated(agent)
+
+    def attended() -> None:
+        for _ in range(20):
+            now[0] += 0.2
+            host._ask_once()
+            host.attend(0.0)
+
+    with pytest.raises(HostLost, match="host pc-left: it has no camera; it cannot take its part"):
+        attended()
+    agent.refuses.clear()
+    host._ask_once()
+    host._ask_once()
+    host.attend(0.0)
+
+
+@pytest.mark.parametrize("ending", ["replay", "stopped"])
+def test_what_is_to_end_or_cannot_be_repeated_is_not_taken_up_again(ending: str) -> None:
+    agent = Forgetful("unknown")
+    host = operated(agent, restart=ending != "replay")
+    if ending == "stopped":
+        host.stop()
+    host._ask_once()
+    assert agent.prepared is None
+
+
+def test_an_order_that_an_agent_refuses_does_not_hold_up_those_after_it() -> None:
+    agent = Forgetful("here", cut=["ended", "stop"])
+    host = operated(agent)
+    host.ended(["right"])
+    host.stop()
+    agent.refuses["ended"] = "it does not know right"
+    host._ask_once()
+    assert agent.asked == ["ended", "stop", "status", "ended", "stop"]
+    host._ask_once()
+    assert agent.asked[5:] == ["status"]

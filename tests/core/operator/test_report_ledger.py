@@ -1,0 +1,53 @@
+"""What a report makes of the ledger: what died with a worker is lost, what nobody can explain is an error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from followspot.control.worker_report import WorkerReport
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.operator.report import RunReport, merge, summed
+from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED
+
+TICKS = str(Path(__file__).parents[2] / "stages" / "ticks.py")
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    (tmp_path / "graph.yaml").write_text(
+        "graph: g\nstages:\n  a: {uses: ticks.count}\n  save: {uses: ticks.write, in: {number: a}}\n"
+    )
+    return compile_graph(tmp_path / "graph.yaml", plugin_files=[TICKS])
+
+
+def report(plan: Plan, produced: int, delivered: int, deaths: int = 0) -> RunReport:
+    """Of a run on two hosts, one of which counted what was produced, and the other what was delivered."""
+    rows = [[0] * COLUMNS, [0] * COLUMNS]
+    rows[0][PRODUCED], rows[1][DELIVERED] = produced, delivered
+    ended = [WorkerReport("main", 0)]
+    return merge(plan, summed(rows, 1), ended, 1.0, stopped=False, restarts={"main": deaths})
+
+
+def test_as_much_as_can_be_under_way_is_lost_with_each_death(plan: Plan) -> None:
+    found = report(plan, 138, 100, deaths=2)
+    assert found.ok
+    assert found.edges[0][1].lost == 38
+
+
+def test_what_is_missing_beyond_that_is_an_error(plan: Plan) -> None:
+    found = report(plan, 139, 100, deaths=2)
+    assert found.unbalanced == ("a.out -> save.number: nobody knows what became of 1 messages",)
+    assert not found.ok
+    assert report(plan, 101, 100).unbalanced
+
+
+def test_what_was_accounted_for_and_never_sent_is_an_error(plan: Plan) -> None:
+    found = report(plan, 100, 103, deaths=2)
+    assert found.unbalanced == (
+        "a.out -> save.number: 3 messages were accounted for beyond those that were sent",
+    )
+    count = found.edges[0][1]
+    assert (count.produced, count.sent, count.in_flight) == (103, 103, 0), "no column is negative"

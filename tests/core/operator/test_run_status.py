@@ -1,0 +1,104 @@
+"""How old what is known of a run is, and what of it is said to be wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus, status_from_data
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan, PlannedWorker
+from followspot.operator.run_status import RunStatus, SeenHost, run_status_from_data
+from followspot.operator.run_view import RunView
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+LEFT = WorkerStatus("left", "running", 7, age_s=0.25)
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> Plan:
+    (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.count}\n")
+    workers = (PlannedWorker("left", "pc-left"), PlannedWorker("main"))
+    return replace(compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS]), workers=workers)
+
+
+def seen(plan: Plan, age_s: float | None, *workers: WorkerStatus) -> RunStatus:
+    """The run as its operator sees it, whose host pc-left was heard so long ago."""
+    near = HostStatus((WorkerStatus("main", "running", age_s=0.0),), (), age_s=0.0)
+    return RunView(plan, {"": near, "pc-left": HostStatus(workers, (), age_s=age_s)}).status()
+
+
+def worker(status: RunStatus, name: str = "left") -> WorkerStatus:
+    return next(worker for worker in status.workers if worker.name == name)
+
+
+def test_a_worker_is_as_old_as_what_its_host_knows_and_what_is_known_of_its_host(plan: Plan) -> None:
+    status = seen(plan, 0.5, LEFT)
+    assert worker(status) == replace(LEFT, age_s=0.75, host="pc-left")
+    assert status.hosts == (SeenHost("pc-left", 0.5, absent=False),)
+    assert status.faults() == ()
+
+
+def test_of_a_host_that_does_not_answer_the_workers_are_absent_and_keep_their_figures(plan: Plan) -> None:
+    status = seen(plan, 12.0, LEFT)
+    assert worker(status) == replace(LEFT, phase="absent", age_s=12.25, host="pc-left")
+    assert status.hosts == (SeenHost("pc-left", 12.0, absent=True),)
+    assert status.faults() == ("host pc-left is absent: last heard 12 s ago",)
+
+
+def test_a_host_is_old_before_it_is_absent(plan: Plan) -> None:
+    status = seen(plan, 1.25, LEFT)
+    assert worker(status).phase == "running"
+    assert status.faults() == ("host pc-left was last heard 1.2 s ago",)
+
+
+def test_who_has_come_to_the_end_is_not_missed(plan: Plan) -> None:
+    over = replace(LEFT, phase="over")
+    status = seen(plan, 60.0, over)
+    assert worker(status).phase == "over"
+    assert status.hosts == status.faults() == ()
+
+
+def test_a_worker_that_nobody_lists_is_starting_or_its_host_is_not_in_reach(plan: Plan) -> None:
+    assert worker(seen(plan, None)).phase == "starting"
+    assert seen(plan, None).faults() == ()
+    away = RunView(plan, {"pc-left": HostStatus((), ())}, begun=True).status()
+    assert (worker(away).phase, worker(away).age_s) == ("absent", None)
+    assert away.faults() == ("host pc-left is absent: nothing is heard of the run there",)
+    assert len(away.workers) == 1  # nobody tells from here how the workers of the operator's own host are
+
+
+@pytest.mark.parametrize(
+    ("phase", "restarts", "age_s", "fault"),
+    [
+        ("running", 0, 0.9, ""),
+        ("running", 0, 1.5, "worker left was last heard 1.5 s ago"),
+        ("absent", 0, 3.0, "worker left is absent: last heard 3 s ago"),
+        ("starting", 0, 9.0, ""),
+        ("starting", 1, 0.1, "worker left is starting again"),
+        ("over", 2, 60.0, ""),
+    ],
+)
+def test_a_worker_that_hangs_or_is_away_is_a_fault(
+    plan: Plan, phase: WorkerPhase, restarts: int, age_s: float, fault: str
+) -> None:
+    status = seen(plan, 0.0, replace(LEFT, phase=phase, restarts=restarts, age_s=age_s))
+    assert status.faults() == ((fault,) if fault else ())
+
+
+def test_a_status_grows_older_and_nothing_else_of_it_changes(plan: Plan) -> None:
+    now = seen(plan, 0.5, LEFT)
+    later = now.later(1.5)
+    assert worker(later) == replace(worker(now), age_s=2.25)
+    assert later.hosts == (SeenHost("pc-left", 2.0, absent=False),)  # nobody has tried to reach it
+    assert run_status_from_data(later.to_data()) == later
+
+
+@pytest.mark.parametrize("age", [-1.0, float("nan"), float("inf")])
+def test_an_age_that_can_be_none_is_refused(age: float) -> None:
+    data = HostStatus((LEFT,), (), age_s=0.0).to_data()
+    data["workers"][0]["age_s"] = age
+    with pytest.raises(ValueError, match="age_s"):
+        status_from_data(data)

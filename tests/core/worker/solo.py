@@ -1,0 +1,50 @@
+"""One worker in the calling thread, without a host: what the runtime does by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+from followspot.control.tapping import Tapping
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.operator.report import RunReport, merge
+from followspot.worker.build import build_worker
+from followspot.worker.edge_links import EdgeLinks, ring_edges, socket_pair
+from followspot.worker.ledger import Ledger
+from followspot.worker.report import Warnings, worker_report
+from followspot.worker.tapping import close_taps, tap
+from followspot.worker.wiring import RunOptions, Wiring
+
+
+class Solo:
+    """A plan of one worker, built and not yet run. Raises StageError if a stage cannot be built."""
+
+    def __init__(self, plan: Plan, out: Path, frames: int | None = None) -> None:
+        self.plan = plan
+        self.warnings = Warnings()
+        self.ledger = Ledger(len(plan.edges))
+        pairs = {number: socket_pair() for number in ring_edges(plan)}
+        sending = {number: pair[0] for number, pair in pairs.items()}
+        receiving = {number: pair[1] for number, pair in pairs.items()}
+        links = EdgeLinks(plan, sending, receiving, None, "solo")
+        options = RunOptions(out, frames, self.warnings.add)
+        self.worker = build_worker(Wiring(plan), plan.workers[0].name, self.ledger, options, links)
+
+    def tap(self, tappings: Iterable[Tapping]) -> None:
+        """Look at ports from the first message on."""
+        tap(self.worker, tappings)
+
+    def run(self) -> RunReport:
+        """Run to the end of all streams; what a stage raises stands in the report."""
+        error = ""
+        try:
+            self.worker.setup()
+            self.worker.run()
+        except FollowspotError as failure:
+            error = str(failure)
+        finally:
+            close_taps(self.worker)
+            self.worker.close()
+        report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
+        return merge(self.plan, self.ledger, [report], 0.0, stopped=False)

@@ -1,0 +1,178 @@
+"""Every message that a live source makes is counted when it is made, whatever becomes of it then."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from followspot import Context, Message, Source, Stage, at
+from followspot.worker.input_queue import InputQueue
+from followspot.worker.join import Join
+from followspot.worker.ledger import EdgeCount, Ledger
+from followspot.worker.output_port import OutputPort
+from followspot.worker.source import LiveSourceRunner
+
+
+class Note(Message):
+    number: int
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two outputs, of which one may have nothing to say."""
+
+    even: Note | None
+    odd: Note | None
+
+
+class Device(Stage):
+    """Gives what it is told to, and says when it is asked for more."""
+
+    live = True
+
+    def __init__(self) -> None:
+        super().__init__(Context())
+        self.wanted = threading.Semaphore(0)
+        self.asked = threading.Semaphore(0)
+        self.made = 0
+        self.fails = False
+
+    def process(self) -> Source[Note]:
+        yield from self.items(lambda n: at(n, Note(n)))
+
+    def items(self, made: Callable[[int], object]) -> Iterator[object]:  # type: ignore[misc]
+        while True:
+            self.asked.release()
+            self.wanted.acquire()
+            if self.fails:
+                raise RuntimeError("it fell down")
+            self.made += 1
+            yield made(self.made)
+
+    def make(self, count: int) -> None:
+        for _ in range(count):
+            self.wanted.release()
+            assert self.asked.acquire(timeout=60)
+
+    def close(self) -> None:
+        self.wanted.release()
+
+
+class Twin(Device):
+    """Even numbers at one port, odd ones at the other."""
+
+    def process(self) -> Source[Pair]:  # type: ignore[override]
+        yield from self.items(lambda n: Pair(*((None, at(n, Note(n)))[:: 1 if n % 2 else -1])))  # type: ignore[arg-type,misc]
+
+
+class Bench:
+    """A live source with a reader for each port in the same worker."""
+
+    def __init__(self, device: Device, *ports: str) -> None:
+        self.ledger = Ledger(len(ports))
+        self.queues = []
+        outputs = {}
+        for n, port in enumerate(ports):
+            queue = InputQueue(port, self.ledger.words, self.ledger.row(n), depth=100, lateness=0)
+            outputs[port] = OutputPort(Note, self.ledger.words, lateness=0)
+            outputs[port].connect([queue])
+            self.queues.append(queue)
+        self.device = device
+        self.runner = LiveSourceRunner("camera", 0, lambda: device, Join((), window=0, lateness=0), outputs)
+        self.runner.notify = lambda: None
+
+    def begin(self) -> None:
+        self.runner.setup()
+        self.runner.start()
+        assert self.device.asked.acquire(timeout=60)
+
+    def pull_all(self) -> None:
+        """Until it has nothing to give now, or is over."""
+        while not self.runner.done and self.runner.pull():
+            pass
+
+    def count(self, port: int = 0) -> EdgeCount:
+        return self.ledger.count(port)
+
+
+def test_what_waits_for_the_graph_is_produced_and_what_is_dropped_is_so_at_once() -> None:
+    bench = Bench(Device(), "out")
+    bench.begin()
+    bench.device.make(5)
+    assert (bench.count().produced, bench.count().dropped, bench.count().in_flight) == (5, 3, 2)
+    bench.pull_all()
+    assert [message.number for message in bench.queues[0].messages] == [4, 5]  # type: ignore[attr-defined]
+    assert (bench.count().produced, bench.count().dropped, bench.runner.yielded) == (5, 3, 5)
+    bench.runner.stop()
+
+
+def test_what_comes_while_the_device_is_told_to_stop_is_sent() -> None:
+    bench = Bench(Device(), "out")
+    bench.begin()
+    bench.device.make(1)
+    bench.runner.stop()  # closing it lets it give one more
+    bench.pull_all()
+    assert bench.runner.done
+    assert bench.device.made == bench.count().produced == len(bench.queues[0].messages) == 2
+
+
+def test_a_source_with_a_limit_takes_no_more_than_that_from_its_device() -> None:
+    bench = Bench(Device(), "out")
+    bench.runner.limit = 3
+    bench.begin()
+    bench.device.make(2)
+    bench.device.wanted.release(5)
+    assert bench.runner._thread is not None
+    bench.runner._thread.join(60)
+    bench.pull_all()
+    assert bench.runner.done
+    assert (bench.device.made, bench.count().produced, bench.runner.yielded) == (3, 3, 3)
+    assert bench.count().dropped == 1
+
+
+def test_what_the_device_before_a_swap_still_gives_is_dropped() -> None:
+    first, second = Device(), Device()
+    bench = Bench(first, "out")
+    bench.begin()
+    old = bench.runner._thread
+    assert old is not None
+    bench.runner.succeed(second, lambda: second)
+    first.wanted.release()
+    old.join(60)
+    assert (bench.count().produced, bench.count().dropped) == (1, 1)
+    assert second.asked.acquire(timeout=60)
+    second.make(1)
+    bench.pull_all()
+    assert (bench.count().produced, bench.count().dropped, len(bench.queues[0].messages)) == (2, 1, 1)
+    bench.runner.stop()
+
+
+def test_a_device_that_is_built_anew_after_it_failed_counts_on() -> None:
+    bench = Bench(Device(), "out")
+    bench.runner.on_error = "restart"
+    bench.begin()
+    bench.device.make(3)
+    bench.device.fails = True
+    bench.device.wanted.release()
+    assert bench.runner._thread is not None
+    bench.runner._thread.join(60)
+    bench.device.fails = False
+    bench.device.context = Context(warn=lambda text: None)
+    bench.pull_all()
+    assert bench.device.asked.acquire(timeout=60)
+    bench.device.make(1)
+    bench.pull_all()
+    assert (bench.count().produced, bench.count().dropped, len(bench.queues[0].messages)) == (4, 1, 3)
+    bench.runner.stop()
+
+
+def test_each_port_of_a_source_counts_what_it_was_given() -> None:
+    bench = Bench(Twin(), "even", "odd")
+    bench.begin()
+    bench.device.make(5)
+    bench.pull_all()
+    assert [bench.count(n).produced for n in (0, 1)] == [2, 3]
+    assert [bench.count(n).dropped for n in (0, 1)] == [1, 2]
+    assert [len(queue.messages) for queue in bench.queues] == [1, 1]
+    bench.runner.stop()

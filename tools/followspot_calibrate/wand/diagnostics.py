@@ -1,0 +1,95 @@
+"""What a user should know though the calibration came to an end: which camera, why, and what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.wand.diagnosis import DEEP, shallow
+from followspot_calibrate.wand.hazards.bulbs import length_warnings
+from followspot_calibrate.wand.hazards.moved import Moved, moved_cameras
+from followspot_calibrate.wand.hazards.planar import FLAT, REMEDY, flatness
+from followspot_calibrate.wand.pairs import FEWEST
+from followspot_calibrate.wand.rounds import Watermark
+from followspot_calibrate.wand.solving import Solved
+from followspot_calibrate.wand.timing import Timed
+
+MANY = 0.2
+"""Share of a camera's sightings that fit nothing from which on something is wrong with it."""
+
+
+def warnings_of(solved: Solved, unit: float | None = None, fps: float | None = None) -> list[str]:
+    """Sentences for the user. unit: m per unit of the solution, if known; fps: frames a second, if known."""
+    settled, moved = solved.settled, moved_cameras(solved.settled, solved.sightings)
+    told = late_warnings(solved.timed, fps) + [moved_warning(settled, one, unit) for one in moved]
+    told += sparse_warnings(solved.sightings, settled, {one.number for one in moved})
+    if solved.intrinsics == "free":
+        told += depth_warnings(settled)
+    if solved.planar:
+        told.append(f"the points lie nearly in a plane, heights above it are less certain: {REMEDY}")
+    if solved.rods is not None:
+        told += length_warnings(settled, solved.rods, solved.sightings.pixel)
+    return told
+
+
+def late_warnings(timed: Timed, fps: float | None) -> list[str]:
+    """Cameras that are not synchronised."""
+    told = []
+    for name, late, drift in zip(timed.sightings.cameras, timed.late, timed.drift, strict=True):
+        if drift:
+            told.append(
+                f"{name} comes {abs(drift):.1f} frames {'later' if drift > 0 else 'earlier'} in the second "
+                "half of the recording than in the first: it lost frames, or its rate is another; "
+                "record again"
+            )
+        elif late:
+            told.append(
+                f"{name} is {_frames(abs(late), fps)} {'late' if late > 0 else 'early'}; that was corrected "
+                "here: synchronise the cameras, or note it in the room file (--fps FPS --clock-offsets)"
+            )
+    return told
+
+
+def moved_warning(settled: Watermark, moved: Moved, unit: float | None) -> str:
+    """When a camera was moved, how far, and which of its poses was found."""
+    far = "" if unit is None else f"{1000 * unit * moved.shift:.0f} mm and "
+    turn = f"{57.29578 * moved.turn:.1f} degrees"
+    return (
+        f"{settled.cameras[moved.number].name} was moved at frame {moved.frame}, by {far}{turn}: its pose is "
+        f"the one {'before' if moved.kept_before else 'after'}; calibrate with what was recorded since: "
+        f"--frames {moved.frame}-"
+    )
+
+
+def sparse_warnings(sightings: Sightings, settled: Watermark, explained: Collection[int]) -> list[str]:
+    """Cameras that rest on few of their points; explained: numbers of cameras of which the cause is known."""
+    told, strange = [], []
+    for number, camera in enumerate(settled.cameras):
+        total, used = int(sightings.seen[:, number].sum()), int(settled.used[:, number].sum())
+        if used < FEWEST:
+            told.append(f"{camera.name} rests on {used} points, {FEWEST} needed: wave in its view")
+        elif used < (1 - MANY) * total and number not in explained:
+            strange.append(f"{100 * (1 - used / total):.0f} % of the points of {camera.name}")
+    if strange:
+        told.append(
+            f"{', '.join(strange)} fit no other camera: look for reflections and second lights in its view"
+        )
+    return told
+
+
+def depth_warnings(settled: Watermark) -> list[str]:
+    """What the points leave open of intrinsics that had to be found."""
+    told, flat = [], shallow(settled)
+    if flat:
+        ratios = ", ".join(f"{name} {ratio:.1f}" for name, ratio in flat.items())
+        told.append(
+            f"the depth of the points, farthest over nearest, is under {DEEP:g} ({ratios}): the focal length "
+            "is not well determined; wave nearer to the camera and farther off, or calibrate its intrinsics"
+        )
+    if flatness(settled.points) < FLAT:
+        told.append(f"the points lie nearly in a plane, which leaves unknown lenses open: {REMEDY}")
+    return told
+
+
+def _frames(late: float, fps: float | None) -> str:
+    return f"{late:.2f} frames" + ("" if fps is None else f" ({1000 * late / fps:.1f} ms)")
