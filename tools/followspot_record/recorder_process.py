@@ -7,35 +7,31 @@ soon as all who send have left. A line of JSON on standard output says now and t
 from __future__ import annotations
 
 import json
-import socket
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
 from followspot.messages import InvalidMessage
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.ports import ports
+from followspot.taps.framing import Record
+from followspot.taps.receivers import Gaps, Hear, LocalReceiver, RemoteReceiver
 from followspot.transport.zenoh.network import network_from_data
 from followspot.wire import unpack
 from followspot_record.order import Order, order_from_line
 from followspot_record.record import target_of
-from followspot_recording.record_sender import framed_records
 from followspot_recording.sink import RecordingSink
-
-if TYPE_CHECKING:
-    from followspot_record.far import FarTaps, Take
 
 _PERIOD = 0.5
 """Seconds between two lines."""
 _PATIENCE = 3.0
 """Seconds that those who send may take to leave when the run is over."""
-_BACKLOG = 256
 _BROKEN = (FollowspotError, InvalidMessage, ValueError, KeyError)
 """What a message that cannot be, or a disk that takes no more, raises."""
 
@@ -51,14 +47,9 @@ class RecorderProcess:
         self._kinds = _kinds(order)
         self._sinks = _sinks(order)
         self._one = threading.Lock()
-        self._expected: dict[str, int] = {}
         self._began = time.monotonic()
-        self._senders: list[tuple[threading.Thread, socket.socket]] = []
-        self._door = socket.socket(socket.AF_UNIX)
-        self._door.bind(str(order.listen))
-        self._door.listen(_BACKLOG)
-        threading.Thread(target=self._admit, daemon=True).start()
-        self._far = _far(order, self._hear_far)
+        self._local = LocalReceiver(order.listen, self._hear)
+        self._remote = _remote(order, self._hear)
 
     def told(self, state: str) -> dict[str, Any]:
         """What has been recorded so far; seconds since the beginning, bytes of the file."""
@@ -69,16 +60,10 @@ class RecorderProcess:
 
     def close(self, *, at_once: bool) -> None:
         """Complete the file; unless at once, after those who send have left."""
-        self._door.close()
-        if self._far is not None:
-            self._far.close()
-        deadline = time.monotonic() + (0.0 if at_once else _PATIENCE)
-        for thread, _ in self._senders:
-            thread.join(max(0.0, deadline - time.monotonic()))
+        if self._remote is not None:
+            self._remote.close()
+        self._local.close(0.0 if at_once else _PATIENCE)
         with self._one:
-            for _, sender in self._senders:
-                with suppress(OSError):
-                    sender.shutdown(socket.SHUT_RDWR)
             for sink in self._sinks.values():
                 try:
                     sink.close()
@@ -86,55 +71,32 @@ class RecorderProcess:
                     self.error = self.error or str(error)
             self._sinks = {}
 
-    def _admit(self) -> None:
-        while True:
-            try:
-                sender, _ = self._door.accept()
-            except OSError:
-                return
-            thread = threading.Thread(target=self._hear, args=(sender,), daemon=True)
-            self._senders.append((thread, sender))
-            thread.start()
-
-    def _hear(self, sender: socket.socket) -> None:
-        """Write what one worker sends, until it leaves or the disk takes no more."""
-        expected: dict[str, int] = {}
-        with sender:
-            try:
-                for port, number, packed in framed_records(sender):
-                    self._write(port, number, packed, expected)
-            except _BROKEN as error:
-                self.error = self.error or str(error)
-
-    def _hear_far(self, port: str, number: int, packed: bytes) -> None:
-        """Write what a worker on another host sent; where that was started again, its numbers begin anew."""
-        if number < self._expected.get(port, 0):
-            del self._expected[port]
+    def _hear(self, records: Iterator[Record]) -> None:
+        """Write what one sender brings, until it leaves or the disk takes no more."""
+        gaps = Gaps()
         try:
-            self._write(port, number, packed, self._expected)
+            for port, number, packed in records:
+                self._write(port, packed, gaps.before(port, number))
         except _BROKEN as error:
             self.error = self.error or str(error)
 
-    def _write(self, port: str, number: int, packed: bytes, expected: dict[str, int]) -> None:
-        """Raises one of _BROKEN. expected: the next number of each port; what lies between was lost."""
+    def _write(self, port: str, packed: bytes, missing: int) -> None:
+        """Raises one of _BROKEN. missing: messages that did not come, between the last one and this."""
         message = unpack(packed, self._kinds[port])
         with self._one:
             if port not in self._sinks:
                 return
-            self.lost += number - expected.get(port, number)
-            expected[port] = number + 1
+            self.lost += missing
             if isinstance(message, Message):
                 self._sinks[port].process(message)
                 self.messages += 1
 
 
-def _far(order: Order, take: Take) -> FarTaps | None:
-    """The way from the other hosts, where ports of theirs are recorded. Raises FollowspotError."""
+def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
+    """Receives from other hosts if ports there are recorded. Raises FollowspotError."""
     if order.network is None or not order.far:
         return None
-    from followspot_record.far import FarTaps
-
-    return FarTaps(network_from_data(order.network), dict(order.far), take)
+    return RemoteReceiver(network_from_data(order.network), order.far, hear)
 
 
 def _kinds(order: Order) -> Mapping[str, type[Message]]:

@@ -1,4 +1,4 @@
-"""The way from a graph that runs to a recorder outside: nobody waits, and nothing is lost in silence."""
+"""Taps send to a receiver in another process: no run waits for it, and it counts what is missing."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import pytest
 
 from followspot import Context
 from followspot.messages import Header, Message, stamped
+from followspot.taps import sender as tap_sender
+from followspot.taps.framing import HEAD, framed_record, framed_records
+from followspot.taps.port_tap import PortTap
 from followspot.tracking import Frame
 from followspot.wire import unpack
-from followspot_recording import record_sender
-from followspot_recording.record_sender import HEAD, framed_record, framed_records
-from followspot_recording.tap import RecordingTap
 
 PIXELS = np.arange(48 * 64 * 3, dtype="u1").reshape(48, 64, 3)
 
@@ -35,8 +35,8 @@ def frame(number: int) -> Message:
     return stamped(Frame("cam0", PIXELS), Header("camera/cam0", number, number))
 
 
-def tap(folder: Path, port: str) -> RecordingTap:
-    made = RecordingTap(socket=folder / "recorder", port=port)
+def tap(folder: Path, port: str) -> PortTap:
+    made = PortTap(socket=folder / "recorder", port=port)
     made.setup()
     return made
 
@@ -62,7 +62,7 @@ def test_every_message_arrives_with_its_number(door: socket.socket, tmp_path: Pa
 def test_a_recorder_that_does_not_read_holds_up_nobody_and_takes_bounded_memory(
     door: socket.socket, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(record_sender, "MAX_WAITING", 20 * PIXELS.nbytes)
+    monkeypatch.setattr(tap_sender, "MAX_WAITING", 20 * PIXELS.nbytes)
     made = tap(tmp_path, "camera/cam0.out")
     for number in range(400):
         made.process(frame(number))
@@ -96,7 +96,8 @@ def test_a_recorder_that_has_ended_is_told_nothing_more(door: socket.socket, tmp
         send_until_it_is_noticed()
     made.close()
     later = tap(tmp_path, "camera/cam0.out")  # a worker that is started again looks for it in vain
-    later.process(frame(0))
+    with pytest.raises(EOFError):
+        later.process(frame(0))
     later.close()
 
 
@@ -116,7 +117,7 @@ class Listeners:
 
 def test_a_tap_on_another_host_sends_while_somebody_records_there() -> None:
     post = Listeners()
-    made = RecordingTap(Context(post=post), port="camera/cam0.out")
+    made = PortTap(Context(post=post), port="camera/cam0.out")
     made.setup()
     made.process(frame(0))
     post.wanted = True
