@@ -29,7 +29,7 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
-from bench_memory import measure, shots
+from benching.memory import measure, shots
 from followspot.geometry import IDENTITY
 from followspot.graph.compile import compile_graph
 from followspot.room import Camera, Room, StageUse, Target

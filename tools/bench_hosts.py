@@ -22,8 +22,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from bench_hosts_cases import CASES, FAR, HOPS, STAGES, STARTS, THROUGHPUTS, Hosts, play
-from soak_show import FAULTS as KINDS
+from benching.hosts_cases import CASES, FAR, HOPS, STAGES, STARTS, THROUGHPUTS, Hosts, play
+from soaking.show import FAULTS as KINDS
 
 FAULTS = "faults"
 Figures = dict[str, dict[str, float]]

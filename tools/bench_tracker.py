@@ -31,7 +31,7 @@ from typing import Any
 import cv2
 
 import plain_tracker
-from bench_memory import Cost, Shots, measure, shots
+from benching.memory import Cost, Shots, measure, shots
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.launch import run_plan

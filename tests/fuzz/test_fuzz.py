@@ -38,11 +38,10 @@ def test_a_crash_is_reported_and_fails_the_script(tmp_path: Path) -> None:
     script = tmp_path / "weak.py"
     script.write_text(
         f"import os, sys\nsys.path.insert(0, {str(FUZZ.parent)!r})\n"
-        "import fuzz\nfrom fuzz_target import Target\n"
+        "import fuzzing.campaign as fuzz\nfrom fuzzing.target import Target\n"
         "def take(number):\n"
         "    if number == 1: raise AssertionError('seen')\n"
         "    if number == 3: os.abort()\n"
-        "fuzz.__file__ = __file__\n"
         "numbers = iter(range(100))\n"
         "fuzz.target = lambda name: Target(lambda rng: int(fuzz_place[0]), take, ())\n"
         "attack = fuzz.attack\n"

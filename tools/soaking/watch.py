@@ -20,7 +20,7 @@ from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_status import RunStatus
 from followspot.worker.ledger import COUNTS, EdgeCount
 
-sys.path.insert(0, str(Path(__file__).parent.parent / "tests" / "promises"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "promises"))
 
 from books import impossible  # type: ignore[import-not-found]
 

@@ -17,10 +17,10 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot_calibrate.points_file.reading import read_points
 from followspot_room.calibration import read_calibration
-from fuzz_mutation import broken_bytes, broken_text
-from fuzz_target import Target
+from fuzzing.mutation import broken_bytes, broken_text
+from fuzzing.target import Target
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 Mutation = Callable[[bytes, random.Random, Sequence[bytes]], bytes]
 
 

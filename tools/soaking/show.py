@@ -12,15 +12,15 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 sys.path[:0] = [str(ROOT / "tests" / "integration"), str(ROOT / "tests" / "promises")]
 
 from books import Books, books_of, disagreements  # type: ignore[import-not-found]  # noqa: E402
 from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
 from running import alive, children, unused_memory  # type: ignore[import-not-found]  # noqa: E402
 
-from soak_room import write_files  # noqa: E402
-from soak_watch import Watch  # noqa: E402
+from soaking.room import write_files  # noqa: E402
+from soaking.watch import Watch  # noqa: E402
 
 __all__ = [
     "FAULTS",
@@ -35,9 +35,9 @@ __all__ = [
     "unused_memory",
 ]
 
-STAGES = ROOT / "tools" / "soak_stages.py"
+STAGES = Path(__file__).with_name("journaled.py")
 SIDES = ("pc-left", "pc-right")
-CLOCKS = ROOT / "tools" / "soak_clock"
+CLOCKS = Path(__file__).with_name("clock")
 STEP = 50_000_000
 """By how much the clock of a host jumps, ns."""
 CUT_S = 2.5

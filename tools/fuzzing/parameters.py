@@ -20,8 +20,8 @@ from followspot.graph.parameters import validated
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.testing.samples import Content
 from followspot.testing.trial import Trial
-from fuzz_target import Target
-from fuzz_trees import Raw, extreme, extreme_like
+from fuzzing.target import Target
+from fuzzing.trees import Raw, extreme, extreme_like
 
 _FRAMES = 2
 _CONTENTS: tuple[Content, ...] = ("plausible", "empty")

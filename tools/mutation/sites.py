@@ -20,7 +20,7 @@ from cosmic_ray.ast import ast_nodes, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.operators.operator import Operator
 
-from mutants_tree import Mutant
+from mutation.tree import Mutant
 
 ALIKE = ("_Eq_Is", "_NotEq_Is", "_Is_Eq", "_IsNot_NotEq")
 """Changes between equality and identity: for None, small integers and enumerations they are none."""

@@ -30,7 +30,7 @@ def multicast() -> Iterator[Finding]:
     """A datagram to a group; agents find each other that way unless told where they are."""
     try:
         with _receiver("") as end, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
-            membership = socket.inet_aton(GROUP) + socket.inet_aton("0.0.0.0")  # any network card
+            membership = socket.inet_aton(GROUP) + socket.inet_aton("0.0.0.0")  # noqa: S104  any network card
             end.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, membership)
             sender.sendto(b"followspot", (GROUP, end.getsockname()[1]))
             end.recv(64)

@@ -26,9 +26,9 @@ from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Invalid, Token, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
 from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, reached, undeclare
-from fuzz_extreme import extreme_integer, extreme_token
-from fuzz_target import Target
-from fuzz_wire import sample
+from fuzzing.extreme import extreme_integer, extreme_token
+from fuzzing.target import Target
+from fuzzing.wire import sample
 
 KINDS: tuple[type[Message], ...] = (
     *(tracking.Frame, tracking.Blobs, tracking.Candidates, tracking.Forecast, tracking.Tracks),

@@ -27,10 +27,10 @@ from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.operator.launch import run_plan
 from followspot.plugins.registry import load_stage
 from followspot.worker.wiring import RunOptions
-from fuzz_target import Target
-from fuzz_trees import Pairs, Raw, Tree, emit, extreme, extreme_like, mutated, read_tree
+from fuzzing.target import Target
+from fuzzing.trees import Pairs, Raw, Tree, emit, extreme, extreme_like, mutated, read_tree
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 LONGEST_S = 2.0
 """Of work for a document."""
 MOST_MB = 300

@@ -19,8 +19,8 @@ from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
 from followspot.testing.trial import PERIOD, Trial
 from followspot.tracking import Frame
-from fuzz_extreme import extreme_array, extreme_float, extreme_integer, extreme_text
-from fuzz_target import Target
+from fuzzing.extreme import extreme_array, extreme_float, extreme_integer, extreme_text
+from fuzzing.target import Target
 
 _ROOM = tiny_room()
 _LIFE = 50

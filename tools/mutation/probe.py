@@ -1,4 +1,4 @@
-"""A pytest plugin (`-p mutants_probe`): how long each test takes, which lines it reaches, none without end.
+"""A pytest plugin (`-p mutation.probe`): how long each test takes, which lines it reaches, none without end.
 
 MUTANTS_LOG names a file that takes a line of JSON when a test begins, and when it has ended.
 MUTANTS_LIMITS names a JSON file with the seconds that each test may take.

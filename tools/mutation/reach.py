@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from mutants_tree import TOKEN, Mutant, Tree, end
+from mutation.tree import TOKEN, Mutant, Tree, end
 
 SOURCES = ("core", "plugins", "tools")
 PYTEST = (
@@ -28,7 +28,7 @@ PYTEST = (
     "pytest",
     "-q",
     "-p",
-    "mutants_probe",
+    "mutation.probe",
     "-p",
     "no:cacheprovider",
     "-p",

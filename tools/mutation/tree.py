@@ -112,7 +112,7 @@ def _environment(root: Path) -> None:
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(venv)], check=True)
     ours = Path(sysconfig.get_path("purelib"))
     theirs = venv / ours.relative_to(sys.prefix)
-    first = [str(root / folder) for folder in ("core", "plugins", "tools")]
+    first = [str(root / folder) for folder in ("core", "plugins", "tools/commands", "tools")]
     (theirs / "tree.pth").write_text("\n".join([*first, f"import site; site.addsitedir({str(ours)!r})", ""]))
     for script in (Path(sys.prefix) / "bin").iterdir():
         text = script.read_bytes() if script.is_file() and not script.is_symlink() else b""

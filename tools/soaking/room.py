@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-GRAPHS = Path(__file__).parent.parent / "graphs"
+GRAPHS = Path(__file__).parents[2] / "graphs"
 CAMERAS = 6
 """Those that go on."""
 SHORT = "cam6"
@@ -20,14 +20,14 @@ _MISSING = 4
 """Frames after which a target that is not seen is sought everywhere: as long as at 60 frames a second."""
 PERFORMANCE = {"fps": FPS, "seed": 7, "people": 2}
 JOURNALED = {
-    "balls.color_blobs": "soak_stages.color_blobs",
-    "balls.ir_blobs": "soak_stages.ir_blobs",
-    "balls.verify_pairs": "soak_stages.verify_pairs",
-    "balls.triangulate": "soak_stages.triangulate",
-    "balls.mean_shift": "soak_stages.mean_shift",
-    "balls.bridge": "soak_stages.bridge",
-    "balls.kalman": "soak_stages.kalman",
-    "sinks.csv": "soak_stages.csv_tracks",
+    "balls.color_blobs": "journaled.color_blobs",
+    "balls.ir_blobs": "journaled.ir_blobs",
+    "balls.verify_pairs": "journaled.verify_pairs",
+    "balls.triangulate": "journaled.triangulate",
+    "balls.mean_shift": "journaled.mean_shift",
+    "balls.bridge": "journaled.bridge",
+    "balls.kalman": "journaled.kalman",
+    "sinks.csv": "journaled.csv_tracks",
 }
 PLACEMENT = f"""
 placement: soak
@@ -50,7 +50,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
         stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
     graph["stages"]["save"]["on_error"] = "skip"
     graph["stages"]["track"]["with"] = {"missing": _MISSING}
-    judge = {"uses": "soak_stages.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
+    judge = {"uses": "journaled.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
     graph["stages"]["judge"] = judge
     (folder / "soak.yaml").write_text(yaml.safe_dump(graph))
     (folder / "room.yaml").write_text(yaml.safe_dump(_room(opened, projections)))
@@ -68,5 +68,5 @@ def _room(opened: float, projections: int) -> dict[str, Any]:
     for name, camera in room["cameras"].items():
         frames = SHORT_S * FPS if name == SHORT else 0
         shown = {**PERFORMANCE, "projections": projections, "frames": frames, "opened": opened}
-        camera["source"] = {"uses": "soak_stages.live_camera", "with": shown}
+        camera["source"] = {"uses": "journaled.live_camera", "with": shown}
     return room

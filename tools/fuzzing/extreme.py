@@ -11,8 +11,8 @@ import numpy as np
 from followspot.messages import Array, Message, seal, stamped
 from followspot.transport.wire import ALIGN, MAX_HEAD, PREFIX, VERSION, pack_head, unpack_head
 from followspot.transport.zenoh.codec import pack_as
-from fuzz_mutation import NASTY_FLOATS
-from fuzz_wire import sample
+from fuzzing.mutation import NASTY_FLOATS
+from fuzzing.wire import sample
 
 _POWERS = (7, 8, 15, 16, 31, 32, 52, 53, 61, 62, 63, 64)
 _TEXTS = ("", "\0", "a" * 1000, "a" * 1001, "a" * 60_000, "../../etc", "\u202e", "\n\x1b[2J", "𝔘" * 300)

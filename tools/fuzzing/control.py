@@ -19,10 +19,10 @@ from followspot.graph.ship import plan_from_data
 from followspot.security.grants import Grants
 from followspot.security.request_guard import FORMAT, Asked, RequestGuard
 from followspot.transport.host_registry import read_host_registry
-from fuzz_mutation import broken_bytes, broken_text, broken_tree
-from fuzz_target import Target
+from fuzzing.mutation import broken_bytes, broken_text, broken_tree
+from fuzzing.target import Target
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 HOST = "pc-left"
 
 

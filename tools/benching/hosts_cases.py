@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "integration"))
 
 from hosts import Hosts  # type: ignore[import-not-found]  # noqa: E402
 
 __all__ = ["CASES", "FAR", "HOPS", "STAGES", "STARTS", "THROUGHPUTS", "Case", "Hosts", "play"]
 
-STAGES = ROOT / "tools" / "bench_hosts_stages.py"
+STAGES = Path(__file__).with_name("film_stages.py")
 FAR = ("pc-1", "pc-2", "pc-3", "pc-4")
 PICTURE = 320 * 240 * 3
 """Bytes of a picture."""
@@ -48,8 +48,8 @@ def _one(
     film = json.dumps({"rate": rate, "count": round(rate * seconds)})
     graph = f"""graph: hop
 stages:
-  film: {{uses: bench_hosts_stages.film, with: {film}}}
-  look: {{uses: bench_hosts_stages.look, in: {{frame: {{from: film, codec: {codec}}}}}}}
+  film: {{uses: film_stages.film, with: {film}}}
+  look: {{uses: film_stages.look, in: {{frame: {{from: film, codec: {codec}}}}}}}
 """
     placement = f"placement: p\nworkers:\n  far: {{{worker}stages: [film]}}\n" if worker else ""
     return Case(graph, placement, mbit, FAR[:1] if "host" in worker else ())
@@ -59,10 +59,10 @@ def _many(workers: int, hosts: tuple[str, ...] = (), cameras: int = 1) -> Case:
     """So many workers with so many cameras each, in turn on these hosts, and a reader of all at the desk."""
     film = json.dumps({"rate": 30.0, "count": 45})
     names = [f"film{number}" for number in range(workers * cameras)]
-    stages = [f"  {name}: {{uses: bench_hosts_stages.film, with: {film}}}" for name in names]
+    stages = [f"  {name}: {{uses: film_stages.film, with: {film}}}" for name in names]
     feeds = ", ".join(f"{{from: {name}, codec: jpeg}}" for name in names)
     of = f"in: {{frames: [{feeds}]}}, with: {{cameras: {len(names)}}}"
-    look = f"  look: {{uses: bench_hosts_stages.look_at_all, {of}, tolerance: 0.016}}"
+    look = f"  look: {{uses: film_stages.look_at_all, {of}, tolerance: 0.016}}"
     places = []
     for number in range(workers):
         host = f"host: {hosts[number % len(hosts)]}, " if hosts else ""

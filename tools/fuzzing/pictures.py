@@ -17,8 +17,8 @@ from followspot.room import Camera
 from followspot.stage import Context
 from followspot_cameras.images import Images
 from followspot_cameras.video import Video
-from fuzz_mutation import broken_bytes
-from fuzz_target import Target
+from fuzzing.mutation import broken_bytes
+from fuzzing.target import Target
 
 _SIZE = (64, 48)
 _FRAMES = 8

@@ -18,8 +18,8 @@ from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Invalid, Watermark
 from followspot.transport.wire import ALIGN, PREFIX, VERSION, unpack_head
 from followspot.transport.zenoh.codec import pack_as, unpack_as
-from fuzz_mutation import broken_bytes, broken_tree
-from fuzz_target import Target
+from fuzzing.mutation import broken_bytes, broken_tree
+from fuzzing.target import Target
 
 KINDS: tuple[type[Message], ...] = tuple(
     kind
