@@ -132,10 +132,18 @@ def test_a_script_holds_and_ends_a_run_under_agents(room: Room) -> None:
     stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 0, stderr
     network = fs.Network(connect=tuple(word for word in room.connect if word != "--connect"))
-    with fs.connect(json.loads(stdout)["run"], network=network) as run:
+    with fs.connect(json.loads(stdout)["run"], network=network, plugin_files=[STAGES]) as run:
         assert {worker.phase for worker in run.status().workers} == {"running"}
+        heard = set()
+        for message in run["more,less"]:  # one of each host
+            heard.add(of_left(message.value))
+            if len(heard) == 2:
+                break
+        messages = iter(run["sum"])
+        before = next(messages)
         run.stop()
-        assert wait_until(run.over)
+        assert all(message.header.time >= before.header.time for message in messages)
+        assert run.over()
 
 
 def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:

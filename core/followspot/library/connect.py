@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import ExitStack
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from followspot.library.subscription import Subscription
+from followspot.library.tapped import TappedPorts
 from followspot.operator.connect import connected_run
 from followspot.operator.run_handle import RunHandle
+from followspot.plugins.registry import use_plugin_files
 from followspot.transport.zenoh.network import Network
 
 
@@ -19,6 +24,15 @@ class ConnectedRun(RunHandle):
         self._stack = ExitStack()
         found = self._stack.enter_context(connected_run(wanted, network))
         super().__init__(found.run, found.graph, found.ask, found.pid)
+        self._tapped = TappedPorts(self)
+        self._stack.callback(self._tapped.close)
+
+    def __getitem__(self, port: str) -> Subscription:
+        """The newest messages of a port from now on; `dropped` counts the rest.
+
+        port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.
+        """
+        return self._tapped.subscription(port)
 
     def close(self) -> None:
         """Let go of the run; it goes on."""
@@ -33,10 +47,14 @@ class ConnectedRun(RunHandle):
         self.close()
 
 
-def connect(run: str | None = None, *, network: Network | None = None) -> ConnectedRun:
+def connect(
+    run: str | None = None, *, network: Network | None = None, plugin_files: Sequence[str | Path] = ()
+) -> ConnectedRun:
     """A handle on a run that goes on: on this machine, else under agents that `network` leads to.
 
     run: the graph's name, the beginning of the run's, or the process id of its operator; None if there is
-    one run. Raises FollowspotError if there is no such run, or several.
+    one run; plugin_files: with the stages and messages that agents have from files of theirs. Raises
+    FollowspotError if there is no such run, or several.
     """
+    use_plugin_files([str(Path(file).absolute()) for file in plugin_files])
     return ConnectedRun(run, network)

@@ -19,6 +19,7 @@ from followspot.library.graph import Graph
 from followspot.library.report import Report
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
+from followspot.library.tapped import TappedPorts
 from followspot.operator.control_socket import reachable
 from followspot.operator.launch import prepared
 from followspot.operator.report import RunReport
@@ -126,6 +127,7 @@ class OwnRun(RunHandle):
         self._error: BaseException | None = None
         self._begun = threading.Event()
         subscribed.failure = self._failure
+        self._tapped = TappedPorts(self, self._failure)
         self._thread = threading.Thread(target=self._live, args=(ready,), name="run", daemon=True)
         self._thread.start()
         self._begun.wait(_BEGIN)
@@ -137,6 +139,7 @@ class OwnRun(RunHandle):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._subscribed.close()
+        self._tapped.close()
         if self._thread.is_alive() and self._dispatcher is not None:
             self.stop()
         self._thread.join()
@@ -144,11 +147,14 @@ class OwnRun(RunHandle):
             self._raise()
 
     def __getitem__(self, port: str) -> Subscription:
-        """The messages of a port that was named in `ports=`. Raises KeyError for any other."""
+        """The messages of a port: all of them if it was named in `ports=`, else the newest from now on.
+
+        port: STAGE.PORT, or a shorter name as `ports=` takes it. Raises FollowspotError.
+        """
         found = self._subscribed.found(port)
-        if found is None:
-            raise KeyError(f"{port} is not subscribed to: name it in ports=")
-        return found
+        if found is not None and not (found.closed and self._thread.is_alive()):
+            return found
+        return self._tapped.subscription(port)
 
     def wait(self) -> Report:
         """Wait for the end of the run; what it did.
@@ -187,6 +193,7 @@ class OwnRun(RunHandle):
         finally:
             self._begun.set()
             self._subscribed.end()
+            self._tapped.end()
 
     def _asked(self, request: Request, timeout: float) -> Any:
         if self._dispatcher is None or not self._thread.is_alive():

@@ -1,4 +1,4 @@
-"""The sink behind subscriptions: it hands messages to the loops of the process that asked for them."""
+"""The stage behind subscriptions: it hands messages to the loops of the process that asked for them."""
 
 from __future__ import annotations
 
@@ -6,44 +6,57 @@ from collections.abc import Sequence
 
 from followspot.library.subscription import Subscription
 from followspot.messages import Message
-from followspot.stage import Field, Stage, StageParams
+from followspot.stage import Field
+from followspot.taps.port_tap import PortTap
+
+SINK = "followspot.subscription"
 
 _open: dict[str, Sequence[Subscription]] = {}
 """Subscriptions of this process by key."""
 
 
-class SubscriptionSink(Stage):
-    """Hand every message to subscriptions of a script; `followspot.run(ports=...)` adds it."""
+class SubscriptionSink(PortTap):
+    """Hand every message to subscriptions of a script.
 
-    class Params(StageParams):
-        """Which subscriptions."""
+    With a key it is a sink of the graph that `followspot.run(ports=...)` adds, and misses nothing; without
+    one it is a tap, put at a port of a run that has begun, and sends what the script takes in time.
+    """
 
-        key: str = Field(description="subscriptions of this process")
+    class Params(PortTap.Params):
+        key: str = Field("", description="subscriptions of this process")
 
     params: Params
+    subscriptions: Sequence[Subscription] = ()
 
     def setup(self) -> None:
-        """Find the subscriptions. Raises RuntimeError in any process but the one that has them."""
-        if self.params.key not in _open:
+        """Find the subscriptions. Raises RuntimeError if the key belongs to another process."""
+        key = self.params.key
+        if not key:
+            super().setup()
+        elif key in _open:
+            self.subscriptions = _open[key]
+        else:
             raise RuntimeError("the subscriptions are those of another process")
-        self.subscriptions = _open[self.params.key]
 
     def process(self, message: Message) -> None:
-        """Hand the message over; a lossless subscription that is full is waited for."""
+        """Hand the message over; wait if a lossless subscription is full. Raises EOFError; see `PortTap`."""
+        if not self.params.key:
+            super().process(message)
         for subscription in self.subscriptions:
             subscription.put(message)
 
     def close(self) -> None:
-        """A port has ended."""
-        for subscription in getattr(self, "subscriptions", ()):
+        """Tell the subscriptions that the port has ended."""
+        for subscription in self.subscriptions:
             subscription.leave()
+        super().close()
 
 
 def offer_subscriptions(key: str, subscriptions: Sequence[Subscription]) -> None:
-    """Let the sink with this key hand its messages to these."""
+    """Let the sink with this key hand its messages to these subscriptions."""
     _open[key] = subscriptions
 
 
 def withdraw_subscriptions(key: str) -> None:
-    """The run is over."""
+    """Forget the subscriptions of this key at the end of the run."""
     _open.pop(key, None)

@@ -10,13 +10,12 @@ from uuid import uuid4
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
-from followspot.library.sink import offer_subscriptions, withdraw_subscriptions
+from followspot.library.sink import SINK, offer_subscriptions, withdraw_subscriptions
 from followspot.library.subscription import Subscription
 from followspot.plugins.registry import OFFERED
 
 _WORKER = "python"
 """The worker of the sinks, a thread of this process, if the graph has several workers."""
-_SINK = "followspot.subscription"
 
 
 class Subscribed:
@@ -85,7 +84,7 @@ class Subscribed:
         sender, _, output = port.rpartition(".")
         worker = self.in_process[0]
         name = f"subscription-{port.replace('/', '-').replace('.', '-')}"
-        sink = PlannedStage(name, name, _SINK, {"key": key}, None, worker, live=False)
+        sink = PlannedStage(name, name, SINK, {"key": key}, None, worker, live=False)
         edge = PlannedEdge(sender, output, name, "message", _kind(plan, sender, worker))
         return replace(plan, stages=(*plan.stages, sink), edges=(*plan.edges, edge))
 

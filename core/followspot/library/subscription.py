@@ -14,16 +14,15 @@ from followspot.messages import Message
 CAPACITY = 64
 """Messages that wait for the loop."""
 _STALLED = 1.0
-"""Seconds without a message after which the reason is looked for."""
+"""Seconds without a message after which the subscription looks for the reason."""
 
 
 class Subscription:
-    """Iterates over the messages of one or more ports until the run ends; leaving the loop ends nothing.
+    """Iterates over the messages of one or more ports until the run ends. Leaving the loop closes it.
 
-    A lossless one holds up the run while `CAPACITY` messages wait; any other keeps the newest, and `dropped`
-    counts the rest. Iterate with ``for`` in a thread or with ``async for`` in an event loop.
-
-    siblings: all subscriptions of the run: one that nobody has begun to read may hold up the others.
+    A lossless subscription holds up the run while `CAPACITY` messages wait. Any other keeps the newest, and
+    `dropped` counts the rest. Iterate with ``for`` in a thread or with ``async for`` in an event loop;
+    ``next(subscription)`` takes one message and leaves the subscription open.
     """
 
     def __init__(
@@ -33,39 +32,44 @@ class Subscription:
         lossless: bool,
         failure: Callable[[], Exception | None],
         siblings: Collection[Subscription] = (),
+        on_close: Callable[[], object] = lambda: None,
     ) -> None:
-        """failure: what the run failed with, raised when the messages have been read."""
+        """port: its name; failure: what the run failed with, raised after the last message.
+
+        siblings: all subscriptions of the run, for an unread one may hold up the others; on_close: called
+        when nothing more is read, perhaps several times.
+        """
         self.port = port
         self.lossless = lossless
         self.dropped = 0
         self._failure = failure
         self._siblings = siblings
+        self._on_close = on_close
         self._begun = False
         self._messages: deque[Message] = deque()
         self._changed = threading.Condition()
         self._senders = 0
         self._ended = self._closed = False
 
-    def __iter__(self) -> Self:
-        return self
+    def __iter__(self) -> Iterator[Message]:
+        try:
+            while (message := self._next()) is not None:
+                yield message
+        finally:
+            self.close()
 
     def __next__(self) -> Message:
-        self._begun = True
-        with self._changed:
-            while not (self._messages or self._ended or self._closed):
-                if not self._changed.wait(_STALLED):
-                    self.check_siblings()
-            if self._messages and not self._closed:
-                message = self._messages.popleft()
-                self._changed.notify_all()
-                return message
-        error = None if self._closed else self._failure()
-        if error is not None:
-            raise error
-        raise StopIteration
+        message = self._next()
+        if message is None:
+            raise StopIteration
+        return message
 
-    def __aiter__(self) -> AsyncIterator[Message]:
-        return self._asynchronous()
+    async def __aiter__(self) -> AsyncIterator[Message]:
+        try:
+            while (message := await asyncio.to_thread(self._next)) is not None:
+                yield message
+        finally:
+            self.close()
 
     def __enter__(self) -> Self:
         return self
@@ -73,20 +77,36 @@ class Subscription:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else "ended" if self._ended else "open"
+        return (
+            f"<subscription to {self.port}: {state}, {len(self._messages)} waiting, {self.dropped} dropped>"
+        )
+
+    @property
+    def closed(self) -> bool:
+        """Whether nobody reads any more."""
+        return self._closed
+
     def close(self) -> None:
-        """Read no more; the run goes on, and nothing waits for this subscription. Safe from any thread."""
+        """Read no more; the run goes on and does not wait for this subscription. Safe from any thread."""
         with self._changed:
             self._closed = True
             self._messages.clear()
             self._changed.notify_all()
+        self._on_close()
 
-    def put(self, message: Message) -> None:
-        """A message of the run; waits while a lossless subscription is full."""
+    def put(self, message: Message, missing: int = 0) -> None:
+        """Add a message of the run; wait while a lossless subscription is full.
+
+        missing: messages before it that did not come.
+        """
         with self._changed:
             while self.lossless and len(self._messages) >= CAPACITY and not self._closed:
                 self._changed.wait()
             if self._closed:
                 return
+            self.dropped += missing
             if len(self._messages) >= CAPACITY:
                 self._messages.popleft()
                 self.dropped += 1
@@ -94,7 +114,7 @@ class Subscription:
             self._changed.notify_all()
 
     def join(self) -> None:
-        """One more port sends here."""
+        """Count one more port that sends here."""
         with self._changed:
             self._senders += 1
 
@@ -107,18 +127,18 @@ class Subscription:
             self._changed.notify_all()
 
     def end(self) -> None:
-        """The run is over, whoever else was to send."""
+        """The run is over: the loop ends after the messages that wait."""
         with self._changed:
             self._ended = True
             self._changed.notify_all()
 
     @property
     def _holds_up(self) -> bool:
-        """Whether the run waits for somebody to begin to read."""
+        """Whether the run waits for a first reader."""
         return self.lossless and not (self._begun or self._closed) and len(self._messages) >= CAPACITY
 
     def check_siblings(self) -> None:
-        """Raises FollowspotError if nothing comes because nobody reads another port."""
+        """Raises FollowspotError if the run is held up by a subscription that no loop reads."""
         for other in self._siblings:
             if other._holds_up:
                 both = f', or subscribe to both at once: ports=["{self.port},{other.port}"]'
@@ -127,9 +147,18 @@ class Subscription:
                     f"close it{'' if other is self else both}"
                 )
 
-    async def _asynchronous(self) -> AsyncIterator[Message]:
-        done = object()
-        items: Iterator[Message | object] = iter(self)
-        while (item := await asyncio.to_thread(next, items, done)) is not done:
-            assert isinstance(item, Message)
-            yield item
+    def _next(self) -> Message | None:
+        """The next message; None at the end. Raises what the run failed with, after the last message."""
+        self._begun = True
+        with self._changed:
+            while not (self._messages or self._ended or self._closed):
+                if not self._changed.wait(_STALLED):
+                    self.check_siblings()
+            if self._messages:
+                message = self._messages.popleft()
+                self._changed.notify_all()
+                return message
+        error = None if self._closed else self._failure()
+        if error is not None:
+            raise error
+        return None

@@ -102,8 +102,8 @@ def test_waiting_for_a_run_that_waits_for_its_reader_says_so(tmp_path: Path) -> 
     with fs.run(GRAPH, frames=200, ports=["track.tracks"], out=tmp_path) as run:
         with pytest.raises(fs.FollowspotError, match=r"nobody reads track.tracks, which holds up the run"):
             run.wait()
-        with pytest.raises(KeyError, match="name it in ports="):
-            run["color"]
+        with pytest.raises(fs.InputError, match=r"there is no port \"colour\"\n +did you mean \"color\""):
+            run["colour"]
     assert run.report is run.report, "the truth is not read again"
 
 

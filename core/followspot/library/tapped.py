@@ -1,0 +1,148 @@
+"""Subscriptions to a run that has begun: taps at its ports send here, wherever its workers are."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from followspot.control.tapping import Tapping
+from followspot.errors import FollowspotError
+from followspot.graph.output_ports import chosen_ports, output_ports
+from followspot.library.sink import SINK
+from followspot.library.subscription import Subscription
+from followspot.messages import InvalidMessage, Message
+from followspot.operator.run_handle import RunHandle
+from followspot.taps.framing import Record
+from followspot.taps.receivers import Gaps, LocalReceiver, RemoteReceiver
+from followspot.transport.keys import look_key
+from followspot.wire import unpack
+
+_PERIOD = 1.0
+"""Seconds between two looks whether the run has ended, or has moved a tapped stage to another host."""
+_LEAVING = 3.0
+"""Seconds for the last messages of a run to arrive."""
+
+Failure = Callable[[], Exception | None]
+"""Why the run failed; None if it did not."""
+
+
+class TappedPorts:
+    """The subscriptions of one handle, by the name that they were asked for."""
+
+    def __init__(self, run: RunHandle, failure: Failure = lambda: None) -> None:
+        self._run = run
+        self._failure = failure
+        self._feeds: dict[str, _Feed] = {}
+        self._lock = threading.Lock()
+
+    def subscription(self, word: str) -> Subscription:
+        """The open subscription of this name, or a new one. Raises FollowspotError; see `_Feed`."""
+        with self._lock:
+            feed = self._feeds.get(word)
+            if feed is None or feed.subscription.closed:
+                feed = self._feeds[word] = _Feed(self._run, word, self._failure)
+            return feed.subscription
+
+    def end(self) -> None:
+        """The run has ended: the loops end after the last messages."""
+        for feed in tuple(self._feeds.values()):
+            feed.end()
+
+    def close(self) -> None:
+        """Remove every tap."""
+        for feed in tuple(self._feeds.values()):
+            feed.subscription.close()
+
+
+class _Feed:
+    """Taps at ports, and the subscription that they feed. Closing the subscription removes them."""
+
+    def __init__(self, run: RunHandle, word: str, failure: Failure) -> None:
+        """Raises InputError if there is no such port, FollowspotError if it cannot be reached from here."""
+        self.subscription = Subscription(word, lossless=False, failure=failure, on_close=self._close)
+        self._run = run
+        plan, self._around = run.plan(), run.surroundings()
+        ports = output_ports(plan)
+        self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports")}
+        self._homes: dict[str, str] = {}
+        self._folder = TemporaryDirectory(prefix="followspot-tap-")
+        self._path = Path(self._folder.name) / "taps"
+        self._local = LocalReceiver(self._path, self._hear)
+        self._remote: list[RemoteReceiver] = []
+        self._over = threading.Event()
+        self._lock = threading.Lock()
+        try:
+            self._follow()
+        except BaseException:
+            self._close()
+            raise
+        threading.Thread(target=self._watch, name=f"taps of {word}", daemon=True).start()
+
+    def end(self) -> None:
+        """Take the last messages, and end the loop."""
+        if self._close(_LEAVING):
+            self.subscription.end()
+
+    def _watch(self) -> None:
+        while not self._over.wait(_PERIOD):
+            if self._run.over():
+                self.end()
+                return
+            with suppress(FollowspotError):
+                self._follow()
+
+    def _follow(self) -> None:
+        """Tap the ports where their stages are now. Raises FollowspotError."""
+        plan = self._run.plan()
+        hosts = {worker.name: worker.host for worker in plan.workers}
+        stages = {stage.name: hosts[stage.worker] for stage in plan.stages}
+        homes = {name: stages[name.rpartition(".")[0]] for name in self._types}
+        if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
+            raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
+        moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
+        if moved:
+            self._receive({name: host for name, host in moved.items() if host})
+            self._run.tap([self._tapping(name, host) for name, host in moved.items()])
+            self._homes = homes
+
+    def _receive(self, homes: dict[str, str]) -> None:
+        """Subscribe to taps on other hosts, before they are placed."""
+        network = self._around.network
+        keys = {name: look_key(self._run.run, host, name, SINK) for name, host in homes.items()}
+        with self._lock:
+            if keys and network is not None and not self._over.is_set():
+                self._remote.append(RemoteReceiver(network, keys, self._hear))
+
+    def _tapping(self, name: str, host: str) -> Tapping:
+        place: dict[str, Any] = {} if host else {"socket": str(self._path)}
+        return Tapping(name, SINK, {**place, "port": name})
+
+    def _hear(self, records: Iterator[Record]) -> None:
+        """Pass on what one sender brings; a malformed stream ends there, a malformed message is counted."""
+        gaps = Gaps()
+        with suppress(ValueError, KeyError):
+            for port, number, packed in records:
+                missing = gaps.before(port, number)
+                try:
+                    message = unpack(packed, self._types[port])
+                except InvalidMessage:
+                    self.subscription.dropped += missing + 1
+                    continue
+                if isinstance(message, Message):
+                    self.subscription.put(message, missing)
+
+    def _close(self, timeout: float = 0.0) -> bool:
+        """Remove the taps, for their workers find the receivers gone; False if that was done before."""
+        with self._lock:
+            if self._over.is_set():
+                return False
+            self._over.set()
+        for receiver in self._remote:
+            receiver.close()
+        self._local.close(timeout)
+        self._folder.cleanup()
+        return True
