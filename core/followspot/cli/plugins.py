@@ -30,9 +30,9 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _list(*, as_json: bool) -> int:
-    from followspot.operator.summary import table
     from followspot.plugins.hooks import load_hooks
     from followspot.plugins.registry import catalogue, examined
+    from followspot.tables import table
 
     stages = [examined(entry) for entry in catalogue().values()]
     hooks = load_hooks().modules
@@ -46,7 +46,7 @@ def _list(*, as_json: bool) -> int:
 
 
 def _page(described: dict[str, Any]) -> str:
-    from followspot.operator.summary import table
+    from followspot.tables import table
 
     lines = [described["name"], "", described["description"], ""]
     kinds = {"plain": "", "latest": " (latest: sampled, never fires)", "joined": " (joined: one per edge)"}

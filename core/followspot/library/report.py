@@ -11,6 +11,7 @@ from typing import Any
 from followspot.accuracy import PersonsScore, TargetScore, persons_table, table, to_json
 from followspot.operator import summary
 from followspot.operator.report import RunReport
+from followspot.tables import table as drawn
 from followspot.worker.ledger import COUNTS
 
 
@@ -34,7 +35,7 @@ class Table:
         return pandas.DataFrame(list(self.rows), columns=list(self.columns))
 
     def __repr__(self) -> str:
-        return summary.table(self.columns, [[_text(cell) for cell in row] for row in self.rows])
+        return drawn(self.columns, [[_text(cell) for cell in row] for row in self.rows])
 
     def _repr_html_(self) -> str:
         def line(cells: Sequence[Any], tag: str) -> str:

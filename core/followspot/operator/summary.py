@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from followspot.operator.report import RunReport
+from followspot.tables import table
 from followspot.worker.ledger import COUNTS, EdgeCount
 
 
@@ -83,19 +84,6 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
         "notes": list(report.plan.notes),
         "errors": [*report.errors, *report.unbalanced],
     }
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as they need to be; the first to the left, the others to the right."""
-    widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
-    lines = []
-    for row in (head, *rows):
-        cells = [
-            row[0].ljust(widths[0]),
-            *(cell.rjust(w) for cell, w in zip(row[1:], widths[1:], strict=True)),
-        ]
-        lines.append("  " + "  ".join(cells).rstrip())
-    return "\n".join(lines)
 
 
 def _clocks(report: RunReport) -> str:

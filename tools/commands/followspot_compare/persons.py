@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from followspot.accuracy import PersonsScore
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot_compare.columns import mean
 
 Scores = Sequence[PersonsScore]

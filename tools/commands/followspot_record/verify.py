@@ -15,7 +15,7 @@ from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.operator.launch import run_plan
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot.worker.wiring import RunOptions
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan

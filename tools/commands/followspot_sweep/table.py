@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot_sweep.axes import Axis
 from followspot_sweep.trial import Result
 

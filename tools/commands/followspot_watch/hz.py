@@ -14,8 +14,8 @@ from followspot.cli.agent_options import network_of
 from followspot.operator.connect import connected_run
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_status import is_unheard
-from followspot.operator.summary import table
 from followspot.plugins.registry import use_plugin_files
+from followspot.tables import table
 from followspot.transport.zenoh.network import AGENT, LOOPBACK
 from followspot.worker.ledger import LOSSES
 from followspot_dashboard.meter import Rhythm

@@ -11,7 +11,7 @@ from typing import Any
 from followspot.cli.agent_options import network_of
 from followspot.control.clock_status import LIMIT_MS
 from followspot.operator.connect import connected_run
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot.transport.zenoh.network import AGENT, LOOPBACK
 from followspot.worker.ledger import LOSSES
 from followspot_watch.picture_of_run import RunPicture

@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from textwrap import dedent
 from typing import Any
 
 from followspot.accuracy.persons.scoring import PersonScore, PersonsScore, Spread
+from followspot.tables import table
 
 ALL = "all"
 """Stands for all persons together."""
@@ -16,18 +18,15 @@ ALL = "all"
 def persons_table(score: PersonsScore) -> str:
     """A line per figure, a column per person and one for all; a dash where there was nothing to measure."""
     named = {**score.persons, ALL: score.overall} if len(score.persons) != 1 else score.persons
-    columns = [["person", *HEADINGS], *([name, *_cells(one)] for name, one in named.items())]
-    widths = [max(map(len, column)) for column in columns]
-    lines = [
-        "  ".join(
-            cell.rjust(width) if i else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in zip(*columns, strict=True)
-    ]
+    head, *rows = zip(
+        ("person", *HEADINGS), *((name, *_cells(one)) for name, one in named.items()), strict=True
+    )
     surplus = score.surplus
     false = f"{surplus.false_rows} in {_percent(surplus.false_share)} of {surplus.frames} frames"
-    return "\n".join([*lines, f"false persons: {false}; second poses of a person: {surplus.duplicate_rows}"])
+    return (
+        f"{dedent(table(head, rows))}\n"
+        f"false persons: {false}; second poses of a person: {surplus.duplicate_rows}"
+    )
 
 
 def persons_to_json(score: PersonsScore) -> dict[str, dict[str, Any]]:

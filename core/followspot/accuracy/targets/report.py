@@ -5,9 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from textwrap import dedent
 from typing import Any
 
 from followspot.accuracy.targets.scoring import TargetScore
+from followspot.tables import table as drawn
 
 HEADINGS = (
     "target",
@@ -26,15 +28,7 @@ HEADINGS = (
 
 def table(scores: Mapping[str, TargetScore]) -> str:
     """One line per target under a line of headings; a dash where there was nothing to measure."""
-    lines = [HEADINGS, *(_cells(name, one) for name, one in scores.items())]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    return "\n".join(
-        "  ".join(
-            cell.rjust(width) if i else cell.ljust(width)
-            for i, (cell, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in lines
-    )
+    return dedent(drawn(HEADINGS, [_cells(name, one) for name, one in scores.items()]))
 
 
 def to_json(scores: Mapping[str, TargetScore]) -> dict[str, dict[str, Any]]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from followspot.messages import Array
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot_calibrate.check.against import Comparison
 from followspot_calibrate.check.agreement import Agreement
 from followspot_calibrate.check.findings import Drift, Findings

@@ -11,8 +11,8 @@ from typing import Any
 from followspot import Room
 from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
 from followspot.messages import Array
-from followspot.operator.summary import table
 from followspot.room_file import load, update
+from followspot.tables import table
 from followspot_calibrate.planes.dots import find_marks
 from followspot_calibrate.planes.fit import FittedPlane, fit_plane
 from followspot_calibrate.planes.frame import moved_plane, onto_floor

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from followspot.operator.summary import table
+from followspot.tables import table
 from followspot_calibrate.adjust.prior import rotation_vector
 from followspot_calibrate.refine.solving import Refinement
 
