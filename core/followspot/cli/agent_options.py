@@ -59,13 +59,18 @@ def add_network_options(
     )
 
 
-def network_of(args: argparse.Namespace, listen: Sequence[str], connect: Sequence[str]) -> Network:
-    """What the options say; listen, connect: where they say nothing. Says at every start what is open."""
-    from followspot.transport.zenoh.network import Network, secured
+def network_of(
+    args: argparse.Namespace, listen: Sequence[str] | None = None, connect: Sequence[str] | None = None
+) -> Network:
+    """The network that the options describe; prints a warning about endpoints that nothing protects.
 
-    listen = tuple(getattr(args, "listen", None) or listen)
+    listen, connect: endpoints if the options name none; by default a free port of this host, and its agent.
+    """
+    from followspot.transport.zenoh.network import AGENT, LOOPBACK, Network, secured
+
+    listen = tuple(getattr(args, "listen", None) or (LOOPBACK if listen is None else listen))
     discover = getattr(args, "discover", False)
-    connect = tuple(args.connect or (() if discover else connect))
+    connect = tuple(args.connect or (() if discover else AGENT if connect is None else connect))
     router = getattr(args, "router", "")
     if args.certificates:  # what is open to this host alone is secured, too: certificates tell who is who
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])

@@ -25,9 +25,8 @@ def _run(args: argparse.Namespace) -> int:
     from followspot.operator import summary
     from followspot.operator.attach import attached
     from followspot.operator.launch import interruptible
-    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
-    network = network_of(args, LOOPBACK, AGENT)
+    network = network_of(args)
     with attached(network, args.graph) as attachment:
         run = attachment.found
         print(f"run {run.run[:8]} of {run.graph} on {', '.join(run.hosts)}", file=sys.stderr, flush=True)

@@ -27,15 +27,14 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.errors import InputError, Mistake
-    from followspot.operator.connect import connected_run
+    from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
-    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
     if len(args.words) not in (2, 3):
         raise InputError([Mistake(None, "what is to go where?", "for example: camera/cam3 pc-right")])
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     *wanted, stage, place = args.words
-    with connected_run(wanted[0] if wanted else None, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(wanted[0] if wanted else None, network_of(args)) as run:
         moved = run.move([stage], place)
     if args.json:
         print(json.dumps(asdict(moved)))

@@ -7,7 +7,7 @@ import time
 from collections import deque
 from typing import TextIO
 
-from followspot.worker.scheduler import Progress
+from followspot.library.execute import Progress
 
 _WIDTH = 30
 _LINE_EVERY = 5.0

@@ -62,17 +62,14 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
+    from followspot.library.execute import RunOptions, run_person_scores, run_plan, run_scores
     from followspot.operator import summary
-    from followspot.operator.launch import run_plan
-    from followspot.operator.truth import run_person_scores, run_scores
-    from followspot.transport.zenoh.network import AGENT, LOOPBACK
-    from followspot.worker.wiring import RunOptions
 
     plan = placed(plan, args.host)
     if not args.quiet:
         for note in plan.notes:
             print(f"note: {note}", file=sys.stderr)
-    network = network_of(args, LOOPBACK, AGENT)
+    network = network_of(args)
     if args.detach:
         return _detach(plan, args, network)
     out = output_folder(args.out, plan.graph)
@@ -112,8 +109,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
 
 
 def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
+    from followspot.library.execute import RunOptions
     from followspot.operator.attach import detach
-    from followspot.worker.wiring import RunOptions
 
     run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
     print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")

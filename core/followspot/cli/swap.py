@@ -29,16 +29,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 def _run(args: argparse.Namespace) -> int:
     from followspot.errors import InputError, Mistake
-    from followspot.operator.connect import connected_run
+    from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
-    from followspot.transport.zenoh.network import AGENT, LOOPBACK
 
     use_plugin_files([str(Path(file).absolute()) for file in args.plugin_files])
     named = "=" not in args.words[0]
     wanted, words = (args.words[0], args.words[1:]) if named else (None, args.words)
     if not words:
         raise InputError([Mistake(None, "nothing is to be changed", "for example: fuse=balls.mean")])
-    with connected_run(wanted, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(wanted, network_of(args)) as run:
         changed = run.change(words, fresh=args.fresh)
     if args.json:
         print(json.dumps(asdict(changed)))

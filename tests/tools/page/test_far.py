@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import zenoh
 
-from followspot import Context
+from followspot import Context, Network
 from followspot.messages import Header, Message, stamped
 from followspot.room import Room
 from followspot.tracking import Blobs, Frame
@@ -26,14 +26,12 @@ FRAMES = ShownPort("camera/cam0.out", Frame, "pc-left", source=True)
 BLOBS = ShownPort("color/cam0.out", Blobs, "pc-left", source=False)
 
 
-@pytest.fixture(scope="module")
-def sessions() -> Iterator[tuple[zenoh.Session, zenoh.Session]]:
-    """Of the page, and of a worker on another host."""
-    ours = open_session()
-    theirs = open_session(connect=locators(ours))
-    yield ours, theirs
-    for session in (ours, theirs):
-        session.close()  # type: ignore[no-untyped-call]
+@pytest.fixture
+def worker() -> Iterator[zenoh.Session]:
+    """The session of a worker on another host."""
+    session = open_session()
+    yield session
+    session.close()  # type: ignore[no-untyped-call]
 
 
 def post(session: zenoh.Session, run: str, port: ShownPort) -> ZenohPost:
@@ -59,11 +57,12 @@ async def until(condition: Callable[[], bool]) -> None:
             await asyncio.sleep(0.005)
 
 
-def test_pictures_travel_only_while_somebody_looks(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
+def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> None:
     async def look() -> list[tuple[str, int]]:
         seen: list[tuple[str, bytes]] = []
-        far = FarPreviews(sessions[0], "run", lambda port, data: seen.append((port, data)))
-        posts = {port: post(sessions[1], "run", port) for port in (FRAMES, BLOBS)}
+        network = Network(connect=tuple(locators(worker)))
+        far = await FarPreviews.open(network, "run", lambda port, data: seen.append((port, data)))
+        posts = {port: post(worker, "run", port) for port in (FRAMES, BLOBS)}
         taps = {p: Tap(Context(post=way), port=p.name, rate=10.0) for p, way in posts.items()}
         for tap in taps.values():
             tap.setup()
@@ -78,6 +77,8 @@ def test_pictures_travel_only_while_somebody_looks(sessions: tuple[zenoh.Session
         await until(lambda: len(seen) == 2)
         far.watch(watched=False)
         await until(lambda: not posts[FRAMES].wanted)
+        far.close()
+        await until(lambda: not posts[BLOBS].wanted)
         return [(port, len(data)) for port, data in seen]
 
     seen = asyncio.run(look())

@@ -18,14 +18,11 @@ from followspot.cli.progress import ProgressBar
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
+from followspot.library.execute import TRACKS, OnProgress, RunOptions, run_plan
 from followspot.messages import Array
-from followspot.operator.launch import run_plan
-from followspot.operator.progress import OnProgress
-from followspot.operator.truth import TRACKS
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.tracking import TRACKED, Blobs
-from followspot.worker.wiring import RunOptions
 
 SIGHTINGS = "sightings.csv"
 """Written by the stage that is added to the graph, in the run's output folder."""

@@ -16,8 +16,7 @@ from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
-from followspot.operator.truth import room_truth
-from followspot.worker.wiring import RunOptions
+from followspot.library.execute import RunOptions, room_truth
 from followspot_compare.plot import draw
 from followspot_compare.report import Comparison, data, text
 from followspot_compare.trial import Trial, run_trial

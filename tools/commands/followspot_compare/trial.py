@@ -21,12 +21,8 @@ from followspot.accuracy.targets.figures import jerk_cost
 from followspot.accuracy.targets.scoring import trajectory
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.library.execute import POSES, TRACKS, OnProgress, RunOptions, RunReport, poses_score, run_plan
 from followspot.messages import Array
-from followspot.operator.launch import run_plan
-from followspot.operator.progress import OnProgress
-from followspot.operator.report import RunReport
-from followspot.operator.truth import POSES, TRACKS, poses_score
-from followspot.worker.wiring import RunOptions
 from followspot_compare.recorded import detection_errors, read_fused
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot.transport.zenoh.network import Network
+from followspot import Network
 from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins
 from followspot_doctor.finding import Finding, doubtful
 

@@ -42,11 +42,10 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    from followspot.transport.zenoh.network import LOOPBACK
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 
-    network = network_of(args, LOOPBACK, ())
+    network = network_of(args, connect=())
     findings = examine(Subject(room=args.room, graph=args.graph, out=args.out, network=network))
     print(as_json(findings) if args.json else as_text(findings))
     return int(any(finding.state == "problem" for finding in findings))

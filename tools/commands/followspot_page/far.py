@@ -1,4 +1,4 @@
-"""Previews from other hosts, over Zenoh; pictures travel only while somebody looks."""
+"""Previews from other hosts, over Zenoh; pictures travel only while a browser shows them."""
 
 from __future__ import annotations
 
@@ -6,18 +6,13 @@ import asyncio
 from collections.abc import Callable, Iterable
 from typing import Any
 
-import zenoh
-
+from followspot import Network
+from followspot.taps.remote import RemoteTaps
 from followspot.tracking import Frame
-from followspot.transport.keys import look_key
-from followspot.transport.zenoh.network import Network
-from followspot.transport.zenoh.post import looking
-from followspot.transport.zenoh.session import close_session, connected
-from followspot.transport.zenoh.terms import undeclare
 from followspot_page.taps import TAP, ShownPort
 
 _WAITING = 256
-"""Previews that may wait for the page; what comes then is dropped."""
+"""Previews that may wait for the page; further ones are dropped."""
 
 
 class FarPreviews:
@@ -26,48 +21,43 @@ class FarPreviews:
     take: gets the port that a preview came from, and its packet.
     """
 
-    def __init__(self, session: zenoh.Session, run: str, take: Callable[[str, bytes], Any]) -> None:
-        self._session = session
-        self._run = run
+    def __init__(self, remote: RemoteTaps, take: Callable[[str, bytes], Any]) -> None:
+        self._remote = remote
         self._take = take
         self._loop = asyncio.get_running_loop()
         self._waiting = 0
         self._ports: dict[str, ShownPort] = {}
-        self._subscribers: dict[str, zenoh.Subscriber[None]] = {}
         self._watched = False
 
     @classmethod
     async def open(cls, network: Network, run: str, take: Callable[[str, bytes], Any]) -> FarPreviews:
-        """With a session of its own. Raises FollowspotError."""
-        return cls(await asyncio.to_thread(connected, network), run, take)
+        """With a Zenoh session of its own. Raises FollowspotError if the network cannot be reached."""
+        return cls(await asyncio.to_thread(RemoteTaps, network, run), take)
 
     def look(self, ports: Iterable[ShownPort]) -> None:
-        """From now on at those of these ports that are on other hosts."""
+        """Subscribe to those of these ports that are on other hosts, and to no others."""
+        self._remote.unsubscribe(*self._ports)
         self._ports = {port.name: port for port in ports if port.host}
-        undeclare(self._subscribers.values())
-        self._subscribers.clear()
         self._subscribe()
 
     def watch(self, *, watched: bool) -> None:
-        """Whether anybody looks at pictures."""
+        """Subscribe to pictures while a browser shows them."""
         self._watched = watched
         self._subscribe()
 
     def close(self) -> None:
-        """Look no more."""
-        close_session(self._session)
+        """Unsubscribe, and close the session."""
+        self._remote.close()
 
     def _subscribe(self) -> None:
         for name, port in self._ports.items():
-            wanted = self._watched or port.type is not Frame
-            if wanted and name not in self._subscribers:
-                key = look_key(self._run, port.host, name, TAP)
-                self._subscribers[name] = looking(self._session, key, self._taker(name))
-            elif not wanted and name in self._subscribers:
-                undeclare([self._subscribers.pop(name)])
+            if self._watched or port.type is not Frame:
+                self._remote.subscribe(name, port.host, TAP, self._taker(name))
+            else:
+                self._remote.unsubscribe(name)
 
     def _taker(self, port: str) -> Callable[[bytes], None]:
-        """What a thread of Zenoh calls."""
+        """Receives the packets of a port, in a thread of Zenoh."""
 
         def take(packet: bytes) -> None:
             if self._waiting < _WAITING:

@@ -11,9 +11,7 @@ from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.operator.control_socket import runs_here
-from followspot.operator.run_handle import NoAnswer, RunHandle
-from followspot.operator.run_status import RunStatus
+from followspot.library.handle import NoAnswer, RunHandle, RunStatus, runs_here
 from followspot_page.far import FarPreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 

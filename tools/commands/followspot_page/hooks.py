@@ -75,7 +75,7 @@ def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
 
 
 def _dashboard(args: argparse.Namespace) -> int:
-    from followspot.operator.connect import run_here
+    from followspot.library.handle import run_here
     from followspot_page.asked import order_of
     from followspot_page.showing import shown
 

@@ -9,11 +9,10 @@ from types import MappingProxyType
 from typing import Literal
 
 from followspot.graph.plan import PlannedEdge
+from followspot.library.handle import LOSSES, is_old, is_unheard
 from followspot.messages import Message
-from followspot.operator.run_status import is_old, is_unheard
 from followspot.room import Room
 from followspot.tracking import STATES, Tracks
-from followspot.worker.ledger import LOSSES
 from followspot_watch.picture_of_run import RunPicture
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"

@@ -12,8 +12,7 @@ from starlette.websockets import WebSocket
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_status import RunStatus
+from followspot.library.handle import RunHandle, RunStatus
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback

@@ -9,17 +9,15 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
-from followspot.operator.run_handle import RunHandle
-from followspot.transport.keys import look_key
+from followspot.library.handle import RunHandle, Tapping
+from followspot.taps.remote import look_key
 from followspot_record.order import Order
 
 TAP = "recording.tap"
@@ -60,7 +58,7 @@ class RecordButton:
         listen = self._folder / f"recorder-{next(self._numbers)}"
         far = _far(plan, run.run, names)
         begun = await self._begin(
-            Order(plan, names, path, listen, far, asdict(around.network) if around.network else None)
+            Order(plan=plan, ports=names, path=path, listen=listen, far=far, network=around.network)
         )
         taps = [Tapping(name, TAP, _params(name, None if name in far else listen)) for name in names]
         await asyncio.to_thread(run.tap, taps)
@@ -96,7 +94,7 @@ class RecordButton:
             *command, stdin=pipe, stdout=pipe, start_new_session=True
         )
         assert self._process.stdin is not None
-        self._process.stdin.write(order.to_line().encode() + b"\n")
+        self._process.stdin.write(order.model_dump_json().encode() + b"\n")
         said: dict[str, Any] = {"state": "failed", "error": "it does not answer"}
         with suppress(TimeoutError):
             async with asyncio.timeout(_BEGINNING):

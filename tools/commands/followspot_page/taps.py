@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot.control.tapping import Tapping
 from followspot.graph.plan import Plan
+from followspot.library.handle import Tapping
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports

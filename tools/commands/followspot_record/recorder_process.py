@@ -22,9 +22,8 @@ from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.ports import ports
 from followspot.taps.framing import Record
 from followspot.taps.receivers import Gaps, Hear, LocalReceiver, RemoteReceiver
-from followspot.transport.zenoh.network import network_from_data
 from followspot.wire import unpack
-from followspot_record.order import Order, order_from_line
+from followspot_record.order import Order
 from followspot_record.record import target_of
 from followspot_recording.sink import RecordingSink
 
@@ -96,7 +95,7 @@ def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
     """Receives from other hosts if ports there are recorded. Raises FollowspotError."""
     if order.network is None or not order.far:
         return None
-    return RemoteReceiver(network_from_data(order.network), order.far, hear)
+    return RemoteReceiver(order.network, order.far, hear)
 
 
 def _kinds(order: Order) -> Mapping[str, type[Message]]:
@@ -123,7 +122,7 @@ def _sinks(order: Order) -> dict[str, RecordingSink]:
 def main() -> int:
     """Entry of the process."""
     try:
-        taker = RecorderProcess(order_from_line(sys.stdin.readline()))
+        taker = RecorderProcess(Order.model_validate_json(sys.stdin.readline()))
     except (FollowspotError, OSError) as error:
         _tell({"state": "failed", "error": str(error)})
         return 1

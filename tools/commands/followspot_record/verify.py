@@ -14,9 +14,8 @@ from followspot.cli.progress import ProgressBar
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
-from followspot.operator.launch import run_plan
+from followspot.library.execute import RunOptions, run_plan
 from followspot.tables import table
-from followspot.worker.wiring import RunOptions
 from followspot_record.comparison import Compared, compare
 from followspot_record.embedded import recorded_plan
 from followspot_record.played import Clip, alone, played, replays

@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 
 from followspot.cli.agent_options import network_of
+from followspot.library.handle import RunHandle, connected_run
 from followspot.messages import Array, Message
-from followspot.operator.connect import connected_run
-from followspot.operator.run_handle import RunHandle
 from followspot.plugins.registry import use_plugin_files
 from followspot.tracking import Frame
-from followspot.transport.zenoh.network import AGENT, LOOPBACK
 from followspot_dashboard.picture import Picture
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.tap_subscriber import TapSubscriber, chosen, listening
@@ -32,7 +30,7 @@ _ROWS = 6
 def echo(args: argparse.Namespace) -> int:
     """Print messages as they come, until enough came, the run ends, or Ctrl-C. Returns the exit code."""
     use_plugin_files(args.plugin_files)
-    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(args.run, network_of(args)) as run:
         heard = [
             replace(port, type=Picture if port.type is Frame else port.type)
             for port in chosen(args.port, run)

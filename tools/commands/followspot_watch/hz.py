@@ -11,13 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.operator.connect import connected_run
-from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_status import is_unheard
+from followspot.library.handle import LOSSES, RunHandle, connected_run, is_unheard
 from followspot.plugins.registry import use_plugin_files
 from followspot.tables import table
-from followspot.transport.zenoh.network import AGENT, LOOPBACK
-from followspot.worker.ledger import LOSSES
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.screen import BAD, marked, screenful
@@ -66,7 +62,7 @@ def hz(args: argparse.Namespace) -> int:
     """Measure for so many seconds and print; on a terminal until the run ends or Ctrl-C. Returns the code."""
     once = args.json or not sys.stdout.isatty()
     use_plugin_files(args.plugin_files)
-    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(args.run, network_of(args)) as run:
         measured = Measured(run, chosen(args.port, run))
         try:
             with listening(run, measured.ports, SINK, window=args.seconds) as ear:

@@ -12,11 +12,7 @@ from pathlib import Path
 
 from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError, InputError
-from followspot.log.file import read_log
-from followspot.log.record import LEVELS, LogRecord
-from followspot.operator.connect import connected_run
-from followspot.operator.run_handle import RunHandle
-from followspot.transport.zenoh.network import AGENT, LOOPBACK
+from followspot.library.handle import LEVELS, LogRecord, RunHandle, connected_run, read_log
 
 _PERIOD = 0.3
 """Seconds between two questions for more."""
@@ -31,7 +27,7 @@ def logs(args: argparse.Namespace) -> int:
             raise FollowspotError(f"{args.run} is the folder of a run; -f follows a run that goes on")
         _print(read_log(Path(args.run)), wanted, show)
         return 0
-    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(args.run, network_of(args)) as run:
         try:
             _print(_records(run, follow=args.follow), wanted, show)
         except KeyboardInterrupt:

@@ -8,14 +8,23 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import asdict, replace
 from typing import Any
 
-from followspot.control.clock_status import ClockStatus
-from followspot.control.host import WorkerStatus
-from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.operator.run_handle import NoAnswer
-from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
-from followspot.worker.ledger import COUNTS, EdgeCount
+from followspot.library.handle import (
+    COUNTS,
+    OLD,
+    ClockStatus,
+    EdgeAge,
+    EdgeCount,
+    NoAnswer,
+    PathStatus,
+    RunStatus,
+    StageState,
+    StageStatus,
+    WorkerStatus,
+    is_old,
+    is_unheard,
+)
 
 _WINDOW = 2.0
 """Seconds over which rates are taken."""

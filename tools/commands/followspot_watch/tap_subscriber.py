@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import selectors
 import socket
 import time
@@ -13,12 +14,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.output_ports import output_ports, port_names
+from followspot.library.handle import RunHandle, Tapping
 from followspot.messages import InvalidMessage, Message
-from followspot.operator.run_handle import RunHandle
-from followspot.transport.wakeup_event import WakeupEvent
+from followspot.taps.remote import RemoteTaps
 from followspot.wire import unpack
 from followspot_dashboard.gate import make_gate
 from followspot_dashboard.line import SOCKET, read
@@ -72,7 +72,7 @@ class TapSubscriber:
         self._types = {port.name: port.type for port in heard}
         self._lines = 0
         self._far: deque[tuple[str, bytes]] = deque(maxlen=_WAITING)
-        self._wakeup = WakeupEvent()
+        self._wakeup = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         self._door = door
         self._over = over
         self._selector = selectors.DefaultSelector()
@@ -96,7 +96,7 @@ class TapSubscriber:
 
         def take(packet: bytes) -> None:
             self._far.append((port, packet))
-            self._wakeup.set()
+            os.eventfd_write(self._wakeup, 1)
 
         return take
 
@@ -106,13 +106,13 @@ class TapSubscriber:
             if isinstance(key.fileobj, socket.socket) and key.fileobj is not self._door:
                 key.fileobj.close()
         self._selector.close()
-        self._wakeup.close()
+        os.close(self._wakeup)
 
     def _hear(self, end: Any) -> Iterator[Heard]:
         if end is self._door:
             self._lines += 1
             self._selector.register(self._door.accept()[0], selectors.EVENT_READ)
-        elif end is self._wakeup:
+        elif end == self._wakeup:
             yield from self._from_afar()
         else:
             yield from self._from_here(end)
@@ -127,7 +127,7 @@ class TapSubscriber:
         self._lines -= 1
 
     def _from_afar(self) -> Iterator[Heard]:
-        self._wakeup.clear()
+        os.eventfd_read(self._wakeup)
         while self._far:
             sender, packet = self._far.popleft()
             if packet.startswith(sender.encode() + b"\0"):  # a host speaks for its own ports only
@@ -171,16 +171,9 @@ def _listen_afar(
     stack: ExitStack, ear: TapSubscriber, run: RunHandle, far: Mapping[str, str], uses: str
 ) -> None:
     """Subscribe to what sinks tell on other hosts; far: host of each port."""
-    from followspot.transport.keys import look_key
-    from followspot.transport.zenoh.post import looking
-    from followspot.transport.zenoh.session import connected
-    from followspot.transport.zenoh.terms import undeclare
-
     network = run.surroundings().network
     assert network is not None  # ports on other hosts were found through it
-    session = connected(network)
-    stack.callback(session.close)
-    subscribers = [
-        looking(session, look_key(run.run, host, port, uses), ear.taker(port)) for port, host in far.items()
-    ]
-    stack.callback(undeclare, subscribers)
+    remote = RemoteTaps(network, run.run)
+    stack.callback(remote.close)
+    for port, host in far.items():
+        remote.subscribe(port, host, uses, ear.taker(port))

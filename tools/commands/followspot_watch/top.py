@@ -9,11 +9,8 @@ import time
 from typing import Any
 
 from followspot.cli.agent_options import network_of
-from followspot.control.clock_status import LIMIT_MS
-from followspot.operator.connect import connected_run
+from followspot.library.handle import LIMIT_MS, LOSSES, connected_run
 from followspot.tables import table
-from followspot.transport.zenoh.network import AGENT, LOOPBACK
-from followspot.worker.ledger import LOSSES
 from followspot_watch.picture_of_run import RunPicture
 from followspot_watch.screen import BAD, marked, screenful
 
@@ -30,7 +27,7 @@ LASTING = 1.0
 
 def top(args: argparse.Namespace) -> int:
     """Show the run until it ends, or once where the output is no terminal. Returns the exit code."""
-    with connected_run(args.run, network_of(args, LOOPBACK, AGENT)) as run:
+    with connected_run(args.run, network_of(args)) as run:
         picture = RunPicture(run.plan())
         picture.take(run.status())
         pause, once = _FIRST, args.json or not sys.stdout.isatty()

@@ -11,8 +11,8 @@ from followspot import Room
 from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.errors import InputError, Mistake
 from followspot.geometry import Views
+from followspot.library.execute import TRACKS
 from followspot.messages import Array
-from followspot.operator.truth import TRACKS
 from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, moments_at, read_blobs
 
 REACH = 0.03

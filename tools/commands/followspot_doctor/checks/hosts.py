@@ -13,9 +13,9 @@ from followspot.transport.host_registry import read_certificates
 from followspot_doctor.finding import Finding, doubtful, fine, wrong
 
 if TYPE_CHECKING:
-    from followspot.control.clock_status import ClockStatus
+    from followspot import Network
     from followspot.control.zenoh_rpc import RpcClient
-    from followspot.transport.zenoh.network import Network
+    from followspot.library.handle import ClockStatus
 
 PATIENCE = 3.0
 """Seconds for agents to be found, and for each to tell its clock."""

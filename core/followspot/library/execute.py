@@ -1,0 +1,31 @@
+"""Run a plan to its end in this process, and score its outputs against the truth of its room."""
+
+from __future__ import annotations
+
+from followspot.operator.launch import run_plan
+from followspot.operator.progress import OnProgress
+from followspot.operator.report import RunReport
+from followspot.operator.truth import (
+    POSES,
+    TRACKS,
+    poses_score,
+    room_truth,
+    run_person_scores,
+    run_scores,
+)
+from followspot.worker.scheduler import Progress
+from followspot.worker.wiring import RunOptions
+
+__all__ = [
+    "POSES",
+    "TRACKS",
+    "OnProgress",
+    "Progress",
+    "RunOptions",
+    "RunReport",
+    "poses_score",
+    "room_truth",
+    "run_person_scores",
+    "run_plan",
+    "run_scores",
+]
