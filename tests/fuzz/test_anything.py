@@ -14,7 +14,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from followspot.control.host import order_from_data, status_from_data
+from followspot.control.dispatch import answer_from_wire
+from followspot.control.lifecycle import GetOrder, PrepareRun
+from followspot.control.move import MoveOrder
+from followspot.control.observation import GetHostStatus
+from followspot.control.swap import ChangeOrder
+from followspot.control.tapping import PlaceTaps
 from followspot.document import parse
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.load import load
@@ -128,7 +133,12 @@ def test_any_tree_is_a_room_or_refused(tree: Any) -> None:
 
 @given(JSON_TREES)
 def test_any_order_plan_and_status_is_taken_or_refused(tree: Any) -> None:
-    readers: tuple[Callable[[Any], object], ...] = (order_from_data, status_from_data, plan_from_data)
+    readers: tuple[Callable[[Any], object], ...] = (
+        partial(answer_from_wire, GetOrder),
+        partial(answer_from_wire, GetHostStatus),
+        plan_from_data,
+        *(kind.model_validate for kind in (PrepareRun, ChangeOrder, MoveOrder, PlaceTaps)),
+    )
     for read in readers:
         assert fate(partial(read, tree), FollowspotError, ValueError) != ""
 

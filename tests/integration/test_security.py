@@ -10,11 +10,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 import zenoh
 from hosts import free_port
 
+from followspot.control.dispatch import Dispatcher, Role, RunRequest
 from followspot.control.host import HostLost
 from followspot.control.zenoh_rpc import RpcClient, RpcServer
 from followspot.errors import FollowspotError
@@ -71,6 +73,10 @@ def met(session: zenoh.Session) -> bool:
     return wait_for(lambda: bool(session.info.links()))
 
 
+class Stop(RunRequest):
+    roles: ClassVar[tuple[Role, ...]] = ("host",)
+
+
 class Agent:
     """An agent's ears: what it is asked, what it refuses, and what arrives on the ports it reads."""
 
@@ -79,8 +85,8 @@ class Agent:
         self.heard: list[str] = []
         self.lines: list[str] = []
         self.session = session
-        verbs = {"stop": lambda run: self.stopped.append(run)}
-        self.answers = RpcServer(session, name, verbs, lambda: None, self.lines.append)
+        stop = Dispatcher("host", {Stop: lambda request: self.stopped.append(request.run)})
+        self.answers = RpcServer(session, name, stop, lambda: None, self.lines.append)
         session.declare_subscriber("followspot/**", lambda sample: self.heard.append(str(sample.key_expr)))
 
     def ask(self, by: zenoh.Session, key: str) -> list[dict[str, object]]:
@@ -152,7 +158,7 @@ def test_a_captured_request_is_refused_by_another_agent_whoever_passes_it_on(
 
     def asked_on_the_left() -> bool:
         with suppress(HostLost):  # the link between the two may only just be made
-            RpcClient(desk, Own("operator", "desk")).ask("pc-left", "stop", run="r")
+            RpcClient(desk, Own("operator", "desk")).ask("pc-left", Stop(run="r"))
         return bool(captured)
 
     before = agent.answers.guard.refused.get("address", 0)
@@ -319,7 +325,7 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
         assert wait_for(lambda: answers("pc-left"))
         assert not answers("desk")
         with pytest.raises(FollowspotError, match="does not answer"):
-            asker.ask("desk", "x", timeout=1.0)
+            asker.ask("desk", Stop(), timeout=1.0)
         for token in tokens:
             token.undeclare()  # type: ignore[no-untyped-call]
 

@@ -64,7 +64,7 @@ def test_an_operator_runs_a_graph_over_tls_and_a_camera_host_may_not(certs: Path
 
         refused = command(*run, *there, certs / "pc-right", "--out", tmp_path / "no", check=False)
         assert refused.returncode != 0
-        assert "camera pc-right may not prepare; operators may" in refused.stderr
+        assert "camera pc-right may not prepare_run; operators may" in refused.stderr
         assert not (tmp_path / "no" / "tracks.csv").exists()
     finally:
         agent.process.terminate()

@@ -6,11 +6,15 @@ import json
 import random
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 from uuid import UUID
 
-from followspot.control.host import HostStatus, RunOrder, WorkerStatus, order_from_data, status_from_data
+from followspot.control.dispatch import answer_from_wire, answer_to_wire, fields
+from followspot.control.host import HostStatus, RunOrder, WorkerStatus
+from followspot.control.lifecycle import PrepareRun
+from followspot.control.observation import GetHostStatus
 from followspot.control.plan_transfer import packed, unpacked
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
@@ -33,14 +37,14 @@ def _plan() -> Plan:
 
 def request_target() -> Target:
     """Requests as bytes, from the key to the plan that is unpacked; nothing is started."""
-    gate = RequestGuard(HOST, {"prepare", "stop", "status"}, clock=lambda: 1000.0)
-    order = RunOrder("run", packed(_plan(), HOST, Path()), 10).to_data()
-    keys = [f"followspot/agent/{HOST}/{verb}/operator/desk" for verb in ("prepare", "stop", "status")]
+    gate = RequestGuard(HOST, {"prepare_run", "stop_run"}, clock=lambda: 1000.0)
+    prepare = fields(PrepareRun(order=RunOrder("run", packed(_plan(), HOST, Path()), 10)))
+    keys = [f"followspot/agent/{HOST}/{verb}/operator/desk" for verb in ("prepare_run", "stop_run")]
 
     def make(rng: random.Random) -> tuple[str, bytes]:
         name = UUID(int=rng.getrandbits(128)).hex
-        verb = rng.choice(("prepare", "prepare", "stop"))
-        data: Any = {"order": order} if verb == "prepare" else {"run": "run"}
+        verb = rng.choice(("prepare_run", "prepare_run", "stop_run"))
+        data: Any = prepare if verb == "prepare_run" else {"run": "run"}
         tree: Any = {"format": FORMAT, "id": name, "time": 1000.0, "data": data}
         tree["asked"] = [HOST, verb, "operator", "desk"]
         way = rng.random()
@@ -57,26 +61,25 @@ def request_target() -> Target:
     def take(made: tuple[str, bytes]) -> object:
         asked = Asked.of(made[0])
         data = gate.admit(asked, made[1])
-        if asked.verb != "prepare":
-            return data
-        return _unpacked(**data)
+        return _unpacked(data) if asked.verb == "prepare_run" else data
 
     return Target(make, take, (FollowspotError, ValueError, TypeError, KeyError))
 
 
-def _unpacked(order: Any) -> object:
+def _unpacked(data: Any) -> object:
     """What an agent does with an order before it starts a worker."""
-    found = order_from_data(order)
-    plan = unpacked(found.plan, HOST, Grants(), ())
-    return found.here(plan, "out"), plan_from_data(plan).graph
+    order = PrepareRun.model_validate(data).order
+    plan = unpacked(order.plan, HOST, Grants(), ())
+    return order.here(plan, "out"), plan_from_data(plan).graph
 
 
 def status_target() -> Target:
     """Statuses of hosts, as a coordinator gets them."""
-    valid = HostStatus(
-        (WorkerStatus("a", "running", 3, 5), WorkerStatus("b", "over")), (1, 2, 3), ("x",)
-    ).to_data()
-    return Target(lambda rng: broken_tree(valid, rng), status_from_data, (ValueError,))
+    workers = WorkerStatus("a", "running", 3, 5), WorkerStatus("b", "over")
+    valid = answer_to_wire(GetHostStatus, HostStatus(workers, (1, 2, 3), ("x",)))
+    return Target(
+        lambda rng: broken_tree(valid, rng), partial(answer_from_wire, GetHostStatus), (ValueError,)
+    )
 
 
 def roster_target() -> Target:

@@ -1,6 +1,6 @@
 """Control messages and their dispatch: typed requests, one handler for each type, a typed answer.
 
-Carriers (`call`, pipe, unix socket, Zenoh) move a request as JSON and know none of them by name.
+Carriers (an in-process call, a pipe, a unix socket, Zenoh) move a request as JSON and know no verb.
 """
 
 from __future__ import annotations
@@ -8,25 +8,41 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal
 
 import pydantic
 
 from followspot.errors import FollowspotError
 
+Role = Literal["operator", "host", "worker"]
+"""Process that handles a request: the run's operator, a host (its agent, or the operator's own), a worker."""
+
 
 class Request(pydantic.BaseModel):
-    """Base of all requests: immutable, unknown fields are errors.
+    """Base of all requests: immutable, unknown fields are errors; checked when the first one is made.
 
-    answer: type of what the handler returns, None for nothing.
+    roles: which processes handle it; answer: type of what the handler returns, None for nothing;
+    open_to_hosts: whether other hosts may ask an agent, not operators alone; long_answer: whether the answer
+    travels back in a request, and so may be as long as one.
     """
 
-    model_config = pydantic.ConfigDict(frozen=True, extra="forbid")
+    model_config = pydantic.ConfigDict(
+        frozen=True, extra="forbid", defer_build=True, ser_json_inf_nan="constants"
+    )
+    roles: ClassVar[tuple[Role, ...]]
     answer: ClassVar[Any] = None
+    open_to_hosts: ClassVar[bool] = False
+    long_answer: ClassVar[bool] = False
+
+
+class RunRequest(Request):
+    """A request that concerns one run. run: its name, "" if the role that handles it has only one."""
+
+    run: str = ""
 
 
 class UnknownRequest(FollowspotError):
-    """Nobody here handles a request of this name."""
+    """No handler is registered here for a request of this name."""
 
 
 def verb(kind: type[Request]) -> str:
@@ -36,23 +52,41 @@ def verb(kind: type[Request]) -> str:
 
 def to_wire(request: Request) -> dict[str, Any]:
     """The request in JSON types."""
-    return {"verb": verb(type(request)), **request.model_dump(mode="json")}
+    return {"verb": verb(type(request)), **fields(request)}
+
+
+def fields(request: Request) -> dict[str, Any]:
+    """The fields of a request in JSON types."""
+    return request.model_dump(mode="json")
 
 
 def answer_from_wire(kind: type[Request], data: Any) -> Any:
     """The answer to a request of this type from JSON types. Raises ValueError."""
-    return _adapter(kind).validate_python(data)
+    return _answer(kind).model_validate(data).root
+
+
+def answer_to_wire(kind: type[Request], answer: Any) -> Any:
+    """The answer to a request of this type in JSON types."""
+    return _answer(kind).model_construct(answer).model_dump(mode="json")
 
 
 class Dispatcher:
     """Hands each request to the handler of its type.
 
-    handlers: get the request, return its answer, raise FollowspotError to refuse it.
+    role: of this process; handlers: get the request, return its answer, raise FollowspotError to refuse it.
     """
 
-    def __init__(self, handlers: Mapping[type[Request], Callable[[Any], Any]]) -> None:
+    def __init__(self, role: Role, handlers: Mapping[type[Request], Callable[[Any], Any]]) -> None:
+        """Raises TypeError if a request is for another role."""
+        if foreign := [kind.__name__ for kind in handlers if role not in kind.roles]:
+            raise TypeError(f"requests that no {role} handles: {', '.join(foreign)}")
         self._handlers = dict(handlers)
         self._kinds = {verb(kind): kind for kind in handlers}
+
+    @property
+    def kinds(self) -> Mapping[str, type[Request]]:
+        """Types of the requests that are handled, by their names on the wire."""
+        return self._kinds
 
     def dispatch(self, request: Request) -> Any:
         """The answer, or what the handler raises. Raises UnknownRequest."""
@@ -63,20 +97,29 @@ class Dispatcher:
 
     def dispatch_wire(self, data: Any) -> Any:
         """The same for a request in JSON types, and the answer in JSON types. Raises ValueError as well."""
+        request = self.from_wire(data)
+        return answer_to_wire(type(request), self.dispatch(request))
+
+    def from_wire(self, data: Any) -> Request:
+        """The request from JSON types. Raises UnknownRequest, ValueError."""
         if not isinstance(data, Mapping):
             raise ValueError("a request is a JSON object")
         kind = self._kinds.get(str(data.get("verb")))
         if kind is None:
             raise UnknownRequest(self._unknown(str(data.get("verb"))[:80]))
-        fields = {name: value for name, value in data.items() if name != "verb"}
-        answer = self.dispatch(kind.model_validate(fields))
-        return _adapter(kind).dump_python(answer, mode="json")
+        return kind.model_validate({name: value for name, value in data.items() if name != "verb"})
 
     def _unknown(self, name: str) -> str:
         return f"there is no request {name!r}; known: {', '.join(sorted(self._kinds))}"
 
 
+class _Answer(pydantic.RootModel[Any]):
+    """Base of all answers; NaN and infinity arrive as they are."""
+
+    model_config = pydantic.ConfigDict(ser_json_inf_nan="constants")
+
+
 @cache
-def _adapter(kind: type[Request]) -> pydantic.TypeAdapter[Any]:
+def _answer(kind: type[Request]) -> type[_Answer]:
     """Built when the first answer travels, for a process that only asks in person needs none."""
-    return pydantic.TypeAdapter(kind.answer)
+    return pydantic.create_model("Answer", __base__=_Answer, root=(kind.answer, ...))

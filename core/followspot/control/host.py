@@ -7,10 +7,8 @@ or comes later, has nothing to catch up on.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
-
-import pydantic
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.move import MoveOrder
@@ -53,11 +51,6 @@ class RunOrder:
     def here(self, plan: dict[str, Any], out: str) -> RunOrder:
         """The order with the plan and the folder of this host."""
         return replace(self, plan=plan, out=out)
-
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        data = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return {**data, "origin": asdict(self.origin)}
 
 
 @dataclass(frozen=True)
@@ -103,10 +96,6 @@ class HostStatus:
     def all(self, *phases: WorkerPhase) -> bool:
         """Whether every worker is in one of these phases."""
         return all(worker.phase in phases for worker in self.workers)
-
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        return asdict(self)
 
 
 class HostLost(FollowspotError):
@@ -166,17 +155,3 @@ class Others(Protocol):
 
     def host(self, name: str) -> Host:
         """One of them, to be prepared."""
-
-
-_ORDER: pydantic.TypeAdapter[RunOrder] = pydantic.TypeAdapter(RunOrder)
-_STATUS: pydantic.TypeAdapter[HostStatus] = pydantic.TypeAdapter(HostStatus)
-
-
-def order_from_data(data: Any) -> RunOrder:
-    """An order that came from elsewhere. Raises ValueError."""
-    return _ORDER.validate_python(data)
-
-
-def status_from_data(data: Any) -> HostStatus:
-    """A status that came from elsewhere. Raises ValueError."""
-    return _STATUS.validate_python(data)

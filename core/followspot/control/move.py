@@ -1,40 +1,22 @@
-"""The steps of a move, as orders: workers whose edges or stages change leave, then all take their places."""
+"""The request that moves stages: workers whose edges or stages change leave, then all take their places."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, ClassVar
 
-import pydantic
+from followspot.control.dispatch import Role, RunRequest
 
 
-@dataclass(frozen=True)
-class MoveOrder:
+class MoveOrder(RunRequest):
     """One step on a host.
 
-    leaving: workers, here or elsewhere, that tell the state of their stages and go; plan: what all are to be
-    afterwards, in JSON types, None while they only leave; states: what moved stages told, by stage;
-    trial: only say whether the plan could be taken.
+    leaving: workers, on whichever host, that tell the state of their stages and exit; plan: what the run is
+    to be afterwards, in JSON types, None while workers only leave; states: what moved stages told, by stage;
+    trial: only say whether the host could take the plan.
     """
 
     leaving: tuple[str, ...] = ()
     plan: dict[str, Any] | None = None
-    states: dict[str, Any] = field(default_factory=dict)
+    states: dict[str, Any] = {}  # noqa: RUF012  # pydantic copies it, and nobody can assign to it
     trial: bool = False
-
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        return {
-            "leaving": list(self.leaving),
-            "plan": self.plan,
-            "states": self.states,
-            "trial": self.trial,
-        }
-
-
-_ORDER: pydantic.TypeAdapter[MoveOrder] = pydantic.TypeAdapter(MoveOrder)
-
-
-def move_from_data(data: Any) -> MoveOrder:
-    """An order that came from elsewhere. Raises ValueError."""
-    return _ORDER.validate_python(data)
+    roles: ClassVar[tuple[Role, ...]] = ("host",)

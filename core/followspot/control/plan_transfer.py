@@ -67,16 +67,14 @@ def unpacked_stages(stages: Sequence[PlannedStage], grants: Grants) -> tuple[Pla
     return tuple(_granted(stage, grants) for stage in stages)
 
 
-def tappings_from_data(data: Any) -> list[Tapping]:
-    """Taps that came from elsewhere, which have no files here. Raises FollowspotError."""
-    found = [Tapping(str(tap["port"]), str(tap["uses"]), dict(tap["params"])) for tap in data]
-    check_taps(found)
-    for tapping in found:
+def check_remote_taps(tappings: Sequence[Tapping]) -> None:
+    """Check taps of an operator elsewhere, which have no files here. Raises FollowspotError."""
+    check_taps(tappings)
+    for tapping in tappings:
         kind = load_stage(tapping.uses)
         for mark in (PathIn, PathOut):
             if any(tapping.params.get(name) is not None for name in path_parameters(kind.Params, mark)):
                 raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
-    return found
 
 
 def _granted(stage: PlannedStage, grants: Grants) -> PlannedStage:

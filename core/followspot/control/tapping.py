@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
+from followspot.control.dispatch import Role, RunRequest
 from followspot.errors import FollowspotError
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
@@ -18,6 +19,13 @@ class Tapping:
     port: str
     uses: str
     params: Mapping[str, Any]
+
+
+class PlaceTaps(RunRequest):
+    """Put sinks at ports."""
+
+    taps: tuple[Tapping, ...]
+    roles: ClassVar[tuple[Role, ...]] = ("operator", "host", "worker")
 
 
 def check_taps(tappings: Iterable[Tapping]) -> None:

@@ -1,6 +1,6 @@
-"""Requests to agents over Zenoh: one key a verb and asker, JSON both ways, an answer or the reason why not.
+"""Carrier of requests to agents over Zenoh: one key a verb and asker, JSON both ways, an answer or a refusal.
 
-The keys stand in `followspot.transport.keys`, what is taken in `followspot.security.guard`.
+The keys stand in `followspot.transport.keys`, what an agent takes in `followspot.security.request_guard`.
 """
 
 from __future__ import annotations
@@ -8,13 +8,15 @@ from __future__ import annotations
 import json
 import threading
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import pydantic
 import zenoh
 from zenoh.handlers import Callback
 
+from followspot.control.dispatch import Dispatcher, Request, answer_from_wire, fields, verb
 from followspot.control.host import HostLost, HostRefused
 from followspot.errors import FollowspotError
 from followspot.security.request_guard import MAX_REQUEST, Asked, Rejected, RequestGuard, seal
@@ -24,8 +26,7 @@ from followspot.transport.zenoh.network import Own
 MAX_ANSWER = 4 << 20
 """Longest answer, bytes."""
 MAX_PART = MAX_REQUEST
-"""Longest answer that tells what goes back in a request: the order of a run, the states of its stages."""
-_WHOLE = frozenset({"order", "states"})
+"""Longest answer that travels back in a request, bytes."""
 MAX_REASON = 20_000
 """Longest reason of a refusal, characters: a report of many mistakes."""
 MAX_WAITING = 256
@@ -33,23 +34,40 @@ MAX_WAITING = 256
 MAX_WAITING_BYTES = 4 * MAX_REQUEST
 
 
+class InvalidAnswer(FollowspotError):
+    """A host sent what cannot be the answer. why: the first thing that is wrong with it."""
+
+    def __init__(self, agent: str, verb: str, why: str) -> None:
+        self.why = why
+        super().__init__(f"host {agent}: its answer to {verb} cannot be believed: {why}")
+
+
 @dataclass(frozen=True)
 class RpcClient:
-    """Who asks agents: a session, and the role and name that it speaks under."""
+    """Asks agents. session: that it asks through; own: role and name that it speaks under."""
 
     session: zenoh.Session
     own: Own
 
-    def ask(self, agent: str, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-        """An agent's answer. Raises HostLost where none comes, HostRefused where it does not do that.
+    def ask(self, agent: str, request: Request, timeout: float = 2.0) -> Any:
+        """An agent's answer. timeout: for it, s.
 
-        Whatever a host sends that is no answer is a FollowspotError, too.
+        Raises HostLost if none comes, HostRefused if the agent refuses, InvalidAnswer or another
+        FollowspotError if what it sends is no answer.
         """
-        asked = Asked(agent, verb, *self.own)
-        for reply in self.session.get(request_key(*asked), payload=seal(asked, data), timeout=timeout):
+        kind = type(request)
+        asked = Asked(agent, verb(kind), *self.own)
+        payload = seal(asked, fields(request))
+        for reply in self.session.get(request_key(*asked), payload=payload, timeout=timeout):
             if reply.ok is None:
                 continue
-            return _answer(agent, reply.ok.payload, MAX_PART if verb in _WHOLE else MAX_ANSWER)
+            answer = _answer(agent, reply.ok.payload, MAX_PART if kind.long_answer else MAX_ANSWER)
+            try:
+                return answer_from_wire(kind, answer)
+            except pydantic.ValidationError as error:
+                first = error.errors()[0]
+                why = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
+                raise InvalidAnswer(agent, verb(kind), why) from None
         raise HostLost(f"host {agent} does not answer")
 
 
@@ -77,7 +95,7 @@ def agents(session: zenoh.Session, timeout: float = 1.0) -> set[str]:
 class RpcServer:
     """The agent's side: requests wait until its one thread answers them.
 
-    verbs: functions of a request's data that return JSON types, or raise FollowspotError to refuse;
+    dispatcher: has the agent's handlers;
     ring: wakes the agent's thread, from another one; tell: gets a line for each refusal.
     """
 
@@ -85,16 +103,17 @@ class RpcServer:
         self,
         session: zenoh.Session,
         agent: str,
-        verbs: Mapping[str, Callable[..., Any]],
+        dispatcher: Dispatcher,
         ring: Callable[[], None],
         tell: Callable[[str], None] = lambda line: None,
     ) -> None:
-        self._verbs = verbs
+        self._dispatcher = dispatcher
         self._ring = ring
         self._waiting: deque[zenoh.Query] = deque()
         self._bytes = self._flooded = 0
         self._lock = threading.Lock()
-        self.guard = RequestGuard(agent, verbs, tell)
+        open_to_hosts = (name for name, kind in dispatcher.kinds.items() if kind.open_to_hosts)
+        self.guard = RequestGuard(agent, dispatcher.kinds, tell, open_to_hosts=open_to_hosts)
         self._declared: list[Any] = [
             session.declare_queryable(
                 request_key(agent, "*", "*", "*"), Callback(self._arrived, indirect=False)
@@ -131,7 +150,7 @@ class RpcServer:
     def _said(self, asked: Asked, payload: bytes) -> Any:
         data = self.guard.admit(asked, payload)
         try:
-            return self._verbs[asked.verb](**data)
+            return self._dispatcher.dispatch_wire({**data, "verb": asked.verb})
         except Exception as error:  # whatever a request makes of this, the runs here go on
             raise Rejected("content", str(error) or type(error).__name__) from error
 

@@ -8,12 +8,24 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
-from followspot.control.host import order_from_data
-from followspot.control.move import move_from_data
-from followspot.control.plan_transfer import tappings_from_data, unpacked, unpacked_stages
-from followspot.control.swap import change_from_data
+from followspot.control.dispatch import Dispatcher, RunRequest
+from followspot.control.host import RunOrder
+from followspot.control.lifecycle import (
+    CloseRun,
+    EndWorkers,
+    FindRun,
+    GetOrder,
+    ListRuns,
+    PrepareRun,
+    StartRun,
+    StopRun,
+)
+from followspot.control.move import MoveOrder
+from followspot.control.observation import GetHostStatus, GetLog, GetStates, ReadClock
+from followspot.control.plan_transfer import check_remote_taps, unpacked, unpacked_stages
+from followspot.control.swap import ChangeOrder
+from followspot.control.tapping import PlaceTaps
 from followspot.control.zenoh_rpc import RpcClient, RpcServer, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -91,7 +103,9 @@ class Agent:
             if self.options.name in agents(self.session, timeout=0.5):
                 raise FollowspotError(f"there is an agent {self.options.name} already")
             self._take_up()
-            answers = RpcServer(self.session, self.options.name, self._verbs(), self._wakeup.set, self.tell)
+            answers = RpcServer(
+                self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.tell
+            )
             try:
                 self._loop(answers)
             finally:
@@ -108,7 +122,7 @@ class Agent:
         for order in self.agent_runs.kept.left():
             self.tell(f"run {order.run[:8]}: taken up again")
             try:
-                self.prepare(order.to_data())
+                self.prepare(order)
                 self.start(order.run)
             except (FollowspotError, ValueError, OSError) as error:
                 self.tell(f"run {order.run[:8]}: cannot be taken up again: {error}")
@@ -127,45 +141,50 @@ class Agent:
                     agent_run.run.stop()
             self.agent_runs.tidy(time.monotonic())
 
-    def _verbs(self) -> dict[str, Callable[..., Any]]:
+    def _dispatcher(self) -> Dispatcher:
         """What operators may ask."""
-        return {
-            "prepare": self.prepare,
-            "start": self.start,
-            "stop": lambda run: self.agent_runs.agent_run(run).run.stop(),
-            "ended": lambda run, workers: self.agent_runs.agent_run(run).run.ended(
-                [str(name) for name in workers]
-            ),
-            "status": lambda run: self.agent_runs.agent_run(run).run.status().to_data(),
-            "change": self.change,
-            "move": self.move,
-            "tap": self.tap,
-            "states": lambda run: self.agent_runs.agent_run(run).run.states(),
-            "clock": lambda: read_clock(self.options.clock_offset),
-            "close": self.agent_runs.close,
-            "knows": self.agent_runs.known,
-            "runs": self.agent_runs.listing,
-            "log": lambda run, after: self.agent_runs.agent_run(run).run.log.after(int(after)).to_data(),
-            "order": lambda run: self.agent_runs.agent_run(run).order.to_data(),
-        }
+        runs = self.agent_runs
 
-    def prepare(self, order: Any) -> None:
+        def local(request: RunRequest) -> LocalHost:
+            return runs.agent_run(request.run).run
+
+        return Dispatcher(
+            "host",
+            {
+                PrepareRun: lambda request: self.prepare(request.order),
+                StartRun: lambda request: self.start(request.run),
+                StopRun: lambda request: local(request).stop(),
+                EndWorkers: lambda request: local(request).ended(request.workers),
+                GetHostStatus: lambda request: local(request).status(),
+                ChangeOrder: self.change,
+                MoveOrder: self.move,
+                PlaceTaps: self.tap,
+                GetStates: lambda request: local(request).states(),
+                ReadClock: lambda _: read_clock(self.options.clock_offset),
+                CloseRun: lambda request: runs.close(request.run),
+                FindRun: lambda request: runs.known(request.run),
+                ListRuns: lambda _: runs.listing(),
+                GetLog: lambda request: local(request).log.after(request.after),
+                GetOrder: lambda request: runs.agent_run(request.run).order,
+            },
+        )
+
+    def prepare(self, order: RunOrder) -> None:
         """Start the workers of a run. Raises FollowspotError, ValueError."""
-        found = order_from_data(order)
         name = self.options.name
-        if not _RUN.fullmatch(found.run):
-            raise FollowspotError(f"{found.run[:80]!r} cannot be the name of a run")
-        self.agent_runs.check_room(found.run)
-        plan = unpacked(found.plan, name, self.options.grants, self.options.plugin_files)
+        if not _RUN.fullmatch(order.run):
+            raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
+        self.agent_runs.check_room(order.run)
+        plan = unpacked(order.plan, name, self.options.grants, self.options.plugin_files)
         graph = plan_from_data(plan).graph
-        out = self._folder(found.run)
+        out = self._folder(order.run)
         hub = (*self.locators, *self.options.network.connect)
         clock = HostClock(RpcClient(self.session, self.options.network.own), self.options.clock_offset)
         run = LocalHost(name, self.options.network, hub, clock)
-        self.agent_runs.add(AgentRun(graph, found, run, self.options.operator_timeout))
+        self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
         run.log.on_log = LogFile(out, again=True).write
-        run.prepare(found.here(plan, str(out)), out / ".ledger")
-        self.tell(f"run {found.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
+        run.prepare(order.here(plan, str(out)), out / ".ledger")
+        self.tell(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 
     def _folder(self, run: str) -> Path:
         """The folder of a run: the one that it had before this agent was started, or a new one.
@@ -185,35 +204,35 @@ class Agent:
             agent_run.started = True
             agent_run.run.start()
 
-    def change(self, run: str, change: Any) -> None:
-        """One step of a change to stages that run here. Raises FollowspotError, ValueError."""
-        agent_run = self.agent_runs.agent_run(run)
-        order = change_from_data(change)
+    def change(self, order: ChangeOrder) -> None:
+        """One step of a change to stages that run here. Raises FollowspotError."""
+        agent_run = self.agent_runs.agent_run(order.run)
         own = {stage.name for stage in agent_run.run.plan.stages if stage.worker in agent_run.run.workers}
         if strangers := {stage.name for stage in order.stages} - own:
-            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {run[:8]} does not run here")
-        agent_run.run.change(replace(order, stages=unpacked_stages(order.stages, self.options.grants)))
+            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {order.run[:8]} does not run here")
+        stages = unpacked_stages(order.stages, self.options.grants)
+        agent_run.run.change(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
             plan = with_stages(plan_from_data(agent_run.order.plan), order.stages)
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
             names = ", ".join(stage.name for stage in order.stages)
-            self.tell(f"run {run[:8]} of {agent_run.graph}: changed {names}")
+            self.tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
 
-    def move(self, run: str, move: Any) -> None:
-        """One step of a move of stages to or from here. Raises FollowspotError, ValueError."""
-        agent_run = self.agent_runs.agent_run(run)
-        order = move_from_data(move)
+    def move(self, order: MoveOrder) -> None:
+        """One step of a move of stages to or from here. Raises FollowspotError."""
+        agent_run = self.agent_runs.agent_run(order.run)
         if order.plan is not None:
             name, grants = self.options.name, self.options.grants
             plan = unpacked(order.plan, name, grants, self.options.plugin_files)
             if order.trial:
                 return
             agent_run.order = replace(agent_run.order, plan=order.plan)
-            order = replace(order, plan=plan)
-            self.tell(f"run {run[:8]} of {agent_run.graph}: stages moved")
+            order = order.model_copy(update={"plan": plan})
+            self.tell(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
         agent_run.run.move(order)
 
-    def tap(self, run: str, taps: list[dict[str, Any]]) -> None:
-        """Look at ports of stages that run here. Raises FollowspotError, ValueError."""
-        agent_run = self.agent_runs.agent_run(run)
-        agent_run.run.tap(tappings_from_data(taps))
+    def tap(self, request: PlaceTaps) -> None:
+        """Look at ports of stages that run here. Raises FollowspotError."""
+        agent_run = self.agent_runs.agent_run(request.run)
+        check_remote_taps(request.taps)
+        agent_run.run.tap(request.taps)

@@ -6,14 +6,14 @@ ended with the agent before, and with no state but what others send them.
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from followspot.control.host import RunOrder, order_from_data
+from followspot.control.host import RunOrder
+from followspot.control.lifecycle import PrepareRun
 from followspot.control.move import MoveOrder
 from followspot.files import read_bytes
 from followspot.host.local_host import LocalHost
@@ -57,7 +57,7 @@ class AgentRun:
         now: monotonic time, s.
         """
         self._left_until = now + _LEAVING
-        self.run.move(MoveOrder(tuple(self.run.workers)))
+        self.run.move(MoveOrder(leaving=tuple(self.run.workers)))
 
     def left(self, now: float) -> bool:
         """Whether they have left, or had the time to."""
@@ -88,7 +88,7 @@ class KeptRuns:
             with suppress(OSError, ValueError):  # it was just being written, or is of another version
                 if time.time() - path.stat().st_mtime > _FRESH:
                     continue
-                order = order_from_data(json.loads(read_bytes(path)))
+                order = PrepareRun.model_validate_json(read_bytes(path)).order
                 if path.parent.name.endswith(f"-{order.run}-{self._host}"):
                     yield order
 
@@ -104,7 +104,7 @@ class KeptRuns:
                 path = Path(agent_run.run.out, _FILE)
                 with suppress(OSError):  # a full disk must not end the run
                     new = path.with_suffix(".new")
-                    new.write_text(json.dumps(agent_run.again().to_data()))
+                    new.write_text(PrepareRun(order=agent_run.again()).model_dump_json())
                     new.replace(path)
 
     def forget(self, agent_run: AgentRun) -> None:

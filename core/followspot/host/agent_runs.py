@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, Literal
 
+from followspot.control.lifecycle import Known, ListedRun
 from followspot.errors import FollowspotError
 from followspot.host.agent_run import AgentRun, KeptRuns
 
@@ -17,8 +16,6 @@ _KEPT = 600.0
 """Seconds that the last status of a run that goes on alone is kept for an operator to fetch."""
 _REMEMBERED = 256
 """How many runs that were given up are remembered by name."""
-
-Known = Literal["here", "given up", "unknown"]
 
 
 class AgentRuns:
@@ -99,17 +96,17 @@ class AgentRuns:
         for agent_run in self:
             self.kept.forget(agent_run)
 
-    def listing(self) -> Sequence[dict[str, Any]]:
-        """All, as JSON types."""
+    def listing(self) -> list[ListedRun]:
+        """All of them."""
         now = time.monotonic()
         return [
-            {
-                "run": agent_run.order.run,
-                "graph": agent_run.graph,
-                "over": agent_run.over,
-                "detached": agent_run.order.detached,
-                "silent_s": agent_run.operator.seconds(now),
-                "origin": asdict(agent_run.order.origin),
-            }
-            for agent_run in self
+            ListedRun(
+                part.order.run,
+                part.graph,
+                part.over,
+                part.order.detached,
+                part.operator.seconds(now),
+                part.order.origin,
+            )
+            for part in self
         ]

@@ -125,7 +125,7 @@ class LocalHost:
                 raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
         self._change = change
         for name, part in change.parts.items():
-            self.workers[name].tell("change", order=part.to_data())
+            self.workers[name].tell("change", order=part.model_dump(mode="json"))
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move; done when the host is attended next."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import replace
 
 from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Step
 from followspot.graph.plan import Plan
@@ -29,7 +28,7 @@ class HostChange:
             homes = {stage.name: stage.worker for stage in plan.stages if stage.worker in mine}
             for worker in dict.fromkeys(homes[stage.name] for stage in order.stages):
                 own = tuple(stage for stage in order.stages if homes[stage.name] == worker)
-                self.parts[worker] = replace(order, stages=own)
+                self.parts[worker] = order.model_copy(update={"stages": own})
 
     def in_the_way_of(self, order: ChangeOrder) -> bool:
         """Whether another change is under way, so that this order has to wait."""

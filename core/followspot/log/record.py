@@ -47,27 +47,13 @@ class LogPage:
     records: Annotated[tuple[LogRecord, ...], pydantic.Field(max_length=PAGE)] = ()
     last: Last = -1
 
-    def to_data(self) -> dict[str, Any]:
-        """JSON types."""
-        return asdict(self)
-
 
 def records_from_data(data: Any) -> Sequence[LogRecord]:
     """Records that came from elsewhere. Raises ValueError."""
     return _records().validate_python(data)
 
 
-def page_from_data(data: Any) -> LogPage:
-    """A page that came from elsewhere. Raises ValueError."""
-    return _page().validate_python(data)
-
-
 @cache
 def _records() -> pydantic.TypeAdapter[list[LogRecord]]:
     """Made when it is needed: workers only send."""
     return pydantic.TypeAdapter(list[LogRecord])
-
-
-@cache
-def _page() -> pydantic.TypeAdapter[LogPage]:
-    return pydantic.TypeAdapter(LogPage)

@@ -6,11 +6,12 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 
-from followspot.control.host import HostRefused, status_from_data
+from followspot.control.host import HostRefused
+from followspot.control.lifecycle import CloseRun, ListRuns, StopRun
+from followspot.control.observation import GetHostStatus
 from followspot.control.origin import Origin
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.host.operator_timeout import SILENT
-from followspot.operator.listing import parts_of
 
 _ENDING = 20.0
 """Seconds that workers may take to complete their outputs."""
@@ -21,10 +22,10 @@ _POLL_INTERVAL = 0.1
 def end_left_behind(client: RpcClient, host: str, here: Origin) -> Iterator[str]:
     """End what dead operators of this machine left with an agent; a line for each, and for who is silent.
 
-    Raises HostLost, FollowspotError, ValueError.
+    Raises HostLost, FollowspotError.
     """
     try:
-        parts = parts_of(client, host)
+        parts = client.ask(host, ListRuns())
     except HostRefused:  # who may not know may not begin a run either, and is told so then
         return
     for part in parts:
@@ -44,10 +45,10 @@ def end_left_behind(client: RpcClient, host: str, here: Origin) -> Iterator[str]
 
 def _end(client: RpcClient, host: str, run: str) -> None:
     """As its operator would: outputs are complete."""
-    client.ask(host, "stop", run=run)
+    client.ask(host, StopRun(run=run))
     deadline = time.monotonic() + _ENDING
     while time.monotonic() < deadline:
-        if status_from_data(client.ask(host, "status", run=run)).all("over"):
+        if client.ask(host, GetHostStatus(run=run)).all("over"):
             break
         time.sleep(_POLL_INTERVAL)
-    client.ask(host, "close", run=run)
+    client.ask(host, CloseRun(run=run))

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import pydantic
-
 from followspot.control.dispatch import Request
-from followspot.control.host import RunOrder, order_from_data
+from followspot.control.host import RunOrder
+from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns
 from followspot.control.zenoh_rpc import RpcClient, agents
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
@@ -19,7 +18,6 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, operating, reached
-from followspot.operator.listing import ListedPart, parts_of
 from followspot.operator.progress import OnProgress
 from followspot.operator.remote_host import RemoteHost
 from followspot.operator.report import RunReport
@@ -63,14 +61,14 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
 
 def found(client: RpcClient) -> list[Found]:
     """All runs of all agents in reach, the newest of each agent last."""
-    parts: dict[str, dict[str, ListedPart]] = {}
+    parts: dict[str, dict[str, ListedRun]] = {}
     for agent in sorted(agents(client.session)):
-        for part in parts_of(client, agent):
+        for part in client.ask(agent, ListRuns()):
             parts.setdefault(part.run, {})[agent] = part
     return [_found(run, hosts) for run, hosts in parts.items()]
 
 
-def _found(run: str, hosts: Mapping[str, ListedPart]) -> Found:
+def _found(run: str, hosts: Mapping[str, ListedRun]) -> Found:
     """A run from what each of its hosts says of it."""
     graph, *_ = (part.graph for part in hosts.values())
     return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
@@ -166,7 +164,5 @@ def _view(orders: Mapping[str, RunOrder]) -> Plan:
 
 
 def _order(client: RpcClient, host: str, run: str) -> RunOrder:
-    try:
-        return replace(order_from_data(client.ask(host, "order", run=run)), incarnations={})
-    except pydantic.ValidationError as error:
-        raise FollowspotError(f"host {host}: its order is none: {error.errors()[0]['msg']}") from None
+    order: RunOrder = client.ask(host, GetOrder(run=run))
+    return replace(order, incarnations={})

@@ -89,4 +89,4 @@ class _Change:
         return reached
 
     def _order(self, host: Host, step: Step) -> ChangeOrder:
-        return ChangeOrder(self.id, step, self.parts[host.name], self.fresh)
+        return ChangeOrder(id=self.id, step=step, stages=self.parts[host.name], fresh=self.fresh)

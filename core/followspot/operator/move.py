@@ -37,7 +37,7 @@ def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     """Leave, and take the new places."""
     leaving = anew(old, new)
     for host in hosts:
-        host.move(MoveOrder(tuple(sorted(leaving))))
+        host.move(MoveOrder(leaving=tuple(sorted(leaving))))
     _await_absent(leaving, hosts)
     states = {stage: state for host in hosts for stage, state in host.states().items()}
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
@@ -45,7 +45,7 @@ def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     for host in hosts:
         mine = {worker.name for worker in host_workers(new, host.name)}
         own = {stage: state for stage, state in states.items() if home[stage] in mine}
-        host.move(MoveOrder((), plan_to_data(new), own))
+        host.move(MoveOrder(plan=plan_to_data(new), states=own))
     _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
 
 

@@ -5,33 +5,33 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
-import pydantic
 import zenoh
 
-from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, status_from_data
+from followspot.control.dispatch import Request, RunRequest
+from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder
+from followspot.control.lifecycle import CloseRun, EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.move import MoveOrder
+from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.origin import own_origin
 from followspot.control.plan_transfer import packed, packed_stages
 from followspot.control.swap import ChangeOrder
-from followspot.control.tapping import Tapping
-from followspot.control.zenoh_rpc import RpcClient
+from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.host.heartbeat import SILENCE, Heartbeat
-from followspot.log.record import page_from_data
 from followspot.log.run_log import RunLog
 from followspot.operator.abandoned_runs import end_left_behind
 from followspot.transport.zenoh.network import UNPROVEN
 
-_T = TypeVar("_T")
 _PERIOD = 0.2
 """Seconds between two questions for the status."""
 _MARGIN = 4
@@ -79,9 +79,9 @@ class RemoteHost:
         self._heartbeat = Heartbeat()
         self._news = threading.Event()
         self._over = threading.Event()
-        self._unheard: deque[tuple[str, dict[str, Any]]] = deque()
+        self._unheard: deque[RunRequest] = deque()
         """Orders that were given while the host did not answer."""
-        self._taps: list[dict[str, Any]] = []
+        self._taps: list[Tapping] = []
         self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
@@ -97,7 +97,7 @@ class RemoteHost:
             self.log.say("warning", line)
         plan = packed(plan_from_data(order.plan), self.name, self._media)
         self.order = replace(order, plan=plan, out=None)
-        self._ask("prepare", _PREPARING, order=self.order.to_data())
+        self._ask(PrepareRun(order=self.order), _PREPARING)
         self.watch()
 
     def watch(self, *, silent: bool = False) -> None:
@@ -111,24 +111,25 @@ class RemoteHost:
 
     def start(self) -> None:
         """Begin."""
-        self._ask("start", run=self.run)
+        self._ask(StartRun(run=self.run))
 
     def stop(self) -> None:
         """End the sources."""
         self._stopped = True
-        self._insist("stop")
+        self._insist(StopRun(run=self.run))
 
     def ended(self, workers: Sequence[str]) -> None:
         """These workers, here or elsewhere, have come to their end."""
         assert self.order is not None
         self.order = replace(self.order, over=tuple(workers))
-        self._insist("ended", workers=list(workers))
+        self._insist(EndWorkers(run=self.run, workers=tuple(workers)))
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a change; an agent that is started anew begins with the stages as they are then."""
         assert self.order is not None
-        order = replace(order, stages=packed_stages(order.stages, self._media))
-        self._ask("change", _PREPARING, run=self.run, change=order.to_data())
+        stages = packed_stages(order.stages, self._media)
+        order = order.model_copy(update={"run": self.run, "stages": stages})
+        self._ask(order, _PREPARING)
         if order.step == "take_over":
             plan = with_stages(plan_from_data(self.order.plan), order.stages)
             self.order = replace(self.order, plan=plan_to_data(plan))
@@ -136,15 +137,15 @@ class RemoteHost:
     def move(self, order: MoveOrder) -> None:
         """One step of a move; an agent that is started anew begins with the stages as they are then."""
         assert self.order is not None
-        if order.plan is not None:
-            order = replace(order, plan=packed(plan_from_data(order.plan), self.name, self._media))
-        self._ask("move", _PREPARING, run=self.run, move=order.to_data())
+        plan = order.plan and packed(plan_from_data(order.plan), self.name, self._media)
+        order = order.model_copy(update={"run": self.run, "plan": plan})
+        self._ask(order, _PREPARING)
         if order.plan is not None and not order.trial:
             self.order = replace(self.order, plan=order.plan)
 
     def states(self) -> dict[str, Any]:
         """What the stages there last told of their state."""
-        return dict(self._ask("states", _PREPARING, run=self.run))
+        return dict(self._ask(GetStates(run=self.run), _PREPARING))
 
     def tap(self, tappings: Sequence[Tapping]) -> None:
         """Look at ports there."""
@@ -152,9 +153,9 @@ class RemoteHost:
         plan = plan_from_data(self.order.plan)
         here = {worker.name for worker in plan.workers if worker.host == self.name}
         mine = {stage.name for stage in plan.stages if stage.worker in here}
-        taps = [asdict(tapping) for tapping in tappings if tapping.port.rpartition(".")[0] in mine]
+        taps = tuple(tapping for tapping in tappings if tapping.port.rpartition(".")[0] in mine)
         self._taps += [tap for tap in taps if tap not in self._taps]
-        self._insist("tap", taps=taps)
+        self._insist(PlaceTaps(run=self.run, taps=taps))
 
     def attend(self, timeout: float) -> None:
         """Wait for news. Raises HostLost where none came for too long."""
@@ -178,27 +179,27 @@ class RemoteHost:
         """End the run there, if it has not ended; False where the host does not answer, and so goes on."""
         self.leave()
         try:
-            self._ask("close", run=self.run)
+            self._ask(CloseRun(run=self.run))
         except (HostLost, zenoh.ZError):
             return self.order is None
         except FollowspotError:  # it has no such run
             return True
         return True
 
-    def _ask(self, verb: str, timeout: float = 2.0, **data: Any) -> Any:
-        return self._client.ask(self.name, verb, timeout, **data)
+    def _ask(self, request: Request, timeout: float = 2.0) -> Any:
+        return self._client.ask(self.name, request, timeout)
 
-    def _insist(self, verb: str, **data: Any) -> None:
+    def _insist(self, request: RunRequest) -> None:
         """Ask now, and again when the host answers, for the link may just be cut."""
         try:
-            self._ask(verb, run=self.run, **data)
+            self._ask(request)
         except HostLost:
-            self._unheard.append((verb, data))
+            self._unheard.append(request)
         except FollowspotError:
             return
 
     def _refresh(self) -> None:
-        status = self._read(status_from_data, self._ask("status", SILENCE, run=self.run))
+        status: HostStatus = self._read(GetHostStatus(run=self.run), SILENCE)
         self._heard = taken = time.monotonic()
         self._trouble = ""
         self._fetch_log(status.logged)  # first, for nobody asks for it once all is seen to be over
@@ -213,31 +214,29 @@ class RemoteHost:
         """What was logged there since; an agent that was started anew counts anew."""
         self._logged = min(self._logged, newest)
         if newest > self._logged:
-            page = self._read(page_from_data, self._ask("log", run=self.run, after=self._logged))
+            page = self._read(GetLog(run=self.run, after=self._logged))
             self._logged = page.last
             self.log.add(*(replace(record, host=self.name) for record in page.records))
 
-    def _read(self, read: Callable[[Any], _T], data: Any) -> _T:
-        """What a host says of itself, checked. Raises ValueError; who finds the host silent learns why."""
+    def _read(self, request: Request, timeout: float = 2.0) -> Any:
+        """What the host says of itself. Raises FollowspotError; an answer that is invalid is remembered."""
         try:
-            found = read(data)
-        except pydantic.ValidationError as error:
-            first = error.errors()[0]
-            where = ".".join(map(str, first["loc"]))
-            self._refused = f" in a way that can be believed: {where}: {first['msg']}"[:300]
+            found = self._ask(request, timeout)
+        except InvalidAnswer as error:
+            self._refused = f" in a way that can be believed: {error.why}"[:300]
             raise
         self._refused = ""
         return found
 
     def _keep_asking(self) -> None:
         while not self._over.wait(_PERIOD):
-            with suppress(FollowspotError, ValueError, zenoh.ZError):
+            with suppress(FollowspotError, zenoh.ZError):
                 self._ask_once()
 
     def _ask_once(self) -> None:
         """Ask for the status, and tell what could not be told before.
 
-        Raises FollowspotError, ValueError, ZError.
+        Raises FollowspotError, ZError.
         """
         try:
             self._refresh()
@@ -246,9 +245,8 @@ class RemoteHost:
             self._take_up_again()
             return
         while self._unheard:
-            verb, data = self._unheard[0]
             with suppress(HostRefused):
-                self._ask(verb, run=self.run, **data)
+                self._ask(self._unheard[0])
             self._unheard.popleft()
 
     def _forgotten(self) -> None:
@@ -264,16 +262,16 @@ class RemoteHost:
         The link may be cut at any moment: what follows the preparation is told when the agent answers again.
         """
         order = self.order
-        if order is None or (lost := _LOST.get(self._ask("knows", run=self.run))) is None:
+        if order is None or (lost := _LOST.get(self._ask(FindRun(run=self.run)))) is None:
             return
         if not order.restart or self._stopped:
             self._forgotten()
             return
         incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
         self._before = (*self._status.news, f"{lost}: its part of the run begins anew")[-_MOST_NEWS:]
-        after: list[tuple[str, dict[str, Any]]] = [("tap", {"taps": list(self._taps)}), ("start", {})]
+        after: list[RunRequest] = [PlaceTaps(run=self.run, taps=tuple(self._taps)), StartRun(run=self.run)]
         self._unheard.extendleft(each for each in after if each not in self._unheard)
         try:
-            self._ask("prepare", _PREPARING, order=replace(order, incarnations=incarnations).to_data())
+            self._ask(PrepareRun(order=replace(order, incarnations=incarnations)), _PREPARING)
         except HostRefused as error:
             self._trouble = f"{error}; it cannot take its part of the run up again"

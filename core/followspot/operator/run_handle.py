@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from followspot.control.dispatch import Request
-from followspot.control.tapping import Tapping
+from followspot.control.lifecycle import StopRun
+from followspot.control.observation import GetLog
+from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -16,13 +18,10 @@ from followspot.log.record import LogPage
 from followspot.operator.changed import Changed, Moved
 from followspot.operator.run_requests import (
     ChangeStages,
-    GetLog,
     GetPlan,
     GetStatus,
     GetSurroundings,
     MoveStages,
-    PlaceTaps,
-    StopRun,
     Surroundings,
 )
 from followspot.operator.run_status import RunStatus

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
-from followspot.control.dispatch import Dispatcher, Request
-from followspot.control.tapping import Tapping, check_taps
+from followspot.control.dispatch import Dispatcher, Request, Role
+from followspot.control.lifecycle import StopRun
+from followspot.control.observation import GetLog
+from followspot.control.tapping import PlaceTaps, check_taps
 from followspot.graph.ship import plan_to_data
-from followspot.log.record import LogPage
 from followspot.operator.changed import Changed, Moved
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.run_status import RunStatus
@@ -28,32 +29,29 @@ class Surroundings:
     network: Network | None = None
 
 
-class GetPlan(Request):
+class _OperatorRequest(Request):
+    roles: ClassVar[tuple[Role, ...]] = ("operator",)
+
+
+class GetPlan(_OperatorRequest):
     """The plan as it is now, as `plan_to_data` gives it."""
 
     answer: ClassVar[Any] = dict[str, Any]
 
 
-class GetStatus(Request):
+class GetStatus(_OperatorRequest):
     """How the run is; without the reports of workers that have ended."""
 
     answer: ClassVar[Any] = RunStatus
 
 
-class GetLog(Request):
-    """The records after the one of this number."""
-
-    after: int = -1
-    answer: ClassVar[Any] = LogPage
-
-
-class GetSurroundings(Request):
+class GetSurroundings(_OperatorRequest):
     """Where the run writes, and which network leads to it."""
 
     answer: ClassVar[Any] = Surroundings
 
 
-class ChangeStages(Request):
+class ChangeStages(_OperatorRequest):
     """Swap stages (`fuse=balls.mean`) and set parameters (`color.similarity=0.7`), all or none.
 
     folder: what paths are relative to; fresh: without the state of the old stages.
@@ -65,22 +63,12 @@ class ChangeStages(Request):
     answer: ClassVar[Any] = Changed
 
 
-class MoveStages(Request):
+class MoveStages(_OperatorRequest):
     """Bring stages to another worker or host."""
 
     stages: tuple[str, ...]
     place: str
     answer: ClassVar[Any] = Moved
-
-
-class PlaceTaps(Request):
-    """Put sinks at ports."""
-
-    taps: tuple[Tapping, ...]
-
-
-class StopRun(Request):
-    """End the sources; what is in flight is finished."""
 
 
 def run_dispatcher(
@@ -101,6 +89,7 @@ def run_dispatcher(
         run.tap(request.taps)
 
     return Dispatcher(
+        "operator",
         {
             GetPlan: lambda _: plan_to_data(run.plan),
             GetStatus: status,
@@ -110,5 +99,5 @@ def run_dispatcher(
             MoveStages: lambda request: run.move(request.stages, request.place),
             PlaceTaps: tap,
             StopRun: lambda _: end(),
-        }
+        },
     )

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
-
-import pydantic
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.host import WorkerStatus
@@ -60,18 +57,6 @@ class RunStatus:
             row = self.counts[number * COLUMNS : (number + 1) * COLUMNS]
             if row:  # a host that has not answered yet has none
                 yield edge, tally(row)
-
-    def to_data(self) -> Any:
-        """JSON types; without the reports of workers that have ended."""
-        return _STATUS.dump_python(self, mode="json", exclude={"workers": {"__all__": {"report"}}})
-
-
-def run_status_from_data(data: Any) -> RunStatus:
-    """A status that came from elsewhere. Raises ValueError."""
-    return _STATUS.validate_python(data)
-
-
-_STATUS: pydantic.TypeAdapter[RunStatus] = pydantic.TypeAdapter(RunStatus)
 
 
 def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[str, ...]:

@@ -28,9 +28,6 @@ MAX_REMEMBERED = 1 << 16
 """Most requests within the window; more are refused."""
 _MAX_ID = 64
 
-_FOR_ALL = frozenset({"clock"})
-"""What every host on the list may ask."""
-
 Reason = Literal[
     "size", "form", "version", "stale", "replayed", "flood", "verb", "role", "address", "content"
 ]
@@ -70,7 +67,8 @@ def seal(asked: Asked, data: dict[str, Any]) -> bytes:
 class RequestGuard:
     """An agent's gate.
 
-    agent: its name; verbs: what can be asked; tell: gets lines for the log; clock: wall-clock time, s.
+    agent: its name; verbs: what can be asked; tell: gets lines for the log; clock: wall-clock time, s;
+    open_to_hosts: verbs that every host on the list may ask, not operators alone.
     """
 
     def __init__(
@@ -79,10 +77,12 @@ class RequestGuard:
         verbs: Iterable[str],
         tell: Callable[[str], None] = lambda line: None,
         clock: Callable[[], float] = time.time,
+        open_to_hosts: Iterable[str] = (),
     ) -> None:
         self._refusals = Rejections(tell)
         self._agent = agent
         self._verbs = frozenset(verbs)
+        self._open_to_hosts = frozenset(open_to_hosts)
         self._clock = clock
         self._seen: dict[str, float] = {}
 
@@ -97,7 +97,7 @@ class RequestGuard:
             raise Rejected(
                 "verb", f"there is no {asked.verb[:80]!r}; known: {', '.join(sorted(self._verbs))}"
             )
-        if asked.role != OPERATOR and asked.verb not in _FOR_ALL:
+        if asked.role != OPERATOR and asked.verb not in self._open_to_hosts:
             raise Rejected("role", f"{asked.role[:80]} {asked.name[:80]} may not {asked.verb}; operators may")
         found = _opened(payload, MAX_REQUEST if asked.role == OPERATOR else _MAX_QUESTION)
         if asked.agent != self._agent or found["asked"] != list(asked):
@@ -106,7 +106,7 @@ class RequestGuard:
                 f"the request is addressed {'/'.join(found['asked'])[:200]!r}, "
                 f"and came to {self._agent} as {'/'.join(asked)[:200]!r}",
             )
-        if asked.verb not in _FOR_ALL:  # to hear the clock again harms nobody, to fill the memory would
+        if asked.verb not in self._open_to_hosts:  # a repetition is harmless
             self._remember(found["id"], float(found["time"]))
         return dict(found["data"])
 

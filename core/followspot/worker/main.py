@@ -22,7 +22,7 @@ from typing import Any
 
 from followspot.control.checkpoint import state_from_data, state_to_data
 from followspot.control.pipe import Channel, ChannelClosed
-from followspot.control.swap import ChangeStatus, change_from_data
+from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
@@ -211,7 +211,7 @@ class WorkerMain:
                 self._tell_states()
                 raise ChannelClosed("this worker's stages go elsewhere")
             elif order["kind"] == "change":
-                self.change.obey(change_from_data(order["order"]))
+                self.change.obey(ChangeOrder.model_validate(order["order"]))
 
     def _give_up(self, workers: list[str]) -> None:
         """These have come to their end: nothing is to be waited for at the other ends of their edges."""

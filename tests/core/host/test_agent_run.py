@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from pathlib import Path
 
 from followspot.control.host import RunOrder
+from followspot.control.lifecycle import PrepareRun
 from followspot.host.agent_run import AgentRun, KeptRuns
 from followspot.host.agent_runs import AgentRuns
 from followspot.host.local_host import LocalHost
@@ -17,7 +17,7 @@ def leave(runs: Path, run: str, host: str, *, text: str = "", age: float = 0.0) 
     folder = runs / f"20261121-190000-{run}-{host}"
     folder.mkdir(parents=True)
     path = folder / ".order"
-    path.write_text(text or json.dumps(RunOrder(run, {}, detached=True).to_data()))
+    path.write_text(text or PrepareRun(order=RunOrder(run, {}, detached=True)).model_dump_json())
     os.utime(path, (time.time() - age,) * 2)
 
 
@@ -25,8 +25,8 @@ def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> No
     leave(tmp_path, "aaaaaaaa", "left")
     leave(tmp_path, "bbbbbbbb", "pc-left")
     leave(tmp_path, "cccccccc", "left", age=3600.0)
-    leave(tmp_path, "dddddddd", "left", text='{"run": "dddd')
-    leave(tmp_path, "eeeeeeee", "left", text='{"run": "eeeeeeee"}')
+    leave(tmp_path, "dddddddd", "left", text='{"order": {"run": "dddd')
+    leave(tmp_path, "eeeeeeee", "left", text='{"order": {"run": "eeeeeeee"}}')
     assert [order.run for order in KeptRuns(tmp_path, "left").left()] == ["aaaaaaaa"]
     assert list(KeptRuns(tmp_path / "none", "left").left()) == []
 

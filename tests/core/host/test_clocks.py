@@ -131,7 +131,7 @@ def test_a_host_alone_adds_what_its_owner_knows() -> None:
 
 
 def test_every_host_may_ask_for_the_time_and_operators_alone_for_more() -> None:
-    gate = RequestGuard("pc-right", ["clock", "stop"])
+    gate = RequestGuard("pc-right", ["clock", "stop"], open_to_hosts=["clock"])
     clock, stop = (Asked("pc-right", verb, "camera", "pc-left") for verb in ("clock", "stop"))
     assert gate.admit(clock, seal(clock, {})) == {}
     with pytest.raises(Rejected, match="may not stop"):

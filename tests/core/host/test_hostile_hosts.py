@@ -15,7 +15,9 @@ import pytest
 import zenoh
 from zenoh.handlers import Callback
 
-from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus, status_from_data
+from followspot.control.dispatch import answer_from_wire, answer_to_wire
+from followspot.control.host import HostLost, HostStatus, RunOrder, WorkerStatus
+from followspot.control.observation import GetHostStatus, GetLog
 from followspot.control.zenoh_rpc import MAX_ANSWER, RpcClient
 from followspot.errors import FollowspotError
 from followspot.host.clocks.host import HostClock
@@ -29,8 +31,10 @@ from followspot.transport.zenoh.edge import locators, open_session
 from followspot.transport.zenoh.network import UNPROVEN
 
 HOST = "pc-left"
-GOOD = HostStatus((WorkerStatus("left", "running", 5, 7),), (1, 1, 0), logged=0).to_data()
-PAGE = LogPage((LogRecord(1, "info", "well"),), 0).to_data()
+GOOD = answer_to_wire(
+    GetHostStatus, HostStatus((WorkerStatus("left", "running", 5, 7),), (1, 1, 0), logged=0)
+)
+PAGE = answer_to_wire(GetLog, LogPage((LogRecord(1, "info", "well"),), 0))
 
 
 class Agent:
@@ -53,10 +57,10 @@ class Agent:
     def _answer(self, query: zenoh.Query) -> None:
         verb = str(query.key_expr).split("/")[-3]
         self.asked[verb] = self.asked.get(verb, 0) + 1
-        if verb == "status" and self.workers:
+        if verb == "get_host_status" and self.workers:
             self.named += self.workers
             workers = [{"name": f"w{self.named + n}", "phase": "over"} for n in range(self.workers)]
-            self.say("status", {**GOOD, "workers": workers})
+            self.say("get_host_status", {**GOOD, "workers": workers})
         query.reply(query.key_expr, self.says.get(verb, b'{"answer": null}'))
 
 
@@ -66,8 +70,8 @@ def agent() -> Iterator[tuple[Agent, RpcClient]]:
         there = sessions.enter_context(open_session())
         here = sessions.enter_context(open_session(connect=locators(there)))
         made = Agent(there)
-        made.say("status", GOOD)
-        made.say("log", PAGE)
+        made.say("get_host_status", GOOD)
+        made.say("get_log", PAGE)
         until(lambda: bool(list(here.liveliness().get(agent_key(HOST), timeout=1.0))))
         yield made, RpcClient(here, UNPROVEN)
 
@@ -112,7 +116,7 @@ def watched(agent: Agent, client: RpcClient) -> RemoteHost:
 
 def believed_again(agent: Agent, host: RemoteHost) -> None:
     """The next good answer is taken, by the thread that asked all the time."""
-    agent.say("status", {**GOOD, "out": "again"})
+    agent.say("get_host_status", {**GOOD, "out": "again"})
     until(lambda: host.status().out == "again")
     until(lambda: (host.attend(0.0), True)[1])
     host.leave()
@@ -124,25 +128,25 @@ def test_what_is_no_answer_ends_nobody_and_the_next_one_is_taken(
 ) -> None:
     there, client = agent
     host = watched(there, client)
-    there.says["status"] = says
+    there.says["get_host_status"] = says
     with pytest.raises(FollowspotError, match=HOST):
-        client.ask(HOST, "status")
-    asked = there.asked["status"]
-    until(lambda: there.asked["status"] > asked + 3)
+        client.ask(HOST, GetHostStatus(run="feedc0de"))
+    asked = there.asked["get_host_status"]
+    until(lambda: there.asked["get_host_status"] > asked + 3)
     believed_again(there, host)
 
 
 @pytest.mark.parametrize("change", NO_STATUS.values(), ids=NO_STATUS)
 def test_a_status_that_no_host_can_mean_is_refused(change: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(change))):
-        status_from_data({**GOOD, **change})
+        answer_from_wire(GetHostStatus, {**GOOD, **change})
 
 
 def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tuple[Agent, RpcClient]) -> None:
     there, client = agent
     change = NO_STATUS["a count of 2^63"]
     host = watched(there, client)
-    there.say("status", {**GOOD, **change})
+    there.say("get_host_status", {**GOOD, **change})
     refused: list[str] = []
 
     def lost() -> bool:
@@ -164,12 +168,12 @@ def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tupl
 def test_a_page_of_a_log_that_none_can_mean_is_refused(agent: tuple[Agent, RpcClient], page: Any) -> None:
     there, client = agent
     host = watched(there, client)
-    there.say("log", {**PAGE, **page})
-    there.say("status", {**GOOD, "logged": 7})
-    asked = there.asked["log"]
-    until(lambda: there.asked["log"] > asked + 2)
+    there.say("get_log", {**PAGE, **page})
+    there.say("get_host_status", {**GOOD, "logged": 7})
+    asked = there.asked["get_log"]
+    until(lambda: there.asked["get_log"] > asked + 2)
     assert len(host.log.after(-1).records) == 1
-    there.say("log", {"records": [], "last": 7})
+    there.say("get_log", {"records": [], "last": 7})
     believed_again(there, host)
 
 
@@ -192,11 +196,11 @@ def test_a_clock_that_none_can_be_is_not_believed(
     agent: tuple[Agent, RpcClient], verb: str, reads: object
 ) -> None:
     there, client = agent
-    there.say("clock", {"captured": time.time_ns(), "steady": time.monotonic_ns(), verb: reads})
+    there.say("read_clock", {"captured": time.time_ns(), "steady": time.monotonic_ns(), verb: reads})
     clock = HostClock(client)
     clock.follow(HOST)
     clock.close()
-    assert there.asked["clock"] == 1
+    assert there.asked["read_clock"] == 1
     assert clock.correction() == (0, 0)
     assert clock.status().warning, "the operator is told"
 
@@ -206,6 +210,6 @@ def test_runs_that_are_none_are_an_error_with_the_name_of_the_host(
     agent: tuple[Agent, RpcClient], runs: object
 ) -> None:
     there, client = agent
-    there.say("runs", runs)
-    with pytest.raises(FollowspotError, match=f"host {HOST}: its runs are none"):
+    there.say("list_runs", runs)
+    with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs cannot be believed"):
         found(client)

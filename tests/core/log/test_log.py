@@ -8,11 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from followspot.control.dispatch import answer_from_wire
+from followspot.control.observation import GetLog
 from followspot.errors import InputError
 from followspot.log.collector import BURST, PER_SECOND, LogCollector, collecting
 from followspot.log.file import LogFile, read_log
 from followspot.log.merged import MergedLog
-from followspot.log.record import MAX_TEXT, LogRecord, page_from_data, records_from_data
+from followspot.log.record import MAX_TEXT, LogRecord, records_from_data
 from followspot.log.run_log import KEPT, RunLog
 from followspot.stage import Context, Stage
 from followspot.worker.main import WorkerMain
@@ -157,4 +159,4 @@ def test_records_from_other_hosts_are_checked(wrong: dict[str, object]) -> None:
     good = record("one").to_data()
     assert records_from_data([good]) == [record("one")]
     with pytest.raises(ValueError, match="validation error"):
-        page_from_data({"records": [good | wrong], "last": 0})
+        answer_from_wire(GetLog, {"records": [good | wrong], "last": 0})

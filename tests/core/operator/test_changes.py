@@ -44,7 +44,7 @@ def swapped(plan: Plan) -> tuple[PlannedStage, ...]:
 
 def test_a_worker_that_dies_while_others_take_over_comes_back_with_its_successors(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
-    change = HostChange(ChangeOrder("1", "take_over", swapped(plan)), plan)
+    change = HostChange(ChangeOrder(id="1", step="take_over", stages=swapped(plan)), plan)
     assert change.heard("left", ChangeStatus("1", "done"))
     assert change.status().phase == "building"
     assert change.died("right")
@@ -55,7 +55,7 @@ def test_a_worker_that_dies_while_others_take_over_comes_back_with_its_successor
 
 def test_a_worker_that_dies_before_anybody_takes_over_ends_the_change(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
-    change = HostChange(ChangeOrder("1", "build", swapped(plan)), plan)
+    change = HostChange(ChangeOrder(id="1", step="build", stages=swapped(plan)), plan)
     change.heard("left", ChangeStatus("1", "built"))
     assert not change.died("right")
     assert change.status() == ChangeStatus("1", "failed", "worker right has ended")

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from followspot.control.dispatch import Dispatcher, Request
+from followspot.control.dispatch import Dispatcher, Request, Role
 from followspot.errors import FollowspotError
 from followspot.operator.control_socket import MAX_REQUEST, reachable, runs_here
 
@@ -22,6 +22,7 @@ RUN = "feedc0de" * 4
 
 class Double(Request):
     number: int
+    roles: ClassVar[tuple[Role, ...]] = ("operator",)
     answer: ClassVar[Any] = int
 
 
@@ -30,6 +31,7 @@ class Halve(Double):
 
 
 class Wait(Request):
+    roles: ClassVar[tuple[Role, ...]] = ("operator",)
     answer: ClassVar[Any] = str
 
 
@@ -39,7 +41,7 @@ def double(request: Double) -> int:
     return 2 * request.number
 
 
-DOUBLING = Dispatcher({Double: double})
+DOUBLING = Dispatcher("operator", {Double: double})
 
 
 def socket_name() -> str:
@@ -79,7 +81,7 @@ def test_what_was_asked_is_answered_before_the_end_and_who_has_not_asked_is_refu
         return "done"
 
     with socket.socket(socket.AF_UNIX) as silent:
-        with reachable(RUN, "graph", Dispatcher({Wait: slow})):
+        with reachable(RUN, "graph", Dispatcher("operator", {Wait: slow})):
             (run,) = [run for run in runs_here() if run.run == RUN]
             silent.connect(f"\0{socket_name()}")
             asking = threading.Thread(target=lambda: answers.append(run.ask(Wait(), 20.0)))
@@ -117,7 +119,7 @@ def test_what_is_no_request_is_refused_and_others_are_still_answered(line: bytes
 
 
 def test_a_request_without_end_is_cut_off() -> None:
-    with reachable(RUN, "graph", Dispatcher({})):
+    with reachable(RUN, "graph", Dispatcher("operator", {})):
         with socket.socket(socket.AF_UNIX) as client:
             client.connect(f"\0{socket_name()}")
             sent = 0

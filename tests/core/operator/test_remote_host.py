@@ -10,7 +10,10 @@ from typing import Any
 
 import pytest
 
+from followspot.control.dispatch import Request, verb
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, WorkerStatus
+from followspot.control.lifecycle import FindRun, PrepareRun, StartRun
+from followspot.control.observation import GetHostStatus, GetLog
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator import remote_host
 from followspot.operator.remote_host import RemoteHost
@@ -23,12 +26,12 @@ class Agent:
     seen: list[tuple[WorkerStatus, ...]] = field(default_factory=list)
     """The workers that the operator's side knew of when it asked for the log."""
 
-    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
-        if verb == "status":
-            return HostStatus((WorkerStatus("left", "over"),), (), logged=0, age_s=0.0).to_data()
-        assert verb == "log"
+    def ask(self, agent: str, request: Request, timeout: float) -> Any:
+        if isinstance(request, GetHostStatus):
+            return HostStatus((WorkerStatus("left", "over"),), (), logged=0, age_s=0.0)
+        assert isinstance(request, GetLog)
         self.seen.append(self.host.status().workers)
-        return LogPage((LogRecord(1, "error", "the last word"),), 0).to_data()
+        return LogPage((LogRecord(1, "error", "the last word"),), 0)
 
     def operated(self) -> RemoteHost:
         self.host = RemoteHost(self, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
@@ -51,12 +54,12 @@ class Closed:
 
     asked: list[str] = field(default_factory=list)
 
-    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
-        self.asked.append(verb)
-        if verb == "knows":
+    def ask(self, agent: str, request: Request, timeout: float) -> Any:
+        self.asked.append(verb(type(request)))
+        if isinstance(request, FindRun):
             return "unknown"
-        if verb == "status" and self.asked.count("status") == 1:
-            return HostStatus((WorkerStatus("left", "running"),), ()).to_data()
+        if isinstance(request, GetHostStatus) and self.asked.count("get_host_status") == 1:
+            return HostStatus((WorkerStatus("left", "running"),), ())
         raise HostRefused("there is no run here")
 
 
@@ -70,7 +73,7 @@ def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch
         assert time.monotonic() < deadline
         time.sleep(0.02)
     host.leave()
-    assert set(agent.asked) == {"status", "knows"}
+    assert set(agent.asked) == {"get_host_status", "find_run"}
 
 
 def test_a_status_is_as_old_as_the_answer_that_it_came_with(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,27 +119,28 @@ class Forgetful:
     prepared: RunOrder | None = None
     started: bool = False
 
-    def ask(self, agent: str, verb: str, timeout: float, **data: Any) -> Any:
-        self.asked.append(verb)
-        answer = self.answer(verb, data)
-        if verb in self.cut:
-            self.cut.remove(verb)
+    def ask(self, agent: str, request: Request, timeout: float) -> Any:
+        name = verb(type(request))
+        self.asked.append(name)
+        answer = self.answer(name, request)
+        if name in self.cut:
+            self.cut.remove(name)
             raise HostLost("host pc-left does not answer")
         return answer
 
-    def answer(self, verb: str, data: dict[str, Any]) -> Any:
-        if verb == "knows":
+    def answer(self, name: str, request: Request) -> Any:
+        if isinstance(request, FindRun):
             return self.known
-        if verb in self.refuses:
-            raise HostRefused(f"host pc-left: {self.refuses[verb]}")
-        if verb == "prepare":
-            self.known, self.prepared = "here", RunOrder(**data["order"])
+        if name in self.refuses:
+            raise HostRefused(f"host pc-left: {self.refuses[name]}")
+        if isinstance(request, PrepareRun):
+            self.known, self.prepared = "here", request.order
             return None
         if self.known != "here":
             raise HostRefused("host pc-left: there is no run 'feedc0de' here")
-        if verb == "status":
-            return HostStatus((WorkerStatus("left", "running" if self.started else "ready"),), ()).to_data()
-        self.started |= verb == "start"
+        if isinstance(request, GetHostStatus):
+            return HostStatus((WorkerStatus("left", "running" if self.started else "ready"),), ())
+        self.started |= isinstance(request, StartRun)
         return None
 
 
@@ -162,12 +166,12 @@ def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str
     host._ask_once()
     assert host.status().all("running")
     assert host.status().news == (f"{said}: its part of the run begins anew",)
-    assert agent.asked.count("start") == 1
+    assert agent.asked.count("start_run") == 1
 
 
-@pytest.mark.parametrize("verb", ["prepare", "start"])
-def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(verb: str) -> None:
-    agent = Forgetful("unknown", cut=[verb])
+@pytest.mark.parametrize("name", ["prepare_run", "start_run"])
+def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(name: str) -> None:
+    agent = Forgetful("unknown", cut=[name])
     host = operated(agent)
     for _ in range(3):
         with suppress(HostLost):
@@ -180,7 +184,7 @@ def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
 ) -> None:
     now = [0.0]
     monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
-    agent = Forgetful("unknown", refuses={"prepare": "it has no camera"})
+    agent = Forgetful("unknown", refuses={"prepare_run": "it has no camera"})
     host = operated(agent)
 
     def attended() -> None:
@@ -208,12 +212,18 @@ def test_what_is_to_end_or_cannot_be_repeated_is_not_taken_up_again(ending: str)
 
 
 def test_an_order_that_an_agent_refuses_does_not_hold_up_those_after_it() -> None:
-    agent = Forgetful("here", cut=["ended", "stop"])
+    agent = Forgetful("here", cut=["end_workers", "stop_run"])
     host = operated(agent)
     host.ended(["right"])
     host.stop()
-    agent.refuses["ended"] = "it does not know right"
+    agent.refuses["end_workers"] = "it does not know right"
     host._ask_once()
-    assert agent.asked == ["ended", "stop", "status", "ended", "stop"]
+    assert agent.asked == [
+        "end_workers",
+        "stop_run",
+        "get_host_status",
+        "end_workers",
+        "stop_run",
+    ]
     host._ask_once()
-    assert agent.asked[5:] == ["status"]
+    assert agent.asked[5:] == ["get_host_status"]

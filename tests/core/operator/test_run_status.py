@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus, status_from_data
+from followspot.control.dispatch import answer_from_wire, answer_to_wire
+from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus
+from followspot.control.observation import GetHostStatus
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
-from followspot.operator.run_status import RunStatus, SeenHost, run_status_from_data
+from followspot.operator.run_requests import GetStatus
+from followspot.operator.run_status import RunStatus, SeenHost
 from followspot.operator.run_view import RunView
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -93,12 +96,12 @@ def test_a_status_grows_older_and_nothing_else_of_it_changes(plan: Plan) -> None
     later = now.later(1.5)
     assert worker(later) == replace(worker(now), age_s=2.25)
     assert later.hosts == (SeenHost("pc-left", 2.0, absent=False),)  # nobody has tried to reach it
-    assert run_status_from_data(later.to_data()) == later
+    assert answer_from_wire(GetStatus, answer_to_wire(GetStatus, later)) == later
 
 
 @pytest.mark.parametrize("age", [-1.0, float("nan"), float("inf")])
 def test_an_age_that_can_be_none_is_refused(age: float) -> None:
-    data = HostStatus((LEFT,), (), age_s=0.0).to_data()
+    data = answer_to_wire(GetHostStatus, HostStatus((LEFT,), (), age_s=0.0))
     data["workers"][0]["age_s"] = age
     with pytest.raises(ValueError, match="age_s"):
-        status_from_data(data)
+        answer_from_wire(GetHostStatus, data)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from solo import Solo
 
+from followspot.control.dispatch import answer_from_wire, answer_to_wire
 from followspot.control.stage_status import StageStatus
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
 from followspot.messages import Message
 from followspot.operator.launch import local_run
-from followspot.operator.run_status import run_status_from_data
+from followspot.operator.run_requests import GetStatus
 from followspot.worker.stage_status import Idleness, stages_now
 from followspot.worker.wiring import RunOptions
 
@@ -158,7 +159,7 @@ def test_the_status_tells_counts_errors_and_latency(tmp_path: Path) -> None:
     path.write_text(GRAPH)
     run = local_run(compile_graph(path, plugin_files=[STAGES]), RunOptions(tmp_path))
     report = run.execute()
-    status = run_status_from_data(run.status().to_data())  # as those who look on get it
+    status = answer_from_wire(GetStatus, answer_to_wire(GetStatus, run.status()))  # as observers get it
     found = {stage.stage: stage for stage in status.workers[0].stages}
     assert {stage.state for stage in found.values()} == {"over"}
     assert found["half"].skipped > 0

@@ -6,17 +6,17 @@ from typing import Any
 
 import pytest
 
-from followspot.control.plan_transfer import tappings_from_data
+from followspot.control.plan_transfer import check_remote_taps
+from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 
 
-def asked(uses: str, **params: Any) -> list[dict[str, Any]]:
-    return [{"port": "camera/cam0.out", "uses": uses, "params": params}]
+def asked(uses: str, **params: Any) -> list[Tapping]:
+    return [Tapping("camera/cam0.out", uses, params)]
 
 
 def test_a_sink_without_files_is_taken() -> None:
-    (tapping,) = tappings_from_data(asked("dashboard.tap", rate=5.0))
-    assert (tapping.port, tapping.uses, tapping.params) == ("camera/cam0.out", "dashboard.tap", {"rate": 5.0})
+    check_remote_taps(asked("dashboard.tap", rate=5.0))
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,6 @@ def test_a_sink_without_files_is_taken() -> None:
         (asked("nobody.knows"), "nobody.knows"),
     ],
 )
-def test_what_has_files_or_is_no_tap_is_refused(taps: list[dict[str, Any]], why: str) -> None:
+def test_what_has_files_or_is_no_tap_is_refused(taps: list[Tapping], why: str) -> None:
     with pytest.raises(FollowspotError, match=why):
-        tappings_from_data(taps)
+        check_remote_taps(taps)

@@ -16,6 +16,7 @@ import numpy as np
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.control.dispatch import Dispatcher
+from followspot.control.tapping import PlaceTaps
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
@@ -28,7 +29,6 @@ from followspot.operator.run_requests import (
     GetPlan,
     GetStatus,
     GetSurroundings,
-    PlaceTaps,
     Surroundings,
 )
 from followspot.operator.run_status import RunStatus
@@ -62,13 +62,14 @@ class Shown:
 
     def dispatcher(self) -> Dispatcher:
         return Dispatcher(
+            "operator",
             {
                 GetPlan: lambda _: plan_to_data(self.plan),
                 GetStatus: lambda _: self.status,
                 PlaceTaps: self.tap,
                 GetSurroundings: lambda _: Surroundings(self.out),
                 ChangeStages: self.change,
-            }
+            },
         )
 
     def change(self, request: ChangeStages) -> Changed:

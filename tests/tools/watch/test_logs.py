@@ -12,6 +12,7 @@ import pytest
 from followspot.cli.main import main
 from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
+from followspot.control.observation import GetLog
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
@@ -19,7 +20,7 @@ from followspot.log.file import LogFile
 from followspot.log.record import LogPage, LogRecord
 from followspot.log.run_log import RunLog
 from followspot.operator.control_socket import reachable
-from followspot.operator.run_requests import GetLog, GetPlan, GetStatus, GetSurroundings, Surroundings
+from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
@@ -51,12 +52,13 @@ def run(tmp_path: Path) -> Iterator[str]:
 
     running = RunStatus((WorkerStatus("main", "running"),), (), 0, None)
     dispatcher = Dispatcher(
+        "operator",
         {
             GetPlan: lambda _: plan,
             GetStatus: lambda _: running,
             GetLog: log,
             GetSurroundings: lambda _: Surroundings(tmp_path),
-        }
+        },
     )
     with reachable(NAME, "glowballs", dispatcher):
         yield NAME

@@ -18,14 +18,14 @@ from followspot.cli.main import build_parser
 from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
-from followspot.control.tapping import Tapping
+from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
 from followspot.operator.control_socket import reachable
-from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, PlaceTaps, Surroundings
+from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
 from followspot.stage import Context
@@ -76,12 +76,13 @@ def answering(
 ) -> Dispatcher:
     """What a run on this machine answers."""
     return Dispatcher(
+        "operator",
         {
             GetPlan: lambda _: plan_to_data(plan),
             GetStatus: status,
             PlaceTaps: tap,
             GetSurroundings: lambda _: Surroundings(Path("/nowhere")),
-        }
+        },
     )
 
 

@@ -7,10 +7,10 @@ import time
 from typing import TYPE_CHECKING
 
 from followspot.control.clock_status import ClockStatus
+from followspot.control.observation import ClockReading, ReadClock
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.host.clocks.filter import ClockFilter, Exchange
-from followspot.messages import MAX_TIME
 
 if TYPE_CHECKING:
     from followspot.control.zenoh_rpc import RpcClient
@@ -20,8 +20,6 @@ _PERIOD = 1.0
 _FIRST = 8
 """Questions before a run begins."""
 _TIMEOUT = 1.0
-_LATEST = MAX_TIME - (1 << 55)
-"""Reading of a clock, ns, up to which it is believed: a year below the end of the range of capture times."""
 _NOTICEABLE = 20_000
 """ns by which a correction must change to be worth telling."""
 
@@ -95,23 +93,15 @@ class HostClock:
 
         wall, sent = time.time_ns() + self.known, time.monotonic_ns()
         try:
-            read = client.ask(self._reference, "clock", _TIMEOUT)
-            captured, steady = _moment(read["captured"]), _moment(read["steady"])
-        except (FollowspotError, zenoh.ZError, KeyError, TypeError, ValueError):
+            read = client.ask(self._reference, ReadClock(), _TIMEOUT)
+        except (FollowspotError, zenoh.ZError):
             return False
         round_trip = time.monotonic_ns() - sent
         half = round_trip // 2
-        self._filter.add(Exchange(captured - (wall + half), steady - (sent + half), round_trip))
+        self._filter.add(Exchange(read.captured - (wall + half), read.steady - (sent + half), round_trip))
         return True
 
 
-def _moment(read: object) -> int:
-    """What a clock elsewhere reads, ns. Raises ValueError where no clock of a computer can read so."""
-    if type(read) is not int or not 0 <= read <= _LATEST:
-        raise ValueError(f"a clock that reads {str(read)[:80]}")
-    return read
-
-
-def read_clock(known: int) -> dict[str, int]:
+def read_clock(known: int) -> ClockReading:
     """What the clocks of this host read now, for others to compare with; known: as in `HostClock`."""
-    return {"captured": time.time_ns() + known, "steady": time.monotonic_ns()}
+    return ClockReading(time.time_ns() + known, time.monotonic_ns())
