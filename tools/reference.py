@@ -50,7 +50,7 @@ def _section(stage: Mapping[str, Any]) -> str:
     lines += [f"Gives {', '.join(outputs)}." if outputs else "A sink.", ""]
     lines += ["```yaml", stage["example"], "```", ""]
     if stage["parameters"]:
-        lines += ["| parameter | default | range | unit | meaning |", "|---|---|---|---|---|"]
+        lines += ["| parameter | default | range | unit | effect |", "|---|---|---|---|---|"]
         lines += [_row(parameter) for parameter in stage["parameters"]]
         lines.append("")
     return "\n".join(lines)

@@ -21,35 +21,49 @@ class Bridge(Stage):
         gate: float = Field(
             3.0,
             gt=0,
-            unit="1",
-            description="distance of a blob from the forecast's image, in sigmas, up to which it is the "
-            "target; raising it survives turns, and follows what is not the target",
+            unit="sigma",
+            description="Mahalanobis distance of a blob from the forecast up to which it is the target; "
+            "raising it survives sharper turns and follows more false blobs",
         )
-        sigma: float = Field(
-            0.7, gt=0, unit="px", description="one sigma of the place of a blob, which may be hidden in part"
+        blob_sigma: float = Field(
+            0.7,
+            gt=0,
+            unit="px",
+            description="standard deviation of a blob's centre, which may be partly hidden; raising it "
+            "trusts the blob less",
         )
-        smallest: float = Field(
+        minimum_area: float = Field(
             0.2,
             ge=0,
             unit="1",
-            description="smallest blob over the target's outline; raising it bridges less",
+            description="smallest area of a blob over the target's expected area; raising it bridges less",
         )
-        largest: float = Field(
-            1.6, gt=0, unit="1", description="largest blob over the outline; lowering it bridges less"
-        )
-        lone: float = Field(0.01, gt=0, unit="m", description="one sigma of a position that a lone pair made")
-        jump: float = Field(
-            3.0,
+        maximum_area: float = Field(
+            1.6,
             gt=0,
             unit="1",
-            description="distance from the forecast, in sigmas, beyond which a lone pair is believed less "
-            "than a single view at the forecast; raising it lets targets jump",
+            description="largest area of a blob over the target's expected area; raising it bridges more",
         )
-        rest: float = Field(
+        single_pair_sigma: float = Field(
+            0.01,
+            gt=0,
+            unit="m",
+            description="standard deviation of a position from a single pair; raising it trusts such "
+            "positions more",
+        )
+        single_pair_gate: float = Field(
+            3.0,
+            gt=0,
+            unit="sigma",
+            description="Mahalanobis distance from the forecast beyond which a single view replaces a "
+            "position from a single weak pair; raising it lets targets jump",
+        )
+        resting_clearance: float = Field(
             0.03,
             ge=0,
             unit="m",
-            description="clearance from a plane up to which a target is taken to lie on it; 0: never",
+            description="clearance from a plane up to which a target counts as lying on it; 0: never; "
+            "raising it puts more targets on planes",
         )
 
     params: Params
@@ -75,9 +89,9 @@ class Bridge(Stage):
         sight, found = self.nearest(target, blobs, forecast)
         target = target[found]
         place, radius = forecast.xyz[target], self.radius[target]
-        lying = resting(place, radius, self.planes, self.params.rest)
+        lying = resting(place, radius, self.planes, self.params.resting_clearance)
         return with_predicted(
-            positions, target, *settled(place, sight.where(found), lying, self.params.sigma)
+            positions, target, *settled(place, sight.where(found), lying, self.params.blob_sigma)
         )
 
     def doubtful(self, positions: Positions, forecast: Forecast | None) -> Array:
@@ -85,12 +99,11 @@ class Bridge(Stage):
         poor = (positions.support == 1) & ~positions.evident
         if forecast is None or not len(forecast.state) or not (poor | (positions.support == 0)).any():
             return np.zeros(len(positions.target), bool)
-        known = np.where(
-            np.isfinite(positions.covariance), positions.covariance, self.params.lone**2 * np.eye(3)
-        )
+        single = self.params.single_pair_sigma**2 * np.eye(3)
+        known = np.where(np.isfinite(positions.covariance), positions.covariance, single)
         spread = forecast.covariance[positions.target] + known
         offset = positions.xyz - forecast.xyz[positions.target]
-        far = _distance(offset, spread) > self.params.jump**2
+        far = _distance(offset, spread) > self.params.single_pair_gate**2
         return np.asarray((positions.support == 0) | (poor & far))
 
     def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
@@ -106,7 +119,7 @@ class Bridge(Stage):
         view = np.repeat(number, [len(b.xy) for b in blobs])
         sight = Sight(np.concatenate([b.xy for b in blobs])[:, None] - pixel[view], slope[view])
         possible = self.possible(sight.offset, view, blobs, forecast)
-        error = np.where(possible, misfit(sight, forecast.covariance, self.params.sigma), np.inf)
+        error = np.where(possible, misfit(sight, forecast.covariance, self.params.blob_sigma), np.inf)
         blob = error[:, target].argmin(axis=0)
         return sight.where((blob, target)), error[blob, target] <= self.params.gate**2
 
@@ -121,7 +134,8 @@ class Bridge(Stage):
         allowed = np.concatenate([b.targets for b in blobs]) & ~lost_targets(forecast, len(self.radius))
         distance = np.where(allowed, np.hypot(offset[..., 0], offset[..., 1]), np.inf)
         own = distance <= distance.min(axis=1, keepdims=True, initial=np.inf)
-        return np.asarray(allowed & own & (share >= self.params.smallest) & (share <= self.params.largest))
+        fits = (share >= self.params.minimum_area) & (share <= self.params.maximum_area)
+        return np.asarray(allowed & own & fits)
 
 
 def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: Array) -> Positions:

@@ -57,62 +57,67 @@ class ColorBlobs(Stage):
             ge=0,
             le=1,
             unit="1",
-            description="least Bhattacharyya coefficient with the template; raising it rejects more "
-            "projections, and balls on which projections of another colour fall",
+            description="smallest Bhattacharyya coefficient with the template; raising it rejects more "
+            "projections, and balls lit by projections of another colour",
         )
-        saturation: int = Field(
+        minimum_saturation: int = Field(
             80,
             ge=0,
             le=255,
-            unit="1",
-            description="least saturation of a pixel that shows its hue; raising it ignores pale light",
+            unit="grey levels",
+            description="smallest HSV saturation of a pixel that shows its hue; raising it ignores pale "
+            "light",
         )
-        value: int = Field(
+        minimum_brightness: int = Field(
             70,
             ge=1,
             le=255,
-            unit="1",
-            description="least brightness of a pixel; raising it ignores dim projections, and dim balls",
+            unit="grey levels",
+            description="smallest HSV value of a pixel; raising it ignores dim projections and dim balls",
         )
-        white: int = Field(
+        overexposed_brightness: int = Field(
             245,
             ge=1,
             le=256,
-            unit="1",
-            description="brightness from which a pale pixel counts as an overexposed core; 256: none does",
+            unit="grey levels",
+            description="HSV value from which a pale pixel counts as an overexposed core; 256: none does; "
+            "lowering it accepts more white light",
         )
-        hue_share: float = Field(
+        minimum_hue_share: float = Field(
             0.02,
             gt=0,
             lt=1,
             unit="1",
-            description="least part of the histogram that a hue must hold; raising it narrows the colour",
+            description="smallest share of the template's histogram that a hue must hold; raising it "
+            "narrows the colour",
         )
-        edge: float = Field(
+        edge_level: float = Field(
             0.7,
             gt=0,
             lt=1,
             unit="1",
-            description="edge of a blob over its brightest pixel; raising it shrinks blobs and parts them",
+            description="brightness of a blob's edge over that of its brightest pixel; raising it shrinks "
+            "blobs and separates them",
         )
-        rim: float = Field(
+        radius_offset: float = Field(
             0.0,
             unit="px",
-            description="how much wider than its outline a ball looks at the edge; raise it where balls are "
+            description="radius of a ball at the edge level minus its true radius; raise it if balls are "
             "overexposed",
         )
-        largest: float = Field(
+        maximum_area: float = Field(
             1.5,
             gt=0,
             unit="1",
-            description="largest area over the template's; raising it accepts balls merged with projections",
+            description="largest area of a blob over the template's; raising it accepts balls merged with "
+            "projections",
         )
-        submerged: float = Field(
+        maximum_expected_area: float = Field(
             1.8,
             gt=0,
             unit="1",
-            description="largest area over the outline expected at the forecast; a ball that is part of more "
-            "counts as hidden; raising it keeps biased blobs",
+            description="largest area of a blob over the area expected at the forecast; the ball in a "
+            "larger one counts as hidden; raising it keeps biased blobs",
         )
 
     params: Params
@@ -123,7 +128,7 @@ class ColorBlobs(Stage):
         histograms = np.array([t.hue_histogram.get(name, np.zeros(BINS)) for t in targets]).reshape(-1, BINS)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
         self.templates = Templates(
-            histograms, hue_bits(histograms, p.hue_share), area * [p.smallest, p.largest]
+            histograms, hue_bits(histograms, p.minimum_hue_share), area * [p.minimum_area, p.maximum_area]
         )
 
     def process(self, frame: Frame, forecast: Latest[Forecast] = None) -> Blobs:
@@ -135,7 +140,8 @@ class ColorBlobs(Stage):
     ) -> list[Blobs]:
         p, room = stages[0].params, stages[0].room
         cameras, pictures = [s.camera for s in stages], [frame.pixels for frame, _ in inputs]
-        regions = search_regions(room, [c.name for c in cameras], [f for _, f in inputs], p.radius, p.scale)
+        names, forecasts = [c.name for c in cameras], [f for _, f in inputs]
+        regions = search_regions(room, names, forecasts, p.minimum_search_radius, p.search_radius_scale)
         found = blobs_of(pictures, regions, joint_templates(tuple(stages)), p)
         count = len(room.targets)
         view, target = row_and_column(found.owner, max(count, 1))
@@ -148,7 +154,7 @@ def blobs_of(
     pictures: Sequence[Array], regions: Regions, templates: Templates, p: ColorBlobs.Params
 ) -> Found:
     """Blobs of targets in their windows, of all views at once; of lost ones in whole pictures, one by one."""
-    limits = Limits(p.saturation, p.value, p.white)
+    limits = Limits(p.minimum_saturation, p.minimum_brightness, p.overexposed_brightness)
     count = len(regions.circles.lost) // len(pictures)
     found = [NOTHING]
     if len(regions.near):
@@ -183,7 +189,7 @@ def measured(
     count: targets of each view; near: search regions, where the parts are their windows.
     """
     level, strip = sought.level, sought.strip
-    blobs = components(above_local_peak(level, p.edge), level, strip)
+    blobs = components(above_local_peak(level, p.edge_level), level, strip)
     owner = sought.owner.take(blobs.part)
     smallest, largest = templates.area.take(owner, axis=0).T
     keep = of_size(blobs.area, smallest, largest, owner // max(count, 1))
@@ -194,9 +200,10 @@ def measured(
     if near is not None:
         circles, windows = near
         ball = circles.ball.take(owner)
-        keep &= blobs.area <= np.maximum(p.submerged * np.pi * ball * ball, SMALL)
+        keep &= blobs.area <= np.maximum(p.maximum_expected_area * np.pi * ball * ball, SMALL)
         keep &= ~clipped(blobs, strip, windows)
-        pixel = disc_centers(level, strip, blobs, np.where(keep, ball + p.rim, np.nan), p.edge)
+        radius = np.where(keep, ball + p.radius_offset, np.nan)
+        pixel = disc_centers(level, strip, blobs, radius, p.edge_level)
         right, down = (pixel - circles.center.take(owner, axis=0)).T
         keep &= np.hypot(right, down) <= circles.radius.take(owner)
     rows = keep.nonzero()[0]

@@ -13,26 +13,25 @@ from followspot.room import Camera
 from followspot.tracking import Blobs
 
 
-class DetectionParams(StageParams):
-    """Of both detectors."""
+class SearchParams(StageParams):
+    """How far from the forecast a target is searched for in a picture."""
 
-    smallest: float = Field(
+    minimum_search_radius: float = Field(
+        10.0, gt=0, unit="px", description="smallest search radius; raising it survives jumps and costs time"
+    )
+    search_radius_scale: float = Field(
+        1.5, gt=0, unit="1", description="search radius over the expected travel; raising it survives turns"
+    )
+
+
+class DetectionParams(SearchParams):
+    """Parameters of both detectors."""
+
+    minimum_area: float = Field(
         0.3,
         gt=0,
         unit="1",
-        description="smallest area over the template's; lowering it accepts balls that are mostly hidden",
-    )
-    radius: float = Field(
-        10.0,
-        gt=0,
-        unit="px",
-        description="smallest search radius; raising it survives jumps, and costs time",
-    )
-    scale: float = Field(
-        1.5,
-        gt=0,
-        unit="1",
-        description="search radius over expected travel; raising it survives sharper turns",
+        description="smallest blob area over the template's; lowering it finds hidden balls",
     )
 
 

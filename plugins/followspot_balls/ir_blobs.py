@@ -61,24 +61,25 @@ class IrBlobs(Stage):
     per_camera = True
 
     class Params(DetectionParams):
-        edge: float = Field(
+        edge_level: float = Field(
             0.45,
             gt=0,
             lt=1,
             unit="1",
-            description="edge of a blob over its brightest pixel; raising it shrinks blobs and parts them",
+            description="brightness of a blob's edge over that of its brightest pixel; raising it shrinks "
+            "blobs and separates them",
         )
-        rim: float = Field(
+        radius_offset: float = Field(
             -0.5,
             unit="px",
-            description="how much wider than its outline a ball looks at the edge; patches reflect less "
-            "towards the rim, so it is negative",
+            description="radius of a ball at the edge level minus its true radius; negative if its patches "
+            "reflect less towards the edge; raising it expects larger discs",
         )
-        largest: float = Field(
+        maximum_area: float = Field(
             1.5,
             gt=0,
             unit="1",
-            description="largest area over the template's; raising it accepts merged balls",
+            description="largest area of a blob over the template's; raising it accepts merged balls",
         )
 
     params: Params
@@ -88,7 +89,7 @@ class IrBlobs(Stage):
         targets = self.room.targets.values()
         gray = np.array([t.gray.get(name, (256.0, 0.0)) for t in targets]).reshape(-1, 2)
         area = np.array([t.area.get(name, (1.0, 0.0)) for t in targets]).reshape(-1, 2)
-        area *= [self.params.smallest, self.params.largest]
+        area *= [self.params.minimum_area, self.params.maximum_area]
         self.limits = Limits(
             np.ceil(gray[:, 0].min(initial=255)).astype(np.uint8),
             np.floor(gray[:, 1].max(initial=0)).astype(np.uint8),
@@ -106,7 +107,9 @@ class IrBlobs(Stage):
     ) -> list[Blobs]:
         p, cameras = stages[0].params, [stage.camera for stage in stages]
         names, forecasts = [camera.name for camera in cameras], [forecast for _, forecast in inputs]
-        regions = search_regions(stages[0].room, names, forecasts, p.radius, p.scale)
+        regions = search_regions(
+            stages[0].room, names, forecasts, p.minimum_search_radius, p.search_radius_scale
+        )
         limits = joint_limits(tuple(stages))
         found = blobs_of([frame.pixels[..., :1] for frame, _ in inputs], regions, limits, p)
         pixel, area, view = found
@@ -175,7 +178,7 @@ def measured(
 
     view: (N,) of each part; circles: of all views; windows: where the parts are such.
     """
-    blobs = components(above_local_peak(level, p.edge), level, strip)
+    blobs = components(above_local_peak(level, p.edge_level), level, strip)
     seen = view.take(blobs.part)
     keep = of_size(blobs.area, limits.smallest.take(seen), limits.largest.take(seen), seen)
     if windows is not None:
@@ -184,7 +187,7 @@ def measured(
     near = circles_of(circles, seen.take(rows), len(limits.darkest))
     radius = np.full(len(keep), np.nan)
     radius[rows] = nearest_radius(near, blobs.center.take(rows, axis=0))
-    center = disc_centers(level, strip, blobs, radius + p.rim, p.edge)
+    center = disc_centers(level, strip, blobs, radius + p.radius_offset, p.edge_level)
     return Found(center.take(rows, axis=0), blobs.area.take(rows), seen.take(rows))
 
 

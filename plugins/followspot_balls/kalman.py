@@ -29,71 +29,82 @@ class Kalman(Stage):
     """Filter each target with a first-order motion model, and keep its life cycle: tracked, missing, lost."""
 
     class Params(StageParams):
-        acceleration: float = Field(
+        acceleration_sigma: float = Field(
             12.0,
             gt=0,
             unit="m/s^2",
-            description="one sigma of what moves a target; raising it follows turns faster and smooths less",
+            description="standard deviation of a target's acceleration; raising it follows turns faster and "
+            "smooths less",
         )
-        measurement: float = Field(
+        measurement_sigma: float = Field(
             0.008,
             gt=0,
             unit="m",
-            description="one sigma of a position whose fusion gives no covariance; raising it smooths more",
+            description="standard deviation of a position without a covariance; raising it smooths more",
         )
-        gate: float = Field(
+        bounce_gate: float = Field(
             3.0,
             gt=0,
-            unit="1",
-            description="sigmas from the forecast at which a measurement means that the target bounced or "
-            "was hit; raising it smooths more and follows later",
+            unit="sigma",
+            description="Mahalanobis distance from the forecast beyond which a target bounced or was hit; "
+            "raising it smooths more and follows bounces later",
         )
-        missing: int = Field(
+        maximum_missed_frames: int = Field(
             25,
             ge=0,
             unit="frames",
-            description="frames for which a target that is not seen, or by one camera only, is sought near "
-            "its last place",
+            description="frames without a measurement after which a target is lost; raising it bridges "
+            "longer gaps and may keep a wrong target",
         )
-        near: int = Field(
+        local_search_frames: int = Field(
             4,
             ge=0,
             unit="frames",
-            description="frames of these for which it is sought there only; then, in every second frame, "
-            "everywhere, as if it were lost; raising it finds those later that come back elsewhere",
+            description="frames of these in which a target is sought near its last position only, then "
+            "everywhere in every second frame; raising it finds targets later that reappear elsewhere",
         )
-        vague: float = Field(
+        maximum_predicted_sigma: float = Field(
             0.1,
             gt=0,
             unit="m",
-            description="one sigma beyond which a target that one camera sees is missing; raising it bridges "
-            "longer gaps, and may follow something else",
+            description="standard deviation beyond which a target that one camera sees is missing; raising "
+            "it bridges longer gaps and may follow something else",
         )
-        support: int = Field(
+        minimum_support: int = Field(
             3,
             ge=1,
             unit="1",
-            description="candidates that must agree for a target that is not tracked to be believed at once, "
-            "or for one that is to have bounced; raising it avoids false recoveries",
+            description="candidates that confirm a new target at once, or a bounce; raising it avoids false "
+            "recoveries",
         )
-        frames: int = Field(
+        confirmation_frames: int = Field(
             3,
             ge=1,
             unit="frames",
-            description="frames that must show an evident candidate of a target that is not tracked; "
-            "raising it avoids false recoveries and delays true ones",
+            description="frames with an evident candidate that confirm a tentative target; raising it "
+            "avoids false recoveries and delays true ones",
         )
-        reach: float = Field(
-            0.3, gt=0, unit="m", description="farthest that these frames may lie from one to the next"
+        confirmation_distance: float = Field(
+            0.3,
+            gt=0,
+            unit="m",
+            description="largest distance between such candidates of successive frames; raising it confirms "
+            "faster targets, and false ones",
         )
-        fade: float = Field(
+        fade_time: float = Field(
             0.1,
             ge=0,
             unit="s",
-            description="time in which the velocity of a target fades that is not measured; 0: a missing one "
-            "stays at its last place",
+            description="time in which the velocity of a coasting target decays to 1/e; 0: a missing target "
+            "stops at its last position; raising it extrapolates farther",
         )
-        speed: float = Field(3.0, gt=0, unit="m/s", description="one sigma of the velocity of a new target")
+        initial_velocity_sigma: float = Field(
+            3.0,
+            gt=0,
+            unit="m/s",
+            description="standard deviation of the velocity of a new target; raising it catches faster "
+            "targets and smooths less at first",
+        )
 
     params: Params
 
@@ -101,8 +112,8 @@ class Kalman(Stage):
         count = len(self.room.targets)
         p = self.params
         apart = min((t.radius for t in self.room.targets.values()), default=0.0)
-        self.evidence = Evidence(p.support, p.frames, p.reach, apart)
-        self.constant = np.eye(3) * p.measurement**2
+        self.evidence = Evidence(p.minimum_support, p.confirmation_frames, p.confirmation_distance, apart)
+        self.constant = np.eye(3) * p.measurement_sigma**2
         self.motion = Motion.zero(count)
         self.life = LifeCycle.lost(count)
         self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
@@ -111,25 +122,27 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        status = sought(self.life, p.near)
-        life, counted = believed(self.life, status, p.near, positions, self.evidence)
+        status = sought(self.life, p.local_search_frames)
+        life, counted = believed(self.life, status, p.local_search_frames, positions, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
-        noise, sure = self.noise(positions.covariance), positions.support >= p.support
-        motion = predict(self.motion, self.period, p.acceleration)
+        noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
+        motion = predict(self.motion, self.period, p.acceleration_sigma)
         new = status.take(target) == LOST
         old = slice(None)
         if new.any():
-            motion = started(motion, target[new], xyz[new], noise[new], p.speed)
+            motion = started(motion, target[new], xyz[new], noise[new], p.initial_velocity_sigma)
             old = ~new
-        self.motion = followed(motion, target[old], xyz[old], noise[old], sure[old], self.period, p.gate)
+        self.motion = followed(
+            motion, target[old], xyz[old], noise[old], sure[old], self.period, p.bounce_gate
+        )
         measured, bridged = np.zeros((2, len(life.status)), bool)
         measured[target] = ~positions.predicted
         if positions.predicted.any():
-            vague = self.motion.sigma.take(target, axis=0).max(axis=1) > p.vague
+            vague = self.motion.sigma.take(target, axis=0).max(axis=1) > p.maximum_predicted_sigma
             bridged[target] = positions.predicted & ~vague
-        self.life = aged(life, measured, bridged, p.missing)
+        self.life = aged(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new])
         return Outputs(self.tracks(), self.forecast())
 
@@ -149,9 +162,9 @@ class Kalman(Stage):
         self.last[target] = self.motion.xyz.take(target, axis=0)
         self.before[new] = self.last[new]
         status = self.life.status
-        if self.params.fade > 0:
+        if self.params.fade_time > 0:
             unmeasured = ((status == MISSING) | (status == PREDICTED)).nonzero()[0]
-            self.motion.state[unmeasured, 3:] *= np.exp(-self.period / self.params.fade)
+            self.motion.state[unmeasured, 3:] *= np.exp(-self.period / self.params.fade_time)
         else:
             missing = (status == MISSING).nonzero()[0]
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
@@ -169,9 +182,9 @@ class Kalman(Stage):
 
     def forecast(self) -> Forecast:
         """Where the targets will be one period from now; the rows of lost ones are zero."""
-        status = sought(self.life, self.params.near)
+        status = sought(self.life, self.params.local_search_frames)
         known = status != LOST
-        ahead = predict(self.motion, self.period, self.params.acceleration)
+        ahead = predict(self.motion, self.period, self.params.acceleration_sigma)
         keep = known[:, None]
         return Forecast(
             period=self.period,

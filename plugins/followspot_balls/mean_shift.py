@@ -21,64 +21,74 @@ class MeanShift(Stage):
     """Seek the mode of each target's candidates, from the forecast or from where they are densest."""
 
     class Params(StageParams):
-        start: Literal["forecast", "densest", "mean"] = Field(
+        initial_center: Literal["forecast", "densest", "mean"] = Field(
             "forecast",
-            description="initial centre of a target that has a forecast: that, the densest candidate, or the "
-            "weighted mean of the candidates",
+            description="initial centre of a target with a forecast: the forecast, the densest candidate or "
+            "the weighted mean of the candidates",
         )
-        bandwidth: float = Field(
+        bandwidth_scale: float = Field(
             2.5,
             gt=0,
             unit="1",
-            description="bandwidth over the forecast's sigma; raising it averages more candidates",
+            description="bandwidth over the standard deviation of the forecast; raising it averages more "
+            "candidates",
         )
-        smallest: float = Field(
-            0.03, gt=0, unit="m", description="smallest bandwidth; raising it lets more biased candidates in"
+        minimum_bandwidth: float = Field(
+            0.03, gt=0, unit="m", description="smallest bandwidth; raising it includes more biased candidates"
         )
-        lost: float = Field(
-            0.1, gt=0, unit="m", description="bandwidth for a target without forecast; raising it finds more"
+        lost_bandwidth: float = Field(
+            0.1,
+            gt=0,
+            unit="m",
+            description="bandwidth for a lost target; raising it recovers more targets, also false ones",
         )
-        epipolar: float = Field(
+        epipolar_sigma: float = Field(
             1.0,
             gt=0,
             unit="px",
-            description="T_ED of the weights; lowering it trusts exact pairs more (the paper's 3 px suit "
-            "centroids of whole pixels)",
+            description="standard deviation of the epipolar distance in the weights (T_ED; 3 px in the "
+            "paper); lowering it prefers precise pairs",
         )
-        appearing: float = Field(
+        recovery_epipolar_sigma: float = Field(
             3.0,
             gt=0,
             unit="px",
-            description="T_ED of a target without forecast where three views confirm each other, for it "
-            "often shows only parts of itself; raising it finds more, also false ones",
+            description="the same for a lost target that three views confirm; raising it recovers more "
+            "targets, also false ones",
         )
-        held: float = Field(
+        minimum_mode_share: float = Field(
             0.5,
             ge=0,
             le=1,
             unit="1",
-            description="part of a target's weight up to which the mode at the forecast is left for the "
-            "densest candidate; raising it leaves wrong forecasts sooner",
+            description="share of a target's total weight below which the densest candidate replaces the "
+            "mode at the forecast; raising it leaves wrong forecasts sooner",
         )
-        prior: float = Field(
+        prior_sigma: float = Field(
             0.1,
             gt=0,
             unit="m",
-            description="one sigma of the densest candidate's distance from the forecast; raising it lets "
+            description="standard deviation of the densest candidate around the forecast; raising it lets "
             "targets jump",
         )
-        used: float = Field(
+        minimum_support_weight: float = Field(
             0.6,
             ge=0,
             lt=1,
             unit="1",
-            description="weight above which a candidate counts as support; raising it delays recoveries, and "
-            "avoids false ones",
+            description="weight above which a candidate counts as support; raising it avoids false "
+            "recoveries and delays true ones",
         )
-        tolerance: float = Field(
-            0.0005, gt=0, unit="m", description="a centre rests when its step is shorter"
+        convergence_distance: float = Field(
+            0.0005,
+            gt=0,
+            unit="m",
+            description="step length below which a centre has converged; raising it saves time and costs "
+            "precision",
         )
-        steps: int = Field(30, gt=0, unit="1", description="most steps of a centre")
+        maximum_iterations: int = Field(
+            30, gt=0, unit="1", description="largest number of steps of a centre; raising it costs time"
+        )
 
     params: Params
 
@@ -90,11 +100,11 @@ class MeanShift(Stage):
         target = (weights.any(axis=1) & (confirmed | ~lost)).nonzero()[0]
         weights, lost = weights[target], lost[target]
         center, sigma = expectation(forecast, target, lost)
-        bandwidth = np.maximum(self.params.bandwidth * sigma, self.params.smallest)
-        bandwidth[lost] = self.params.lost
+        bandwidth = np.maximum(self.params.bandwidth_scale * sigma, self.params.minimum_bandwidth)
+        bandwidth[lost] = self.params.lost_bandwidth
         sample = Sample(candidates.xyz, candidates.labelled, weights, bandwidth)
         modes = self.modes(sample, center, recovery_credit(candidates), lost)
-        used = modes.held > self.params.used
+        used = modes.held > self.params.minimum_support_weight
         return Positions(
             target=target.astype(np.int32),
             xyz=modes.center,
@@ -109,7 +119,9 @@ class MeanShift(Stage):
     def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
         """T_ED, px: of all candidates, or (T, N) where a target has no forecast."""
         p = self.params
-        return np.where(appearing(candidates, lost).T, p.appearing, p.epipolar) if lost.any() else p.epipolar
+        if not lost.any():
+            return p.epipolar_sigma
+        return np.where(appearing(candidates, lost).T, p.recovery_epipolar_sigma, p.epipolar_sigma)
 
     def credit(self, xyz: Array, center: Array, recovery: Array, lost: Array) -> Array:
         """Of candidates as the densest: by their distance from the forecast; for lost targets as evidence.
@@ -117,24 +129,24 @@ class MeanShift(Stage):
         xyz: (N, 3) m; center: (M, 3) m; recovery: (N,); lost: (M,). Returns (M, N).
         """
         offsets = xyz - center[:, None]
-        near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior**2))
+        near = np.exp(-np.square(offsets).sum(axis=2) / (2 * self.params.prior_sigma**2))
         return np.where(lost[:, None], recovery, np.maximum(near, FAINT))
 
     def modes(self, sample: Sample, center: Array, recovery: Array, lost: Array) -> Modes:
         """Modes from the initial centres; those that hold too little give way to the densest candidate."""
         p = self.params
-        start = weighted_mean(sample.xyz, sample.weights) if p.start == "mean" else center.copy()
-        dense = lost | (p.start == "densest")
+        start = weighted_mean(sample.xyz, sample.weights) if p.initial_center == "mean" else center.copy()
+        dense = lost | (p.initial_center == "densest")
         if dense.any():
             credit = self.credit(sample.xyz, center[dense], recovery, lost[dense])
             start[dense] = densest(sample.rows(dense), credit)
-        first = seek_modes(start, sample, p.tolerance, p.steps)
-        poor = ~dense & (first.held.sum(axis=1) <= p.held * sample.weights.sum(axis=1))
+        first = seek_modes(start, sample, p.convergence_distance, p.maximum_iterations)
+        poor = ~dense & (first.held.sum(axis=1) <= p.minimum_mode_share * sample.weights.sum(axis=1))
         if not poor.any():
             return first
         rest = sample.rows(poor)
         credit = self.credit(sample.xyz, center[poor], recovery, lost[poor])
-        second = seek_modes(densest(rest, credit), rest, p.tolerance, p.steps)
+        second = seek_modes(densest(rest, credit), rest, p.convergence_distance, p.maximum_iterations)
         for old, new in zip(first, second, strict=True):
             old[poor] = new
         return first

@@ -23,45 +23,55 @@ class Triangulate(Stage):
     """Turn every pair into a 3D candidate; reject those outside the spheres around the forecasts."""
 
     class Params(StageParams):
-        radius: float = Field(
-            0.225, gt=0, unit="m", description="smallest radius of a sphere; raising it survives jumps"
+        minimum_search_radius: float = Field(
+            0.225,
+            gt=0,
+            unit="m",
+            description="smallest radius of the search sphere around the forecast; raising it survives "
+            "jumps and accepts more false candidates",
         )
-        scale: float = Field(2.0, gt=0, unit="1", description="radius of a sphere over the last displacement")
-
-        whole: float = Field(
-            0.4,
-            ge=0,
-            unit="1",
-            description="share of the target's outline that both blobs of an evident pair show; raising it "
-            "avoids false recoveries and delays those of balls hidden in part",
-        )
-        smallest: float = Field(
-            0.25,
-            ge=0,
-            unit="1",
-            description="smallest blob over the target's outline at that distance, while the target is not "
-            "tracked, unless it makes pairs with both blobs of an evident pair; raising it avoids false "
-            "recoveries and delays those of balls hidden in part",
-        )
-        largest: float = Field(
+        search_radius_scale: float = Field(
             2.0,
             gt=0,
             unit="1",
-            description="largest blob over the outline, likewise; lowering it avoids false recoveries",
+            description="radius of the search sphere over the last displacement; raising it survives "
+            "sharper turns",
         )
-        claim: float = Field(
+        minimum_evident_area: float = Field(
+            0.4,
+            ge=0,
+            unit="1",
+            description="smallest area of both blobs of an evident pair over the target's expected area; "
+            "raising it avoids false recoveries and delays those of partly hidden balls",
+        )
+        minimum_area: float = Field(
+            0.25,
+            ge=0,
+            unit="1",
+            description="smallest area of a blob over the expected area of a target that is not tracked, "
+            "unless it pairs with both blobs of an evident pair; raising it avoids false recoveries and "
+            "delays those of partly hidden balls",
+        )
+        maximum_area: float = Field(
+            2.0,
+            gt=0,
+            unit="1",
+            description="largest area of a blob over the expected area of a target that is not tracked; "
+            "lowering it avoids false recoveries",
+        )
+        claim_radius: float = Field(
             1.5,
             ge=0,
             unit="1",
-            description="distance from a tracked target's image, over its outline, up to which an infrared "
-            "blob is that target and no evidence of a lost one; raising it avoids false recoveries and "
-            "delays those beside tracked targets",
+            description="distance of an infrared blob from a tracked target's image over its radius up to "
+            "which the blob is no evidence of a lost target; raising it avoids false recoveries and delays "
+            "those beside tracked targets",
         )
-        sink: float = Field(
+        plane_tolerance: float = Field(
             0.04,
             unit="m",
-            description="how deep a target may seem to sink into a plane; raising it allows poor planes, "
-            "and points pulled down by projections that merge with a ball",
+            description="depth to which a target may seem to sink into a plane; raising it tolerates "
+            "inexact planes, and projections that merge with a ball",
         )
 
     params: Params
@@ -93,7 +103,7 @@ class Triangulate(Stage):
         sizes = self.unit_shares(xyz, pairs)
         targets = pairs.targets & self.within(xyz, pairs, forecast) & self.above_planes(xyz)
         tracked = tracked_targets(forecast, len(self.sizes))
-        whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.whole * self.outlines
+        whole = np.minimum(sizes[:, :1], sizes[:, 1:]) >= self.params.minimum_evident_area * self.outlines
         if not tracked.all():
             targets &= self.unclaimed(pairs, forecast)
             targets &= tracked | self.plausible(sizes, pairs, targets & ~tracked, whole)
@@ -132,7 +142,7 @@ class Triangulate(Stage):
         if forecast is None or lost.all():
             return np.asarray(real & lost)
         offset = xyz[:, None] - forecast.xyz
-        spheres = search_spheres(forecast, self.params.radius, self.params.scale)
+        spheres = search_spheres(forecast, self.params.minimum_search_radius, self.params.search_radius_scale)
         distance2 = np.vecdot(offset, offset)
         ball = (distance2 <= self.outlines) & ~lost
         tracked = ball & (forecast.state == TRACKED)
@@ -144,7 +154,9 @@ class Triangulate(Stage):
     def above_planes(self, xyz: Array) -> Array:
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
         height = xyz @ self.planes[:, :3].T + self.planes[:, 3]
-        return np.asarray(height.min(axis=1, initial=np.inf)[:, None] >= self.sizes - self.params.sink)
+        return np.asarray(
+            height.min(axis=1, initial=np.inf)[:, None] >= self.sizes - self.params.plane_tolerance
+        )
 
     def unclaimed(self, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which pairs may be a target's although others are tracked: (N, T) bool.
@@ -157,7 +169,7 @@ class Triangulate(Stage):
             return np.ones(pairs.targets.shape, bool)
         image = self.projection[:, :, :3] @ forecast.xyz[tracked].T + self.projection[:, :, 3:]
         depth = np.where(image[:, 2] > 0, image[:, 2], np.nan)
-        outline = self.params.claim * self.focal[:, None] * self.sizes[tracked] / depth
+        outline = self.params.claim_radius * self.focal[:, None] * self.sizes[tracked] / depth
         offset = pairs.xy[..., None] - (image[:, :2] / depth[:, None])[pairs.view]
         inside = np.hypot(offset[:, :, 0], offset[:, :, 1]) <= outline[pairs.view]
         claimed = (inside.any(axis=2) & self.infrared[pairs.view]).any(axis=1)
@@ -180,8 +192,8 @@ class Triangulate(Stage):
         sizes: (N, 2) unit shares; sought: (N, T) bool, which else may be such a target's; whole: (N, T)
         bool, of which both blobs are large enough for an evident pair.
         """
-        sought = sought & (sizes.max(axis=1)[:, None] <= self.params.largest * self.outlines)
-        large = sizes.min(axis=1)[:, None] >= self.params.smallest * self.outlines
+        sought = sought & (sizes.max(axis=1)[:, None] <= self.params.maximum_area * self.outlines)
+        large = sizes.min(axis=1)[:, None] >= self.params.minimum_area * self.outlines
         evident = sought & whole & pairs.evident[:, None]
         return np.asarray(sought & (large | threefold(pairs, sought, evident)))
 

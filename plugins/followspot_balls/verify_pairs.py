@@ -22,25 +22,26 @@ class VerifyPairs(Stage):
     """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes."""
 
     class Params(StageParams):
-        epipolar: float = Field(
+        maximum_epipolar_distance: float = Field(
             3.0,
             gt=0,
             unit="px",
-            description="largest distance from the epipolar line; raising it survives a poor calibration",
+            description="largest distance from the epipolar line; raising it tolerates a worse calibration "
+            "and accepts more false pairs",
         )
-        homography: float = Field(
+        homography_tolerance: float = Field(
             3.0,
             ge=0,
             unit="px",
-            description="distance up to which a pair satisfies a plane; raising it rejects more projections,"
-            " and balls close to the plane; 0 switches the test off",
+            description="distance up to which a pair fits a plane's homography and counts as a projection; "
+            "0: no test; raising it rejects more projections, and balls close to the plane",
         )
-        reach: float = Field(
+        minimum_alignment_radius: float = Field(
             10.0,
             gt=0,
             unit="px",
-            description="smallest distance from a target's image up to which blobs of cameras that are not"
-            " synchronised are moved with it; raising it survives jumps",
+            description="smallest distance from a target's image up to which blobs of unsynchronised "
+            "cameras are moved with the target; raising it survives jumps",
         )
 
     params: Params
@@ -72,13 +73,13 @@ class VerifyPairs(Stage):
         cameras, ends = view.take(pair), xy.take(pair, axis=0)
         order = cameras[:, 0] * len(self.cameras) + cameras[:, 1]
         distance = epipolar_distance(self.fundamental.take(order, axis=0), ends[:, 0], ends[:, 1])
-        near = (distance < self.params.epipolar).nonzero()[0]
+        near = (distance < self.params.maximum_epipolar_distance).nonzero()[0]
         pair, cameras, ends = (a.take(near, axis=0) for a in (pair, cameras, ends))
         color = self.color.take(cameras)
         off_plane = self.off_plane(order.take(near), ends)
-        keep = homography_test(pair, color, off_plane < self.params.homography, len(view))
+        keep = homography_test(pair, color, off_plane < self.params.homography_tolerance, len(view))
         light = np.zeros(len(view), bool)
-        sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography
+        sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography_tolerance
         light[pair[~keep & sure]] = True
         rows = keep.nonzero()[0]
         pair, color = pair.take(rows, axis=0), color.take(rows, axis=0)
@@ -108,7 +109,7 @@ class VerifyPairs(Stage):
         numbers = [self.number[b.camera] for b in blobs]
         delay = np.zeros(len(self.cameras))
         delay[numbers] = delays(blobs, self.clock_offset[numbers])
-        return aligned(xy, view, targets, delay, self.P, forecast, self.params.reach)
+        return aligned(xy, view, targets, delay, self.P, forecast, self.params.minimum_alignment_radius)
 
     def off_plane(self, order: Array, ends: Array) -> Array:
         """How far pairs are off each plane: (planes, M) px.

@@ -62,7 +62,7 @@ def column(key: str, *of: TargetFigures) -> float:
 
 
 def test_each_graph_is_a_variant_and_each_option_changes_the_first() -> None:
-    options = ["both:fuse.uses=balls.mean,verify.in.blobs=[color, infrared],verify.homography=0"]
+    options = ["both:fuse.uses=balls.mean,verify.in.blobs=[color, infrared],verify.homography_tolerance=0"]
     variants = read_variants(["graphs/a.yaml", "b.yaml"], options)
     assert [(v.name, v.graph) for v in variants] == [
         ("a", "graphs/a.yaml"),
@@ -72,7 +72,7 @@ def test_each_graph_is_a_variant_and_each_option_changes_the_first() -> None:
     assert variants[2].overrides == (
         "fuse.uses=balls.mean",
         "verify.in.blobs=[color, infrared]",
-        "verify.homography=0",
+        "verify.homography_tolerance=0",
     )
 
 

@@ -157,7 +157,7 @@ def test_verify_names_the_first_difference(
     with Recording(show) as recording:
         plan = json.loads(recording.attachment("plan.json"))
     track = next(stage for stage in plan["stages"] if stage["name"] == "track")
-    track["params"]["acceleration"] *= 2
+    track["params"]["acceleration_sigma"] *= 2
     changed = altered(show, tmp_path / "b.mcap", stages=plan["stages"])
     assert main(["verify", str(changed), "--json"]) == 1
     rows = {row["port"]: row["difference"] for row in json.loads(capsys.readouterr().out)["ports"]}

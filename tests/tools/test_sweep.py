@@ -40,7 +40,7 @@ def values(option: str) -> tuple[str, ...]:
     ],
 )
 def test_values_are_listed_or_counted_from_start_to_stop(text: str, expected: tuple[str, ...]) -> None:
-    assert values(f"fuse.bandwidth={text}") == expected
+    assert values(f"fuse.bandwidth_scale={text}") == expected
 
 
 def test_the_grid_has_every_combination() -> None:

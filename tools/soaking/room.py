@@ -49,7 +49,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
     for stage in graph["stages"].values():  # those that keep journals
         stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
     graph["stages"]["save"]["on_error"] = "skip"
-    graph["stages"]["track"]["with"] = {"missing": _MISSING}
+    graph["stages"]["track"]["with"] = {"maximum_missed_frames": _MISSING}
     judge = {"uses": "journaled.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
     graph["stages"]["judge"] = judge
     (folder / "soak.yaml").write_text(yaml.safe_dump(graph))

@@ -58,7 +58,7 @@ SWAP = Command(
     f"""let other stages take the place of those that work, while the graph runs
 
   followspot swap glowballs fuse=balls.mean
-  followspot swap fuse=balls.mean_shift fuse.steps=50
+  followspot swap fuse=balls.mean_shift fuse.maximum_iterations=50
 {_ABOUT}""",
     _configure,
     _run,

@@ -14,6 +14,7 @@ from pydantic.fields import FieldInfo
 
 from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.plugins.renamed import renamed
 from followspot.stage import PathIn, PathOut, Stage, StageParams
 
 _LONGEST_NAME = 255
@@ -44,7 +45,7 @@ def validated(
     try:
         model = stage.Params.model_validate({**given, **values})
     except pydantic.ValidationError as error:
-        mistakes += [_mistake(detail, fields, noun, params, place) for detail in error.errors()]
+        mistakes += [_mistake(detail, stage, noun, params, place) for detail in error.errors()]
         return None
     return model.model_dump(mode="json") if len(mistakes) == before else None
 
@@ -105,10 +106,9 @@ def _marks(annotation: Any) -> list[Any]:
     return [*getattr(annotation, "__metadata__", ()), *inner]
 
 
-def _mistake(
-    detail: Any, fields: Mapping[str, FieldInfo], noun: str, params: Mapping[str, Node], place: Place
-) -> Mistake:
+def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, Node], place: Place) -> Mistake:
     """What pydantic found, at the value or the key that the user wrote."""
+    fields = stage.Params.model_fields
     location: Sequence[int | str] = detail["loc"]
     kind: str = detail["type"]
     name = ".".join(str(part) for part in location) or "parameters"
@@ -119,7 +119,8 @@ def _mistake(
         missing = f'{noun} needs the parameter "{name}"'
         return Mistake(node.key if node is not None else place, missing, f"add with: {{{name}: ...}}{about}")
     if kind == "extra_forbidden" and node is not None:
-        known = did_you_mean(name, fields, "parameters") if len(location) == 1 else "remove it"
+        word = renamed(stage).get(name, name)
+        known = did_you_mean(word, fields, "parameters") if len(location) == 1 else "remove it"
         return Mistake(node.key, f'{noun} has no parameter "{name}"', known)
     problem = str(detail["msg"]).replace("Input should", "it must").replace("Value error, ", "")
     given = f" {detail['input']!r}" if isinstance(detail["input"], str | int | float | bool) else " this"

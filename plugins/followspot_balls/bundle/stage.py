@@ -57,92 +57,102 @@ class Bundle(Stage):
     """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
 
     class Params(StageParams):
-        sigma: float = Field(
-            0.2, gt=0, unit="px", description="one sigma of a whole ball's centre; raising it smooths more"
+        blob_sigma: float = Field(
+            0.2,
+            gt=0,
+            unit="px",
+            description="standard deviation of the centre of a fully visible ball; raising it smooths more",
         )
-        hidden: float = Field(
+        hidden_inflation: float = Field(
             4.0,
             ge=0,
             unit="1",
-            description="sigmas by which that of a wholly hidden ball would be larger; raising it trusts "
-            "small blobs less",
+            description="growth of that standard deviation with the hidden share of the ball; raising it "
+            "trusts small blobs less",
         )
-        merged: float = Field(
+        merged_inflation: float = Field(
             14.0,
             ge=0,
             unit="1",
-            description="growth of that of a blob larger than the ball, with the squared excess; raising it "
-            "trusts merged blobs less",
+            description="growth of that standard deviation with the squared excess area of a blob; raising "
+            "it trusts merged blobs less",
         )
-        agreement: float = Field(
+        vote_scale: float = Field(
             1.0,
             gt=0,
             unit="px",
-            description="scale of the error at which views agree in the search for a start; raising it "
-            "survives a poor calibration",
+            description="reprojection error that halves a view's vote for a starting point; raising it "
+            "tolerates a worse calibration",
         )
-        cutoff: float = Field(
+        outlier_cutoff: float = Field(
             4.0,
             gt=0,
-            unit="1",
-            description="sigmas at which a view keeps a quarter of its weight; raising it rejects less",
+            unit="sigma",
+            description="reprojection error at which a view keeps a quarter of its weight; raising it "
+            "rejects fewer views",
         )
-        appearing: float = Field(
+        recovery_cutoff_scale: float = Field(
             3.0,
             gt=0,
             unit="1",
-            description="cutoff of a target without forecast where three views confirm each other, over that "
-            "of others, for it often shows only parts of itself; raising it finds more, also false ones",
+            description="factor on the outlier cutoff for a lost target that three views confirm; raising "
+            "it recovers more targets, also false ones",
         )
-        labelled: float = Field(
+        color_vote_bonus: float = Field(
             0.5,
             ge=0,
             unit="1",
-            description="by how much more a colour camera's vote for a start counts than an infrared one's, "
-            "which may have seen another ball; raising it survives crowds",
+            description="extra weight of a colour camera's vote for a starting point, for infrared blobs "
+            "bear no label; raising it helps in crowds",
         )
-        prior: float = Field(
+        prior_sigma: float = Field(
             0.15,
             gt=0,
             unit="m",
-            description="one sigma of the start's distance from the forecast; raising it lets targets jump",
+            description="standard deviation of the starting point around the forecast; raising it lets "
+            "targets jump",
         )
-        forecast: float = Field(
+        forecast_weight: float = Field(
             0.3,
             ge=0,
             unit="1",
-            description="weight of the forecast in judging which views to trust; it does not enter the "
-            "position; raising it leaves wrong forecasts later",
+            description="weight of the forecast when views are judged; it does not move the position; "
+            "raising it keeps a wrong forecast longer",
         )
-        sharpest: float = Field(
+        added_forecast_sigma: float = Field(
             0.004,
             ge=0,
             unit="m",
-            description="one sigma added to the forecast's; raising it trusts sharp forecasts less",
+            description="standard deviation added to that of the forecast; raising it trusts precise "
+            "forecasts less",
         )
-        glow: float = Field(
+        glow_sigma: float = Field(
             0.02,
             ge=0,
             unit="m",
-            description="one sigma by which the light of a ball on a plane draws its centre there in colour "
-            "cameras; raising it trusts them less along the normal",
+            description="standard deviation of the shift towards a plane that a ball's light on it causes "
+            "in colour cameras; raising it trusts them less along the normal",
         )
-        reach: float = Field(
-            0.35, gt=0, unit="m", description="clearance from the plane at which there is none of it"
+        glow_range: float = Field(
+            0.35,
+            gt=0,
+            unit="m",
+            description="clearance from the plane at which this shift vanishes; raising it corrects balls "
+            "farther from planes",
         )
-        lean: float = Field(
+        glow_mean: float = Field(
             0.3,
             ge=0,
-            unit="1",
-            description="mean of the glow in its sigmas, for light draws towards the plane, never away; 0 "
-            "suits balls that do not glow",
+            unit="sigma",
+            description="mean of this shift in its standard deviations; 0 suits balls that do not glow; "
+            "raising it moves positions away from planes",
         )
-        certainty: float = Field(
+        prior_errors: float = Field(
             4.0,
             gt=0,
             unit="1",
-            description="errors that the sigma counts for in the covariance; raising it heeds those of the "
-            "frame less",
+            description="number of errors that the standard deviation counts for in the covariance; raising "
+            "it adapts less to the errors of the frame",
         )
 
     params: Params
@@ -151,7 +161,7 @@ class Bundle(Stage):
         cameras = list(self.room.cameras.values())
         self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
         self.color = np.array([c.kind == "color" for c in cameras], bool)
-        self.voice = 1 + self.params.labelled * self.color
+        self.voice = 1 + self.params.color_vote_bonus * self.color
         self.planes = np.array(list(self.room.planes.values())).reshape(-1, 4)
         self.radii = np.array([t.radius for t in self.room.targets.values()])
         self.outlines = Outlines(self.room)
@@ -189,7 +199,7 @@ class Bundle(Stage):
         if forecast is None or lost.all():
             return evidence
         distance2 = np.square(candidates.xyz - forecast.xyz[target][:, None]).sum(axis=2)
-        return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior**2)))
+        return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior_sigma**2)))
 
     def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
         """How well all views agree with each candidate, as a place of each target: (M, N).
@@ -200,7 +210,7 @@ class Bundle(Stage):
         seen = point_images(self.P, xyz[candidate])
         squares = squared_errors(claims.xy, seen, claims.possible[row])
         exactness = 1 / np.sqrt(self.variance(shares(claims, seen.depth, row)))
-        agreement = exactness / (1 + squares / self.params.agreement**2)
+        agreement = exactness / (1 + squares / self.params.vote_scale**2)
         votes = np.zeros(credit.shape)
         best = np.ascontiguousarray(agreement.transpose(2, 0, 1)).max(axis=0)  # five times as fast as axis=2
         votes[row, candidate] = best @ self.voice * credit[row, candidate]
@@ -209,24 +219,24 @@ class Bundle(Stage):
     def variance(self, share: Array) -> Array:
         """Of centres whose blobs show these shares of their outlines, px^2."""
         p = self.params
-        return variance(share, p.sigma, p.hidden, p.merged)
+        return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
 
     def cutoff(self, candidates: Candidates, target: Array, lost: Array) -> Array | float:
         """Sigmas, of all targets' views, or (M, 1) where one has no forecast. lost: (T,) bool."""
         p = self.params
         if not lost.any():
-            return p.cutoff
+            return p.outlier_cutoff
         wide = np.asarray(appearing(candidates, lost).any(axis=0))[target]
-        return np.where(wide, p.appearing * p.cutoff, p.cutoff)[:, None]
+        return np.where(wide, p.recovery_cutoff_scale * p.outlier_cutoff, p.outlier_cutoff)[:, None]
 
     def expectation(self, target: Array, lost: Array, forecast: Forecast | None) -> Belief:
         """The forecast of each target's place, with part of its information; none of lost targets."""
         vector, information = empty_belief(len(target))
         if forecast is not None and not lost.all():
             known = target[~lost]
-            spread = forecast.covariance[known] + np.eye(3) * self.params.sharpest**2
+            spread = forecast.covariance[known] + np.eye(3) * self.params.added_forecast_sigma**2
             try:
-                weight = self.params.forecast * np.linalg.inv(spread)
+                weight = self.params.forecast_weight * np.linalg.inv(spread)
             except np.linalg.LinAlgError:  # a covariance that is none says nothing
                 return Belief(vector, information)
             information[~lost, :3, :3] = weight
@@ -236,12 +246,12 @@ class Bundle(Stage):
     def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
         """The model of glowing balls near these places (M, 3) m, and what is known of the glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
-        sigma = glow_sigma(clearance, self.params.glow, self.params.reach)
+        sigma = glow_sigma(clearance, self.params.glow_sigma, self.params.glow_range)
         vector, information = empty_belief(len(xyz))
         information[:, PLACE, PLACE] = VAGUE
         information[:, 3, 3] = 1 / np.square(np.maximum(sigma, DARK))
         vector[:, :3] = VAGUE * xyz
-        vector[:, 3] = -self.params.lean * sigma * information[:, 3, 3]
+        vector[:, 3] = -self.params.glow_mean * sigma * information[:, 3, 3]
         return glowing_model(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
@@ -259,7 +269,7 @@ class Bundle(Stage):
         seen = images(model, origin)
         slot, found = assigned(claims, seen)
         spread = self.variance(shares(claims, seen.depth, row, slot))
-        views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.sigma * np.sqrt(spread))
+        views = Views(claims.xy[camera, slot], found / spread, cutoff**2 * p.blob_sigma * np.sqrt(spread))
         design = linearised(model, seen, views)
         glow = glow.relative(origin)
         belief = glow.and_also(expected.relative(origin))
@@ -267,5 +277,5 @@ class Bundle(Stage):
         for _ in range(STEPS):
             step = solved(weighted(design, step, views), belief)
         equations = weighted(design, step, views)
-        step, covariance = estimated(equations, glow, p.certainty)
+        step, covariance = estimated(equations, glow, p.prior_errors)
         return Fit(start + step[:, :3], covariance, equations.trust, slot)

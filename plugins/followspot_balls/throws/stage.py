@@ -29,60 +29,71 @@ class Throws(Stage):
     per_camera = True
 
     class Params(StageParams):
-        length: int = Field(
+        minimum_blobs: int = Field(
             12,
             ge=6,
             le=MEMORY,
             unit="1",
-            description="fewest blobs of a track; raising it reports later and rejects more decoys",
+            description="smallest number of blobs of a track; raising it reports later and rejects more "
+            "false tracks",
         )
-        travel: float = Field(
+        minimum_extent: float = Field(
             40.0,
             gt=0,
             unit="px",
-            description="least extent of a path; raising it rejects what trembles, and throws far away",
+            description="smallest extent of a path; raising it rejects what trembles, and distant throws",
         )
-        bend: float = Field(
+        minimum_sagitta: float = Field(
             4.0,
             gt=0,
             unit="px",
-            description="least rise of a path above the line between its ends; raising it reports later and "
-            "rejects what rolls or slides",
+            description="smallest rise of a path above the line between its ends; raising it reports later "
+            "and rejects what rolls or slides",
         )
-        residual: float = Field(
+        maximum_residual: float = Field(
             3.0,
             gt=0,
             unit="px",
-            description="largest RMS distance from the image of a parabola; raising it accepts lenses that "
-            "are not calibrated, and decoys",
+            description="largest RMS distance from the image of a parabola; raising it accepts uncalibrated "
+            "lenses, and false tracks",
         )
         gate: float = Field(
             3.5,
             gt=0,
-            unit="1",
-            description="largest distance of a blob from its path's forecast, in standard deviations; "
-            "raising it survives blur, and confuses neighbours",
+            unit="sigma",
+            description="largest distance of a blob from its path's forecast; raising it tolerates blur and "
+            "confuses neighbours",
         )
-        noise: float = Field(
-            1.5, gt=0, unit="px", description="standard deviation of a centroid; raising it smooths more"
+        blob_sigma: float = Field(
+            1.5, gt=0, unit="px", description="standard deviation of a blob's centre; raising it smooths more"
         )
-        speed: float = Field(
-            800.0, gt=0, unit="px/s", description="standard deviation of a new path's velocity"
+        initial_velocity_sigma: float = Field(
+            800.0,
+            gt=0,
+            unit="px/s",
+            description="standard deviation of a new path's velocity; raising it catches faster throws, and "
+            "false ones",
         )
-        acceleration: float = Field(
-            1500.0, gt=0, unit="px/s^2", description="standard deviation of a new path's acceleration"
+        initial_acceleration_sigma: float = Field(
+            1500.0,
+            gt=0,
+            unit="px/s^2",
+            description="standard deviation of a new path's acceleration; raising it catches stronger "
+            "curves, and false ones",
         )
-        jerk: float = Field(
+        jerk_sigma: float = Field(
             600.0,
             gt=0,
             unit="px/s^2",
-            description="change of acceleration within a second; raising it bends with lens and perspective",
+            description="standard deviation of the change of acceleration within one second; raising it "
+            "tolerates lens distortion and perspective",
         )
-        patience: int = Field(
+        maximum_missed_frames: int = Field(
             5,
             ge=0,
-            unit="1",
-            description="frames without a blob that a path survives; raising it bridges more",
+            unit="frames",
+            description="successive frames without a blob after which a path is deleted; raising it bridges "
+            "longer gaps",
         )
 
     params: Params
@@ -119,12 +130,12 @@ class Throws(Stage):
     def followed(self, time: float, target: Array, xy: Array) -> tuple[Array, Array]:
         """Continue the paths to now (s) with blobs of targets (N,) at xy (N, 2); rows of paths and blobs."""
         p = self.params
-        paths = predicted(self.paths, time - self.time, p.jerk)
+        paths = predicted(self.paths, time - self.time, p.jerk_sigma)
         self.time = time
-        path, blob = assigned(paths, target, xy, p.noise, p.gate)
-        paths = updated(paths, path, xy[blob], p.noise)
+        path, blob = assigned(paths, target, xy, p.blob_sigma, p.gate)
+        paths = updated(paths, path, xy[blob], p.blob_sigma)
         fresh = np.setdiff1d(np.arange(len(target)), blob)
-        sigma = (p.noise, p.speed, p.acceleration)
+        sigma = (p.blob_sigma, p.initial_velocity_sigma, p.initial_acceleration_sigma)
         blob = np.concatenate([blob, fresh])
         path = np.concatenate([path, len(paths.number) + np.arange(len(fresh))])
         paths = paths.and_also(born(self.births, target[fresh], xy[fresh], sigma))
@@ -139,7 +150,7 @@ class Throws(Stage):
 
     def kept(self, paths: Paths, seen: Array) -> Array:
         """Forget paths that were missed too long; the rows that were seen, as they are numbered then."""
-        keep = paths.missed <= self.params.patience
+        keep = paths.missed <= self.params.maximum_missed_frames
         for number in paths.number[~keep].tolist():
             del self.points[number]
         self.paths = paths.take(keep)
@@ -148,14 +159,14 @@ class Throws(Stage):
     def judged(self, number: int) -> float:
         """Residual of a path that moves like a throw, px; infinite for any other."""
         p = self.params
-        if len(self.points[number]) < p.length:
+        if len(self.points[number]) < p.minimum_blobs:
             return np.inf
         points = np.array(self.points[number])
         time, xy = points[:, 0], points[:, 1:]
-        if np.ptp(xy, axis=0).max() < p.travel:
+        if np.ptp(xy, axis=0).max() < p.minimum_extent:
             return np.inf
         rise = bend(time, xy[:, 1])
-        if rise < p.bend:
+        if rise < p.minimum_sagitta:
             return np.inf
         shape = residual(time, xy)
-        return shape if shape <= min(p.residual, rise / CLEAR) else np.inf
+        return shape if shape <= min(p.maximum_residual, rise / CLEAR) else np.inf

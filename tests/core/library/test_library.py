@@ -49,7 +49,7 @@ def composed() -> fs.Graph:
     )
     verify = graph.add("verify", "balls.verify_pairs", blobs=[color, infrared], forecast=forecast)
     found = graph.add("triangulate", "balls.triangulate", pairs=verify, forecast=forecast)
-    fuse = graph.add("fuse", "balls.mean_shift", candidates=found, forecast=forecast, steps=40)
+    fuse = graph.add("fuse", "balls.mean_shift", candidates=found, forecast=forecast, maximum_iterations=40)
     track = graph.add("track", "balls.kalman", positions=fuse)
     graph.add("low", Low, tracks=track.tracks, height=1.2)
     return graph
@@ -182,9 +182,9 @@ def test_a_saved_graph_is_the_same_as_the_composed_one(tmp_path: Path) -> None:
 
 
 def test_mistakes_are_data_with_their_places() -> None:
-    (mistake,) = fs.check(GRAPH, set={"fuse.stepz": 3})
-    assert 'no parameter "stepz"' in mistake.text
-    assert 'did you mean "steps"' in mistake.remedy
+    (mistake,) = fs.check(GRAPH, set={"fuse.steps": 3})
+    assert 'no parameter "steps"' in mistake.text
+    assert 'did you mean "maximum_iterations"' in mistake.remedy
     graph = composed()
     with pytest.raises(fs.FollowspotError, match="is there already"):
         graph.add("camera", "room.source")

@@ -113,7 +113,7 @@ def test_exact_views_give_the_exact_place(place: tuple[float, float, float], vie
 @pytest.mark.parametrize("noise", [0.1, 0.2])
 def test_the_covariance_is_the_spread_of_estimates(noise: float) -> None:
     rng = np.random.default_rng(5)
-    stage, exact, expected = bundle(sigma=noise), undistorted(np.array(HIGH)), near()
+    stage, exact, expected = bundle(blob_sigma=noise), undistorted(np.array(HIGH)), near()
     fits = [
         stage.process(one_ball(exact + rng.normal(0, noise, (4, 2)), np.array(HIGH)), expected)
         for _ in range(1500)
@@ -191,7 +191,7 @@ def test_three_views_may_agree_less_well_about_a_target_that_appears() -> None:
     three = one_ball(xy, np.array(HIGH), (0, 1, 3))
     assert bundle().process(three, None).support.tolist() == [3]
     assert bundle().process(three, near()).support.tolist() == [1]
-    assert bundle(appearing=1.0).process(three, None).support.tolist() == [1]
+    assert bundle(recovery_cutoff_scale=1.0).process(three, None).support.tolist() == [1]
 
 
 def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> None:
@@ -199,7 +199,10 @@ def test_light_on_the_floor_misleads_all_color_cameras_but_not_the_result() -> N
     xy = undistorted(ball)
     xy[COLOR] = undistorted(ball - [0.0, 0.0, 0.02])[COLOR]
     expected = forecast_at([tuple(ball), (1.5, 1.5, 1.0)], 0.02)
-    fits = {touching: bundle(glow=touching).process(one_ball(xy, ball), expected) for touching in (0.0, 0.02)}
+    fits = {
+        touching: bundle(glow_sigma=touching).process(one_ball(xy, ball), expected)
+        for touching in (0.0, 0.02)
+    }
     errors = {touching: np.linalg.norm(p.xyz[0] - ball) for touching, p in fits.items()}
     assert errors[0.02] < 0.003 < 0.005 < errors[0.0]
 

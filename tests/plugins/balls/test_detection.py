@@ -113,14 +113,14 @@ def test_a_ball_submerged_by_a_larger_projection_counts_as_hidden() -> None:
     assert len(blobs.xy) == 0
 
 
-@pytest.mark.parametrize(("submerged", "found"), [(1.3, 0), (3.0, 1)])
+@pytest.mark.parametrize(("largest", "found"), [(1.3, 0), (3.0, 1)])
 def test_a_ball_that_merges_with_an_equally_bright_projection_counts_as_hidden(
-    submerged: float, found: int
+    largest: float, found: int
 ) -> None:
     # two discs of 3.3 px, 4 px apart: 1.7 times the outline, within the template's range of sizes
     x, y = project(ROOM.cameras["cam0"], np.array([HERE]))[0]
     frame = painted("cam0", [(x, y, 3.3, (0, 0, 255)), (x + 4, y, 3.3, (0, 0, 255))])
-    blobs = detector(ColorBlobs, "cam0", submerged=submerged).process(frame, FORECAST)
+    blobs = detector(ColorBlobs, "cam0", maximum_expected_area=largest).process(frame, FORECAST)
     assert len(blobs.xy) == found
 
 
@@ -140,7 +140,9 @@ def test_a_half_hidden_ball_is_found_where_it_is_and_not_at_its_centroid(
     x, y = project(view, np.array([HERE]))[0]
     pixels = frame.pixels.copy()
     pixels[:, : round(x)] = 0  # hidden by something vertical
-    blobs = detector(kind, camera, rim=0.0).process(seal(Frame(camera=camera, pixels=pixels)), FORECAST)
+    blobs = detector(kind, camera, radius_offset=0.0).process(
+        seal(Frame(camera=camera, pixels=pixels)), FORECAST
+    )
     assert np.hypot(*(blobs.pixel[0] - [x, y])) < 0.6
     blind = detector(kind, camera).process(seal(Frame(camera=camera, pixels=pixels)), None)
     assert np.hypot(*(blind.pixel[0] - [x, y])) > 0.9
@@ -148,7 +150,9 @@ def test_a_half_hidden_ball_is_found_where_it_is_and_not_at_its_centroid(
 
 @pytest.mark.parametrize("forecast", [None, FORECAST])
 def test_ir_blobs_finds_both_balls_and_labels_neither(forecast: Forecast | None) -> None:
-    blobs = detector(IrBlobs, "cam1", rim=0.0).process(picture(ROOM.cameras["cam1"], BALLS), forecast)
+    blobs = detector(IrBlobs, "cam1", radius_offset=0.0).process(
+        picture(ROOM.cameras["cam1"], BALLS), forecast
+    )
     expected = project(ROOM.cameras["cam1"], np.array([HERE, THERE]))
     order = np.argsort(blobs.pixel[:, 1])
     assert blobs.pixel[order] == pytest.approx(expected[np.argsort(expected[:, 1])], abs=0.2)

@@ -142,12 +142,12 @@ def test_pairs_of_three_views_may_agree_less_well_for_a_target_that_appears(
     found = seal(Candidates(**{**vars(exact), "evident": np.array([evident, False, False])}))
     assert MeanShift().process(found, None).support.tolist() == [support]
     assert MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
-    assert MeanShift(appearing=1.0).process(found, None).support.tolist() == [1]
+    assert MeanShift(recovery_epipolar_sigma=1.0).process(found, None).support.tolist() == [1]
 
 
 @pytest.mark.parametrize("start", ["forecast", "densest", "mean"])
 def test_every_initial_centre_finds_a_single_cluster(start: str) -> None:
     found = candidates_at([(0.001 * i, 0.0, 1.0) for i in range(5)])
-    position = MeanShift(start=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
+    position = MeanShift(initial_center=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
     assert position.xyz[0] == pytest.approx([0.002, 0.0, 1.0])
     assert position.iterations[0] >= 1

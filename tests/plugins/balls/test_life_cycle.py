@@ -45,14 +45,14 @@ def test_a_measured_target_is_tracked_and_an_unseen_one_stays_lost() -> None:
 
 
 def test_a_target_is_missing_for_25_frames_then_lost() -> None:
-    stage = kalman(near=25)
+    stage = kalman(local_search_frames=25)
     watch(stage, 40)
     states = [o.forecast.state[0] for o in watch(stage, 26, first=40, seen=False)]
     assert states == [MISSING] * 25 + [LOST]
 
 
 def test_a_missing_target_that_shows_itself_again_starts_its_counter_anew() -> None:
-    stage = kalman(near=25)
+    stage = kalman(local_search_frames=25)
     watch(stage, 40)
     watch(stage, 20, first=40, seen=False)
     watch(stage, 1, first=60)
@@ -68,7 +68,7 @@ def test_a_missing_target_is_sought_everywhere_in_every_second_frame_after_the_f
 
 @pytest.mark.parametrize(("near", "frames"), [(4, 5), (25, 24)])
 def test_one_that_comes_back_elsewhere_is_found_before_it_is_lost(near: int, frames: int) -> None:
-    stage = kalman(near=near)
+    stage = kalman(local_search_frames=near)
     watch(stage, 40)
     watch(stage, 5, first=40, seen=False)
     found = np.zeros((0, 3))
@@ -108,12 +108,12 @@ def test_a_lost_target_is_recovered_only_by_a_color_infrared_pair() -> None:
 
 
 def test_a_single_pair_is_believed_after_frames_in_a_row() -> None:
-    shown = [len(o.tracks.target) for o in watch(kalman(frames=4), 6, support=1)]
+    shown = [len(o.tracks.target) for o in watch(kalman(confirmation_frames=4), 6, support=1)]
     assert shown == [0, 0, 0, 1, 1, 1]
 
 
 def test_frames_that_show_it_less_evidently_keep_the_count() -> None:
-    stage = kalman(frames=3)
+    stage = kalman(confirmation_frames=3)
     watch(stage, 2, support=1)
     watch(stage, 2, first=2, support=1, evident=False)
     assert len(watch(stage, 1, first=4, support=1)[0].tracks.target) == 1
@@ -143,7 +143,7 @@ def test_a_tracked_target_that_one_view_sees_is_predicted_not_missing() -> None:
 
 
 def test_prediction_ends_with_the_missing_frame_counter() -> None:
-    stage = kalman(missing=5)
+    stage = kalman(maximum_missed_frames=5)
     watch(stage, 40)
     outputs = watch(stage, 7, first=40, support=0, evident=False, predicted=True)
     assert [o.forecast.state[0] for o in outputs] == [PREDICTED] * 5 + [LOST] * 2
@@ -158,7 +158,7 @@ def test_one_view_finds_no_target_that_is_lost_or_missing() -> None:
 
 
 def test_a_single_pair_that_jumps_is_a_coincidence() -> None:
-    stage = kalman(frames=4)
+    stage = kalman(confirmation_frames=4)
     for i in range(12):
         outputs = stage.process(positions_at({0: (0.5 * (i % 2), 0.0, 1.0)}, i / FPS, support=1))
         assert len(outputs.tracks.target) == 0
@@ -184,7 +184,7 @@ def test_the_forecast_is_for_the_next_frame_at_any_rate(fps: int) -> None:
 
 
 def test_a_missing_target_comes_to_rest_near_its_last_place() -> None:
-    stage = kalman(fade=0.0)
+    stage = kalman(fade_time=0.0)
     for i in range(40):
         stage.process(positions_at({0: (0.05 * i, 0.0, 1.0)}, i / FPS))
     outputs = watch(stage, 3, first=40, seen=False)[-1]

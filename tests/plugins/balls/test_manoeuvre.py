@@ -68,7 +68,7 @@ def test_a_velocity_that_jumped_at_any_moment_of_the_step_moves_the_place_that_l
 
 def filtered(time: Array, places: Array, gate: float) -> Array:
     """What the stage makes of measured places, (N, 3) m."""
-    stage = Kalman(Context(room=make_room(("red",))), gate=gate)
+    stage = Kalman(Context(room=make_room(("red",))), bounce_gate=gate)
     stage.setup()
     messages = (positions_at({0: tuple(p)}, t) for t, p in zip(time, places, strict=True))
     return np.array([stage.process(message).tracks.xyz[0] for message in messages])

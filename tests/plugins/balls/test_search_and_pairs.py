@@ -120,7 +120,7 @@ def test_a_point_above_the_floor_passes_the_homography_test() -> None:
 
 def test_the_homography_test_can_be_switched_off() -> None:
     spot = [(0.3, -0.2, 0.0)]
-    assert len(verify({"cam0": spot, "cam2": spot}, homography=0.0).view) == 1
+    assert len(verify({"cam0": spot, "cam2": spot}, homography_tolerance=0.0).view) == 1
 
 
 def test_list_b_excuses_only_pairs_that_share_the_confirmed_color_blob() -> None:
@@ -256,7 +256,7 @@ def test_infrared_light_of_a_tracked_target_is_no_evidence_of_a_lost_one(distanc
 def test_a_ball_does_not_sink_into_the_floor(height: float, kept: int) -> None:
     # its centre stays one radius, 7.6 cm, above, less a tolerance of 4 cm
     place = (0.3, -0.2, height)
-    pairs = verify({"cam0": [place], "cam1": [place]}, homography=0.0)
+    pairs = verify({"cam0": [place], "cam1": [place]}, homography_tolerance=0.0)
     assert len(candidates_for(pairs, forecast_at([place, BALL])).xyz) == kept
 
 

@@ -83,7 +83,7 @@ def test_noise_of_one_camera_leaves_the_others_their_blobs(forecast: Forecast | 
     noisy = np.zeros((SIZE[1], SIZE[0], 1), np.uint8)
     for shift in range(3):
         noisy[shift::6, :-2:6] = noisy[shift::6, 1:-2:6] = noisy[shift::6, 2:-1:6] = 255
-    stages = [IrBlobs(Context(room=INFRARED, camera=c), largest=9.0) for c in INFRARED.cameras.values()]
+    stages = [IrBlobs(Context(room=INFRARED, camera=c), maximum_area=9.0) for c in INFRARED.cameras.values()]
     for stage in stages:
         stage.setup()
     frames = [crowded(stage.camera, places, np.random.default_rng(1)) for stage in stages]

@@ -73,8 +73,8 @@ class Shown:
         )
 
     def change(self, request: ChangeStages) -> Changed:
-        if request.words == ("fuse.steps=-1",):
-            raise FollowspotError("steps must be at least 1")
+        if request.words == ("fuse.maximum_iterations=-1",):
+            raise FollowspotError("maximum_iterations must be at least 1")
         self.asked.append(list(request.words))
         return Changed("it", "glowballs", (ChangedStage(request.words[0], "", "", {}),))
 

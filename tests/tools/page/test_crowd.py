@@ -199,7 +199,7 @@ def test_floods_of_small_frames_are_cut_off_and_counted(page: Shown, piece: byte
 def test_values_without_measure_are_answered(page: Shown, value: str) -> None:
     with page.look(f"http://{page.host}") as browser:
         next(scene for scene in things(browser, "scene") if scene["forms"])
-        for key in ("steps", "", "\0", "a" * 300):
+        for key in ("maximum_iterations", "", "\0", "a" * 300):
             browser.send(json.dumps({"stage": "fuse", "key": key, "value": value}))
             assert isinstance(next(things(browser, "answer"))["ok"], bool)
 

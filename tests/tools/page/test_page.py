@@ -213,13 +213,13 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
         fuse = scene["forms"]["fuse"]
         assert {"balls.mean_shift", "balls.mean", "balls.bundle"} <= set(fuse["alternatives"])
         assert not {"sinks.csv", "dashboard.tap", "balls.kalman"} & set(fuse["alternatives"])
-        for change in ({"key": "steps", "value": "50"}, {"key": "", "value": "balls.mean"}):
+        for change in ({"key": "maximum_iterations", "value": "50"}, {"key": "", "value": "balls.mean"}):
             browser.send(json.dumps({"stage": "fuse", **change}))
             assert next(things(browser, "answer"))["ok"]
-        browser.send(json.dumps({"stage": "fuse", "key": "steps", "value": "-1"}))
+        browser.send(json.dumps({"stage": "fuse", "key": "maximum_iterations", "value": "-1"}))
         answer = next(things(browser, "answer"))
-    assert (answer["ok"], answer["text"]) == (False, "steps must be at least 1")
-    assert page.asked == [["fuse.steps=50"], ["fuse=balls.mean"]]
+    assert (answer["ok"], answer["text"]) == (False, "maximum_iterations must be at least 1")
+    assert page.asked == [["fuse.maximum_iterations=50"], ["fuse=balls.mean"]]
 
 
 @pytest.mark.parametrize(
@@ -231,8 +231,8 @@ def test_a_parameter_is_set_and_a_stage_swapped_from_the_page(page: Shown) -> No
         '{"stage": "camera", "key": "frames", "value": "1"}',
         '{"stage": "fuse", "key": "", "value": "sinks.csv"}',
         '{"stage": "fuse", "key": "uses", "value": "balls.mean"}',
-        '{"stage": ["fuse"], "key": "steps", "value": "1"}',
-        '{"stage": "nobody", "key": "steps", "value": "1"}',
+        '{"stage": ["fuse"], "key": "maximum_iterations", "value": "1"}',
+        '{"stage": "nobody", "key": "maximum_iterations", "value": "1"}',
     ],
 )
 def test_nothing_else_can_be_asked_for(page: Shown, said: str) -> None:
@@ -326,6 +326,10 @@ def test_a_page_that_is_open_to_other_computers_only_shows(page: Shown, tmp_path
     open_page = Page(page.plan, make_gate(tmp_path), tmp_path)  # never told that changes are allowed
     about = open_page.about()
     assert (about["forms"], about["ports"]) == ({}, [])
-    for wish in ('{"stage": "fuse", "key": "steps", "value": "50"}', '{"on": true}', '{"on": false}'):
+    for wish in (
+        '{"stage": "fuse", "key": "maximum_iterations", "value": "50"}',
+        '{"on": true}',
+        '{"on": false}',
+    ):
         with pytest.raises(FollowspotError, match="only shows"):
             asyncio.run(open_page.do(wish))

@@ -20,7 +20,7 @@ acquire and to vanish, and speed.
 
   followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
   followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison
-  followspot compare graphs/experiments/recorded.yaml --variant "no homography test:verify.homography=0"
+  followspot compare graphs/experiments/recorded.yaml --variant "no test:verify.homography_tolerance=0"
 
 Where a graph writes what its fusion gives to positions.jsonl and its candidates to candidates.jsonl
 (graphs/experiments/recorded.yaml does), the errors before the filter, the reprojection error against

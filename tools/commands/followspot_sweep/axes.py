@@ -36,7 +36,7 @@ def read_axes(options: Sequence[str]) -> tuple[Axis, ...]:
     twice = dict.fromkeys(name for name in names if names.count(name) > 1)
     mistakes += [Mistake(None, f"--set {name} is given twice", "write its values into one") for name in twice]
     if not mistakes and not any(len(axis.values) > 1 for axis in axes):
-        remedy = "give a --set several values: --set fuse.bandwidth=2,3,4"
+        remedy = "give a --set several values: --set fuse.bandwidth_scale=2,3,4"
         mistakes.append(Mistake(None, "there is nothing to sweep", remedy))
     count = prod(len(axis.values) for axis in axes)
     if count > MAX_POINTS:

@@ -16,9 +16,9 @@ A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP inclu
 its own; what is done already in the folder is not done again, so that a sweep that was interrupted goes on
 with the same command. Writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with matplotlib).
 
-  followspot sweep graphs/glowballs.yaml --set fuse.bandwidth=2,3,4 --set color.similarity=0.7:0.9:0.05
+  followspot sweep graphs/glowballs.yaml --set fuse.bandwidth_scale=2,3,4 --set color.similarity=0.7:0.9:0.05
   followspot sweep graphs/glowballs.yaml --set fuse.uses=balls.mean_shift,balls.mean --room a.yaml
-  followspot sweep graphs/glowballs.yaml --set track.gate=2:6:1 --seed 1 --frames 300 -o runs/gate
+  followspot sweep graphs/glowballs.yaml --set track.bounce_gate=2:6:1 --seed 1 --frames 300 -o runs/gate
 """
 
 
