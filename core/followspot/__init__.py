@@ -13,13 +13,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from followspot.errors import FollowspotError, InputError
+    from followspot.errors import FollowspotError, InputError, Mistake
     from followspot.library.connect import ConnectedRun, connect
     from followspot.library.graph import Graph
-    from followspot.library.recording import open_recording
+    from followspot.library.recording import Recording, open_recording
     from followspot.library.report import Report
     from followspot.library.run import OwnRun, RunFailed, check, run
     from followspot.library.subscription import Subscription
+    from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
     from followspot.room import Camera, Room, Target
     from followspot.stage import (
@@ -41,9 +42,11 @@ if TYPE_CHECKING:
 _HOME = {
     "FollowspotError": "errors",
     "InputError": "errors",
+    "Mistake": "errors",
     "ConnectedRun": "library.connect",
     "connect": "library.connect",
     "Graph": "library.graph",
+    "Recording": "library.recording",
     "open_recording": "library.recording",
     "Report": "library.report",
     "OwnRun": "library.run",
@@ -51,6 +54,7 @@ _HOME = {
     "check": "library.run",
     "run": "library.run",
     "Subscription": "library.subscription",
+    "Table": "library.table",
     "Network": "transport.zenoh.network",
     "Array": "messages",
     "Header": "messages",
@@ -90,10 +94,12 @@ __all__ = [
     "Joined",
     "Latest",
     "Message",
+    "Mistake",
     "Network",
     "OutputHost",
     "OutputPath",
     "OwnRun",
+    "Recording",
     "Report",
     "Room",
     "RunFailed",
@@ -101,6 +107,7 @@ __all__ = [
     "Stage",
     "StageParams",
     "Subscription",
+    "Table",
     "Target",
     "at",
     "check",

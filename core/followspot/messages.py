@@ -22,6 +22,8 @@ from typing import Any, ClassVar, NamedTuple, Self, TypeVar, dataclass_transform
 import numpy as np
 from numpy.typing import NDArray
 
+from followspot.html import html_table
+
 Array = NDArray[Any]
 
 MAX_BYTES = 1 << 28
@@ -122,6 +124,16 @@ class Message:
         rows = self.columns[0].shape[0]
         kept = {c.name: getattr(self, c.name)[keep] for c in self.columns if c.shape[:1] == (rows,)}
         return dataclasses.replace(self, **kept)  # type: ignore[type-var]
+
+    def _repr_html_(self) -> str:
+        fields = [(name, "", "", str(getattr(self, name))) for name, _ in self.scalars]
+        for c in self.columns:
+            array = getattr(self, c.name)
+            values = np.array2string(array, threshold=60, edgeitems=2, precision=4)
+            fields.append((c.name, " x ".join(map(str, array.shape)), c.unit, values))
+        source, seq, time, _ = self.header
+        title = f"{type(self).__name__} {seq} of {source or 'no source'} at {time} ns"
+        return html_table(("field", "shape", "unit", "value"), fields, title)
 
 
 M = TypeVar("M", bound=Message)

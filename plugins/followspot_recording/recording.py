@@ -7,12 +7,11 @@ from collections import OrderedDict
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from mcap import records
 from mcap.opcode import Opcode
 
+from followspot.closing import Closing
 from followspot.errors import FollowspotError
 from followspot.files import open_regular
 from followspot_recording.contents import read_contents
@@ -36,7 +35,7 @@ _File = tuple[str, int, int]
 """Path, time of the last change, size."""
 
 
-class Recording:
+class Recording(Closing):
     """An open MCAP file. `problem` says why and where it ends early; empty where it is whole."""
 
     def __init__(self, path: str | Path) -> None:
@@ -55,14 +54,6 @@ class Recording:
             raise
         _known.clear()
         _known[self._key] = self._contents
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the file."""

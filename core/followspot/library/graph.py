@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import yaml
 
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.plan import Plan
@@ -145,8 +145,11 @@ class Graph:
             path.write_text(self.to_yaml(self.room and self.room.absolute()), encoding="utf-8")
             return compile_graph(path, **options)
 
-    def _repr_svg_(self) -> str:
-        return svg(self.plan())
+    def _repr_svg_(self) -> str | None:
+        try:
+            return svg(self.plan())
+        except InputError:  # it is not complete yet
+            return None
 
     def __repr__(self) -> str:
         return f"<Graph {self.name}: {', '.join(self.stages) or 'no stages'}>"

@@ -2,46 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from followspot.accuracy import PersonsScore, TargetScore, persons_table, table, to_json
+from followspot.library.table import Table
 from followspot.operator import summary
 from followspot.operator.report import RunReport
-from followspot.tables import table as drawn
 from followspot.worker.ledger import COUNTS
-
-
-class Table:
-    """Rows under headings; `to_pandas` where pandas is installed."""
-
-    def __init__(self, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
-        self.columns = tuple(columns)
-        self.rows = tuple(tuple(row) for row in rows)
-
-    def __iter__(self) -> Iterator[dict[str, Any]]:
-        return (dict(zip(self.columns, row, strict=True)) for row in self.rows)
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def to_pandas(self) -> Any:
-        """A DataFrame. Raises ImportError where pandas is not installed."""
-        import pandas
-
-        return pandas.DataFrame(list(self.rows), columns=list(self.columns))
-
-    def __repr__(self) -> str:
-        return drawn(self.columns, [[_text(cell) for cell in row] for row in self.rows])
-
-    def _repr_html_(self) -> str:
-        def line(cells: Sequence[Any], tag: str) -> str:
-            return "<tr>" + "".join(f"<{tag}>{escape(_text(cell))}</{tag}>" for cell in cells) + "</tr>"
-
-        return f"<table>{line(self.columns, 'th')}{''.join(line(row, 'td') for row in self.rows)}</table>"
 
 
 class Report:
@@ -127,7 +97,3 @@ class Report:
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(repr(self))}</pre>"
-
-
-def _text(cell: Any) -> str:
-    return f"{cell:.2f}" if isinstance(cell, float) else str(cell)

@@ -6,9 +6,9 @@ import json
 import threading
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any, TypedDict, Unpack
 
 from followspot.control.dispatch import Dispatcher, Request
 from followspot.errors import FollowspotError, InputError, Mistake
@@ -17,14 +17,14 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.graph import Graph
 from followspot.library.report import Report
+from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
-from followspot.library.tapped import TappedPorts
 from followspot.operator.control_socket import reachable
+from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
 from followspot.operator.report import RunReport
-from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_requests import run_dispatcher
+from followspot.operator.run_requests import Surroundings, run_dispatcher
 from followspot.operator.truth import run_person_scores, run_scores
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
@@ -34,40 +34,45 @@ _LOOK = 1.0
 _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
 
+Ready = tuple[Coordinator, Surroundings]
+
 
 class RunFailed(FollowspotError):
     """The run ended with errors; the text has them."""
 
 
+class PlanOptions(TypedDict, total=False):
+    """What can be chosen besides the graph and its parameters, as `run` takes it."""
+
+    room: str | Path | None
+    placement: str | Path | None
+    seed: int | None
+    plugin_files: Sequence[str | Path]
+    edges: EdgeChoice
+
+
 def plan_of(
+    graph: str | Path | Graph, settings: Mapping[str, Any] | None, **options: Unpack[PlanOptions]
+) -> Plan:
+    """The plan of a graph with these options. Raises InputError with every mistake."""
+    overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
+    if isinstance(graph, Graph):
+        return graph.plan(overrides=overrides, **options)
+    return compile_graph(graph, overrides=overrides, **options)
+
+
+def check(
     graph: str | Path | Graph,
     *,
-    room: str | Path | None = None,
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
-    placement: str | Path | None = None,
-    seed: int | None = None,
-    plugin_files: Sequence[str | Path] = (),
-    edges: EdgeChoice = "auto",
-) -> Plan:
-    """The plan of a graph with these options, as `followspot run` has them. Raises InputError."""
-    options: dict[str, Any] = {
-        "room": room,
-        "placement": placement,
-        "overrides": [f"{name}={_word(value)}" for name, value in (set or {}).items()],
-        "plugin_files": plugin_files,
-        "edges": edges,
-        "seed": seed,
-    }
-    return graph.plan(**options) if isinstance(graph, Graph) else compile_graph(graph, **options)
-
-
-def check(graph: str | Path | Graph, **options: Any) -> list[Mistake]:
+    **options: Unpack[PlanOptions],
+) -> list[Mistake]:
     """Every mistake in a graph, its room and its placement, as data; nothing is started.
 
-    options: room, set, placement, seed, plugin_files and edges, as `run` takes them.
+    set, room, placement, seed, plugin_files, edges: as `run` takes them.
     """
     try:
-        plan_of(graph, **options)
+        plan_of(graph, set, **options)
     except InputError as error:
         return list(error.mistakes)
     return []
@@ -98,7 +103,7 @@ def run(
     InputError with every mistake.
     """
     plan = plan_of(
-        graph, room=room, set=set, placement=placement, seed=seed, plugin_files=plugin_files, edges=edges
+        graph, set, room=room, placement=placement, seed=seed, plugin_files=plugin_files, edges=edges
     )
     subscribed = Subscribed(plan, ports)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")
@@ -114,11 +119,11 @@ def run(
     return OwnRun(subscribed, ready, folder)
 
 
-class OwnRun(RunHandle):
+class OwnRun(ScriptHandle):
     """A run of this process. Its thread goes on until the sources end, `stop`, or the end of the block."""
 
-    def __init__(self, subscribed: Subscribed, ready: Any, out: Path) -> None:
-        super().__init__("", subscribed.plan.graph, self._asked)
+    def __init__(self, subscribed: Subscribed, ready: AbstractContextManager[Ready], out: Path) -> None:
+        super().__init__("", subscribed.plan.graph, self._asked, failure=self._failure)
         self.out = out
         self._subscribed = subscribed
         self._dispatcher: Dispatcher | None = None
@@ -127,22 +132,20 @@ class OwnRun(RunHandle):
         self._error: BaseException | None = None
         self._begun = threading.Event()
         subscribed.failure = self._failure
-        self._tapped = TappedPorts(self, self._failure)
         self._thread = threading.Thread(target=self._live, args=(ready,), name="run", daemon=True)
         self._thread.start()
         self._begun.wait(_BEGIN)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """End the run, and wait until its outputs are complete."""
         self._subscribed.close()
-        self._tapped.close()
+        super().close()
         if self._thread.is_alive() and self._dispatcher is not None:
             self.stop()
         self._thread.join()
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        self.close()
         if kind is None:
             self._raise()
 
@@ -154,7 +157,7 @@ class OwnRun(RunHandle):
         found = self._subscribed.found(port)
         if found is not None and not (found.closed and self._thread.is_alive()):
             return found
-        return self._tapped.subscription(port)
+        return super().__getitem__(port)
 
     def wait(self) -> Report:
         """Wait for the end of the run; what it did.
@@ -181,7 +184,7 @@ class OwnRun(RunHandle):
         self._whole = Report(self._report, self.out, targets, persons)
         return self._whole
 
-    def _live(self, ready: Any) -> None:
+    def _live(self, ready: AbstractContextManager[Ready]) -> None:
         try:
             with ready as (coordinator, around):
                 self.run = coordinator.name

@@ -6,8 +6,8 @@ import asyncio
 import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Iterator
-from typing import Self
 
+from followspot.closing import Closing
 from followspot.errors import FollowspotError
 from followspot.messages import Message
 
@@ -17,7 +17,7 @@ _STALLED = 1.0
 """Seconds without a message after which the subscription looks for the reason."""
 
 
-class Subscription:
+class Subscription(Closing):
     """Iterates over the messages of one or more ports until the run ends. Leaving the loop closes it.
 
     A lossless subscription holds up the run while `CAPACITY` messages wait. Any other keeps the newest, and
@@ -70,12 +70,6 @@ class Subscription:
                 yield message
         finally:
             self.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         state = "closed" if self._closed else "ended" if self._ended else "open"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import inspect
 import threading
 from pathlib import Path
 
@@ -82,6 +83,7 @@ def test_a_subscription_misses_nothing_and_the_run_is_changed_on_the_way(
     assert (tmp_path / "tracks.csv").exists()
     assert "<table>" in report.ledger._repr_html_()
     assert "accuracy against ground truth" in repr(report)
+    assert repr(run) == f"<run glowballs ({run.run[:8]}): ended>"
 
 
 def test_two_ports_in_one_subscription_come_as_they_are_made(tmp_path: Path) -> None:
@@ -166,7 +168,7 @@ def test_messages_come_to_an_event_loop_as_well(tmp_path: Path) -> None:
 def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_process(tmp_path: Path) -> None:
     graph = composed()
     assert fs.check(graph) == []
-    assert graph._repr_svg_().startswith("<svg")
+    assert str(graph._repr_svg_()).startswith("<svg")
     with fs.run(graph, frames=15, ports=["low"], out=tmp_path) as run:
         heights = [tracks.xyz[:, 2].max(initial=0.0) for tracks in run["low"]]
     assert len(heights) == 15
@@ -197,6 +199,8 @@ def test_another_script_holds_the_same_run(tmp_path: Path) -> None:
     with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], out=tmp_path / "out") as run:
         with fs.connect(run.run) as other:
             assert other.plan().graph == "endless"
+            assert "<td>running</td>" in other._repr_html_()
+            assert repr(other).endswith(": running>")
             assert other.set("b.term", 5).stages[0].params == {"term": 5}
             assert [worker.phase for worker in other.status().workers] == ["running"]
         assert not run.over()
@@ -229,4 +233,26 @@ def test_the_handle_is_safe_from_many_threads(tmp_path: Path) -> None:
 def test_editors_see_everything() -> None:
     assert {"run", "connect", "check", "Graph", "open_recording", "Stage", "at"} <= set(dir(fs))
     for name in dir(fs):
-        assert getattr(fs, name) is not None
+        assert name == "Source" or getattr(fs, name).__doc__, name
+
+
+def test_a_script_knows_the_type_of_everything_but_tables_of_pandas() -> None:
+    held = (fs.OwnRun, fs.ConnectedRun, fs.Subscription, fs.Report, fs.Table, fs.Recording, fs.Graph)
+    methods = {f"{kind.__name__}.{name}": method for kind in held for name, method in vars(kind).items()}
+    functions = {"run": fs.run, "connect": fs.connect, "check": fs.check, "open_recording": fs.open_recording}
+    returned = {
+        name: str(inspect.signature(function).return_annotation)
+        for name, function in (methods | functions).items()
+        if inspect.isfunction(function) and "._" not in name
+    }
+    assert {name for name, kind in returned.items() if kind == "Any"} == {"Table.to_pandas"}
+
+
+def test_an_unfinished_graph_and_a_message_show_themselves() -> None:
+    unfinished = fs.Graph("mine")
+    unfinished.add("fuse", "balls.mean_shift")
+    assert unfinished._repr_svg_() is None
+    assert repr(unfinished) == "<Graph mine: fuse>"
+    shown = fs.at(7, Blobs.empty())._repr_html_()
+    assert "<caption>Blobs -1 of no source at 7 ns</caption>" in shown
+    assert "<td>xy</td><td>0 x 2</td><td>px</td>" in shown

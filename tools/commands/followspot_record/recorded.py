@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 from followspot import Room
+from followspot.closing import Closing
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.plan import Plan
 from followspot.messages import Message
@@ -41,7 +41,7 @@ class RecordedPort:
         return f"<{self.name}: {self.type.__name__}>"
 
 
-class RecordedRun:
+class RecordedRun(Closing):
     """A recorded run: its ports by name, the plan that was run and its room. Close it, or use ``with``."""
 
     def __init__(self, path: Path) -> None:
@@ -82,14 +82,6 @@ class RecordedRun:
     def close(self) -> None:
         """Close the file."""
         self._recording.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         return f"<recording {self.path}: {', '.join(self.ports) or 'no ports'}>"

@@ -1,0 +1,56 @@
+"""The handle that scripts and notebooks hold on a run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from followspot.closing import Closing
+from followspot.errors import FollowspotError
+from followspot.html import html_table
+from followspot.library.subscription import Subscription
+from followspot.library.tapped import TappedPorts
+from followspot.operator.run_handle import Ask, RunHandle
+
+
+class ScriptHandle(RunHandle, Closing):
+    """A run whose ports can be subscribed to, and which shows its workers in Jupyter."""
+
+    def __init__(
+        self,
+        run: str,
+        graph: str,
+        ask: Ask,
+        pid: int | None = None,
+        failure: Callable[[], Exception | None] = lambda: None,
+    ) -> None:
+        """failure: what the run failed with, which loops over ports raise; for the others see `RunHandle`."""
+        super().__init__(run, graph, ask, pid)
+        self._tapped = TappedPorts(self, failure)
+
+    def __getitem__(self, port: str) -> Subscription:
+        """The newest messages of a port from now on; `dropped` counts the rest.
+
+        port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.
+        """
+        return self._tapped.subscription(port)
+
+    def close(self) -> None:
+        """End the subscriptions; the run goes on."""
+        self._tapped.close()
+
+    def __repr__(self) -> str:
+        return f"<run {self.label}: {self._state()}>"
+
+    def _repr_html_(self) -> str:
+        try:
+            workers = self.status().workers
+        except FollowspotError:
+            return html_table(("run", "state"), [(self.label, self._state())])
+        rows = [
+            (worker.name, worker.host or "this host", worker.phase, str(worker.fired), str(worker.restarts))
+            for worker in workers
+        ]
+        return html_table(("worker", "host", "phase", "frames", "restarts"), rows, self.label)
+
+    def _state(self) -> str:
+        return "ended" if self.over() else "running"

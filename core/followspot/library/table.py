@@ -1,0 +1,38 @@
+"""Tables of a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from followspot.html import html_table
+from followspot.tables import table
+
+
+class Table:
+    """Rows under headings: iterate over them as dicts, show them, or take them to pandas."""
+
+    def __init__(self, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        self.columns = tuple(columns)
+        self.rows = tuple(tuple(row) for row in rows)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return (dict(zip(self.columns, row, strict=True)) for row in self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def to_pandas(self) -> Any:
+        """A DataFrame. Raises ImportError if pandas is not installed."""
+        import pandas
+
+        return pandas.DataFrame(list(self.rows), columns=list(self.columns))
+
+    def __repr__(self) -> str:
+        return table(self.columns, self._texts())
+
+    def _repr_html_(self) -> str:
+        return html_table(self.columns, self._texts())
+
+    def _texts(self) -> list[list[str]]:
+        return [[f"{c:.2f}" if isinstance(c, float) else str(c) for c in row] for row in self.rows]
