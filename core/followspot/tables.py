@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from rich.console import Console, RenderableType
+    from rich.console import Console, Group, RenderableType
     from rich.table import Table
+    from rich.text import Text
 
-BAD = "!"
-"""First character of a line that reports a fault."""
-BAD_STYLE = "bold red"
-"""How a terminal shows such a line."""
+_BAD, BAD_STYLE = "!", "bold red"
+"""First character of a line that reports a fault, and how a terminal shows the line."""
 _WIDEST = 1_000_000
 """Columns of plain text: so many that rich wraps no line."""
 
@@ -23,23 +22,42 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def grid(head: Sequence[str], rows: Sequence[Sequence[str]], bad: Sequence[bool] = ()) -> Table:
-    """The same table for rich to draw. bad: whether each row reports a fault."""
+    """The same table for rich to draw; a narrow terminal cuts its first column.
+
+    bad: whether each row reports a fault.
+    """
     from rich.table import Table
 
-    drawn = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
-    drawn.add_column(f"  {head[0]}", no_wrap=True)
+    drawn = Table(f"  {head[0]}", box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
     for name in head[1:]:
         drawn.add_column(name, justify="right", no_wrap=True)
     for row, is_bad in zip(rows, bad or [False] * len(rows), strict=True):
-        drawn.add_row(f"{BAD if is_bad else ' '} {row[0]}", *row[1:], style=BAD_STYLE if is_bad else "")
+        first = row[0] if is_bad else f"  {row[0]}"
+        drawn.add_row(line(first, bad=is_bad), *row[1:], style=BAD_STYLE if is_bad else "")
     return drawn
 
 
-def plain(*parts: RenderableType) -> str:
+def line(text: str, *, bad: bool = False) -> Text:
+    """A line for rich to draw, cut at the edge of the terminal. bad: whether it reports a fault."""
+    from rich.text import Text
+
+    marked = f"{_BAD} {text}" if bad else text
+    return Text(marked, BAD_STYLE if bad else "", no_wrap=True, overflow="ellipsis")
+
+
+def blocks(*parts: Sequence[RenderableType]) -> Group:
+    """Parts for rich to draw, an empty line between two; an empty part is left out."""
+    from rich.console import Group
+
+    first, *others = (part for part in parts if part)
+    return Group(*first, *(one for part in others for one in ("", *part)))
+
+
+def plain(part: RenderableType) -> str:
     """What rich draws, without escape codes and without wrapped lines."""
     console = literal_console(width=_WIDEST, color_system=None)
     with console.capture() as capture:
-        console.print(*parts, sep="\n")
+        console.print(part)
     return "\n".join(line.rstrip() for line in capture.get().splitlines())
 
 

@@ -4,77 +4,92 @@ from __future__ import annotations
 
 import sys
 import time
-from collections import deque
-from typing import TextIO
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from followspot.library.execute import Progress
+from followspot.tables import BAD_STYLE, literal_console
 
-_WIDTH = 30
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.progress import Progress as Bar
+
 _LINE_EVERY = 5.0
-"""Seconds between two lines where the output is no terminal."""
-_WINDOW = 5.0
-"""Seconds over which the rate is taken: that of a run which stands still is 0, however long it ran before."""
-_RED, _PLAIN = "\x1b[1;31m", "\x1b[0m"
+"""Seconds between two lines if standard error is no terminal, and over which a bar takes the rate."""
 
 
 class ProgressBar:
-    """Shows frames done, the rate, the time left and what is absent. Its `show` is what a run calls."""
+    """Shows frames done, the rate, the time left and faults. Its `show` is what a run calls."""
 
-    def __init__(self, stream: TextIO | None = None) -> None:
-        """stream: standard error as it is now, unless told."""
-        self.stream = stream or sys.stderr
-        self.started = time.monotonic()
-        self.terminal = self.stream.isatty()
-        self._next_line = self.started + _LINE_EVERY
-        self._drawn = False
+    def __init__(self) -> None:
+        self.terminal = sys.stderr.isatty()
+        self._line = time.monotonic(), 0
+        """When the last line was printed, s, and how many frames were done then."""
         self._faulty = False
-        """Whether the last line told of a fault, where the output is no terminal."""
-        self._past: deque[tuple[float, int]] = deque()
-        """When how many frames were done, s."""
+        """Whether the last line told of a fault."""
 
     def show(self, progress: Progress, expected: int | None) -> None:
-        """Draw the present state; expected: frames in all, None where nobody knows."""
-        now = time.monotonic()
-        self._past.append((now, progress.fired))
-        while len(self._past) > 2 and now - self._past[1][0] >= _WINDOW:
-            self._past.popleft()
+        """Draw the present state. expected: frames in all, None if the sources do not tell."""
+        fault = ""
+        if progress.faults:
+            more = f" (+{len(progress.faults) - 1})" if len(progress.faults) > 1 else ""
+            fault = f"! {progress.faults[0]}{more}"
         if self.terminal:
-            self.stream.write("\r\x1b[K" + self._line(progress, expected, now))
-            self.stream.flush()
-            self._drawn = True
-        elif now >= self._next_line or bool(progress.faults) != self._faulty:
-            self._next_line = now + _LINE_EVERY
-            self._faulty = bool(progress.faults)
-            print(self._line(progress, expected, now), file=self.stream, flush=True)
+            self._draw(progress.fired, expected or None, fault)
+            return
+        now, (since, before) = time.monotonic(), self._line
+        if now >= since + _LINE_EVERY or bool(fault) != self._faulty:
+            self._line, self._faulty = (now, progress.fired), bool(fault)
+            rate = max(0, progress.fired - before) / max(1e-6, now - since)
+            self.say(f"{_frames(progress.fired, expected, rate)}  {fault}".rstrip())
 
     def say(self, line: str) -> None:
-        """A line of text, above the bar where there is one."""
-        before = "\r\x1b[K" if self._drawn else ""
-        self._drawn = False
-        print(before + line, file=self.stream, flush=True)
+        """Print a line of text, above the bar if there is one."""
+        if self.terminal:
+            self._console.print(line, soft_wrap=True)
+        else:
+            print(line, file=sys.stderr, flush=True)
 
     def close(self) -> None:
-        """Leave the cursor on a line of its own."""
-        if self._drawn:
-            self.stream.write("\n")
-            self._drawn = False
+        """End the bar; its last state stays."""
+        if "_bar" in vars(self):
+            self._bar.stop()
 
-    def _line(self, progress: Progress, expected: int | None, now: float) -> str:
-        return self._frames(progress, expected, now) + self._faults(progress)
+    @cached_property
+    def _console(self) -> Console:
+        return literal_console(stderr=True)
 
-    def _faults(self, progress: Progress) -> str:
-        if not progress.faults:
-            return ""
-        more = f" (+{len(progress.faults) - 1})" if len(progress.faults) > 1 else ""
-        text = f"! {progress.faults[0]}{more}"
-        return f"  {_RED}{text}{_PLAIN}" if self.terminal else f"  {text}"
+    @cached_property
+    def _bar(self) -> Bar:
+        """A bar with its one task, drawn now and whenever `show` is called."""
+        from rich.progress import BarColumn, TextColumn
+        from rich.progress import Progress as Bar
+        from rich.table import Column
 
-    def _frames(self, progress: Progress, expected: int | None, now: float) -> str:
-        since, before = self._past[0]
-        rate = max(0, progress.fired - before) / max(1e-6, now - since)
-        if not expected:
-            return f"{progress.fired} frames  {rate:.0f}/s"
-        share = min(1.0, progress.fired / expected)
-        bar = "#" * int(share * _WIDTH)
-        left = f"  {(expected - progress.fired) / rate:.0f} s left" if rate > 0 and share < 1.0 else ""
-        return f"[{bar:<{_WIDTH}}] {progress.fired}/{expected} frames  {rate:.0f}/s{left}"
+        bar = Bar(
+            BarColumn(bar_width=30),
+            TextColumn("{task.fields[frames]}", markup=False),
+            TextColumn(
+                "{task.fields[fault]}", style=BAD_STYLE, markup=False, table_column=Column(no_wrap=True)
+            ),
+            console=self._console,
+            auto_refresh=False,
+            redirect_stdout=False,
+            speed_estimate_period=_LINE_EVERY,
+        )
+        bar.add_task("", total=None, frames="", fault="")
+        bar.start()
+        return bar
+
+    def _draw(self, fired: int, expected: int | None, fault: str) -> None:
+        (task,) = self._bar.tasks
+        self._bar.update(task.id, completed=fired, total=expected)
+        frames = _frames(fired, expected, task.speed or 0.0)
+        self._bar.update(task.id, frames=frames, fault=fault, refresh=True)
+
+
+def _frames(fired: int, expected: int | None, rate: float) -> str:
+    if not expected:
+        return f"{fired} frames  {rate:.0f}/s"
+    left = f"  {(expected - fired) / rate:.0f} s left" if rate > 0 and fired < expected else ""
+    return f"{fired}/{expected} frames  {rate:.0f}/s{left}"

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from screens import on_terminal
 
 from followspot.control.dispatch import Request
 from followspot.control.host import WorkerStatus
@@ -24,9 +27,8 @@ from followspot_dashboard.meter import Rhythm
 from followspot_watch import hz
 from followspot_watch.echo import Warner
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.screen import screenful
 from followspot_watch.tap_subscriber import HeardPort
-from followspot_watch.top import text
+from followspot_watch.top import report, text
 
 PLAN = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml", placement="stage")
 FUSE = WorkerStatus(
@@ -112,14 +114,15 @@ def test_the_last_status_of_a_run_that_has_ended_stays_and_of_one_that_is_silent
 
 
 def test_top_marks_what_is_wrong_and_a_terminal_shows_it_red() -> None:
-    lines = text({"graph": "g", "run": "0123456789", **picture(WELL, GONE).data()}).splitlines()
+    data = {"graph": "g", "run": "0123456789", **picture(WELL, GONE).data()}
+    lines = text(data).splitlines()
     assert lines[1] == "! host pc-left is absent: last heard 12 s ago"
     (fuse,) = [line for line in lines if line.split()[:2] == ["!", "fuse"]]
     assert fuse.split()[2:6] == ["fuse", "absent", "12", "s"]
     assert any(line.startswith("! fuse.out -> ") for line in lines)
-    red = [line for line in screenful("\n".join(lines), 100, 100).splitlines() if "\x1b[1;31m" in line]
-    assert [line.partition("m")[2].removesuffix("\x1b[0m") for line in red] == [
-        line[:100] for line in lines if line.startswith("!")
+    red = [line for line in on_terminal(partial(report, data), 300, 300) if "\x1b[1;31m" in line]
+    assert [re.sub(r"\x1b\[[\d;]*m", "", line).rstrip() for line in red] == [
+        line for line in lines if line.startswith("!")
     ]
     well = text({"graph": "g", "run": "0123456789", **picture(WELL, WELL).data()})
     assert "!" not in well

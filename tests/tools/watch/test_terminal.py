@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Group
+from screens import on_terminal
 
 from followspot.cli.main import build_parser
 from followspot.control.dispatch import Dispatcher
@@ -29,11 +31,11 @@ from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
 from followspot.stage import Context
+from followspot.tables import grid, line
 from followspot.tracking import Blobs, Frame, Tracks
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
-from followspot_watch.screen import screenful
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 NAME = f"{os.getpid():x}terminal"
@@ -192,12 +194,21 @@ def test_the_time_of_hz_begins_with_the_first_measurement(capsys: pytest.Capture
     assert found["track.tracks"]["count"] == 1
 
 
-def test_a_table_is_cut_to_the_terminal() -> None:
-    text = "\n".join(str(number) * 9 for number in range(10))
-    assert screenful(text, 80, 11).count("\n") == 9
-    lines = screenful(text, 5, 4).splitlines()
-    assert lines[1:] == ["11111", "... 8"]
-    assert lines[0].endswith("00000")
+def test_a_report_is_cut_to_the_terminal() -> None:
+    def draw(most: int | None) -> Group:
+        return Group(*(line(str(number) * 9) for number in range(10)[:most]))
+
+    assert len(on_terminal(draw, 80, 10)) == 10
+    lines = on_terminal(draw, 5, 3)
+    assert lines == ["0000…", "1111…", "... …"]
+    assert "... more lines: make the window larger, or see --json" in on_terminal(draw, 80, 9)
+
+
+def test_a_narrow_terminal_cuts_names_and_no_figures() -> None:
+    rows = [("camera/cam0.out -> color/cam0.image", "call", "123456"), ("a -> b", "call", "7")]
+    lines = on_terminal(lambda most: grid(("edge", "kind", "sent"), rows[:most]), 30, 9)
+    assert [line.split()[-1] for line in lines] == ["sent", "123456", "7"]
+    assert lines[1].split()[:2] == ["camera/cam0.o…", "call"]
 
 
 def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:

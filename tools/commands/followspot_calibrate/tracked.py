@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -98,7 +97,7 @@ def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) ->
 
 def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
     """Track the room's own recording, with progress on a terminal. Raises FollowspotError."""
-    with TemporaryDirectory(prefix="followspot-track-") as folder, closing(ProgressBar(sys.stderr)) as bar:
+    with TemporaryDirectory(prefix="followspot-track-") as folder, closing(ProgressBar()) as bar:
         plan = tracking_plan(graph, room, (), (), Path(folder))
         if frames is None and any(stage.live for stage in plan.stages):
             remedy = "record them first, or say how many frames to use: --frames 1000"

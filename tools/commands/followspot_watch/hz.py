@@ -7,17 +7,23 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import LOSSES, RunHandle, connected_run, is_unheard
+from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
-from followspot.tables import table
+from followspot.tables import blocks, grid, line, plain
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.screen import BAD, marked, screenful
+from followspot_watch.screen import live_screen
 from followspot_watch.tap_subscriber import HeardPort, TapSubscriber, chosen, listening
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 SINK = "dashboard.meter"
 SILENCE = 2.0
@@ -60,16 +66,15 @@ class Pace:
 
 def hz(args: argparse.Namespace) -> int:
     """Measure for so many seconds and print; on a terminal until the run ends or Ctrl-C. Returns the code."""
-    once = args.json or not sys.stdout.isatty()
     use_plugin_files(args.plugin_files)
     with connected_run(args.run, network_of(args)) as run:
         measured = Measured(run, chosen(args.port, run))
-        try:
-            with listening(run, measured.ports, SINK, window=args.seconds) as ear:
-                _measure(ear, measured, args.seconds if once else None)
-        except KeyboardInterrupt:
-            if not once:
+        with listening(run, measured.ports, SINK, window=args.seconds) as subscriber:
+            if not args.json and sys.stdout.isatty():
+                _watch(subscriber, measured)
                 return 0
+            with suppress(KeyboardInterrupt):
+                _measure(subscriber, measured, args.seconds)
         paces = measured.paces()
     print(json.dumps([pace.data() for pace in paces]) if args.json else text(paces, measured.faults()))
     return 0
@@ -91,8 +96,9 @@ class Measured:
         """Whether anything was measured."""
         return bool(self._told)
 
-    def take(self, port: str, rhythm: Rhythm) -> None:
+    def take(self, port: str, rhythm: Message) -> None:
         """A newer measurement."""
+        assert isinstance(rhythm, Rhythm)
         self._told[port] = rhythm, time.monotonic()
 
     def paces(self) -> list[Pace]:
@@ -123,10 +129,19 @@ def dropped(picture: RunPicture) -> dict[str, int]:
 
 
 def text(paces: Sequence[Pace], faults: Sequence[str] = ()) -> str:
-    """What is wrong, and a table; a port that sent nothing has none but its losses."""
+    """The report as plain text."""
+    return plain(report(paces, faults))
+
+
+def report(paces: Sequence[Pace], faults: Sequence[str] = (), most: int | None = None) -> RenderableType:
+    """Faults, and a table of ports; if a port sent nothing, its row has only its losses.
+
+    most: rows of the table; None for all.
+    """
     head = ("port", "per second", "mean ms", "jitter ms", "p95 ms", "worst ms", "messages", "dropped", "")
-    rows = marked(table(head, [_row(pace) for pace in paces]), [bool(pace.unheard) for pace in paces])
-    return "\n".join([*(f"{BAD} {line}" for line in faults), rows])
+    paces = paces[:most]
+    ports = grid(head, [_row(pace) for pace in paces], [bool(pace.unheard) for pace in paces])
+    return blocks([*(line(fault, bad=True) for fault in faults), ports])
 
 
 def _row(pace: Pace) -> tuple[str, ...]:
@@ -146,17 +161,23 @@ def _row(pace: Pace) -> tuple[str, ...]:
     )
 
 
-def _measure(ear: TapSubscriber, measured: Measured, seconds: float | None) -> None:
-    """For the time from the first measurement on, or until the run ends; without a time, with tables."""
-    end = None if seconds is None else time.monotonic() + _BEGINNING + seconds
-    for heard in ear.heard(_PERIOD if seconds is None else min(_PERIOD, seconds)):
+def _measure(subscriber: TapSubscriber, measured: Measured, seconds: float) -> None:
+    """Measure for a time, s, that begins with the first measurement, or until the run ends."""
+    end = time.monotonic() + _BEGINNING + seconds
+    for heard in subscriber.heard(min(_PERIOD, seconds)):
         if heard is not None:
-            port, message = heard
-            assert isinstance(message, Rhythm)
-            if seconds is not None and not measured.begun:
+            if not measured.begun:
                 end = time.monotonic() + seconds
-            measured.take(port, message)
-        elif end is None:
-            print(screenful(text(measured.paces(), measured.faults())), flush=True)
-        if end is not None and time.monotonic() >= end:
+            measured.take(*heard)
+        if time.monotonic() >= end:
             return
+
+
+def _watch(subscriber: TapSubscriber, measured: Measured) -> None:
+    """Renew the table on the terminal until the run ends or Ctrl-C."""
+    with suppress(KeyboardInterrupt), live_screen() as show:
+        for heard in subscriber.heard(_PERIOD):
+            if heard is not None:
+                measured.take(*heard)
+            else:
+                show(partial(report, measured.paces(), measured.faults()))

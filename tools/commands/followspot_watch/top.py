@@ -6,13 +6,18 @@ import argparse
 import json
 import sys
 import time
-from typing import Any
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
-from followspot.library.handle import LIMIT_MS, LOSSES, connected_run
-from followspot.tables import table
+from followspot.library.handle import LIMIT_MS, LOSSES, RunHandle, connected_run
+from followspot.tables import blocks, grid, line, plain
 from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.screen import BAD, marked, screenful
+from followspot_watch.screen import live_screen
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
 
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
@@ -26,63 +31,92 @@ LASTING = 1.0
 
 
 def top(args: argparse.Namespace) -> int:
-    """Show the run until it ends, or once where the output is no terminal. Returns the exit code."""
+    """Show the run until it ends, or once if the output is no terminal. Returns the exit code."""
     with connected_run(args.run, network_of(args)) as run:
         picture = RunPicture(run.plan())
         picture.take(run.status())
-        pause, once = _FIRST, args.json or not sys.stdout.isatty()
         try:
-            while True:
-                time.sleep(pause)
-                if once:
-                    picture.take(run.status())
-                else:
-                    picture.renew(lambda: run.status(max(args.every, _LEAST)))
-                if picture.ended:
-                    print("the run has ended")
-                    return 0
-                data = {"run": run.run, "graph": run.graph, **picture.data()}
-                if args.json:
-                    print(json.dumps({name: value for name, value in data.items() if name != "type"}))
-                else:
-                    print(text(data) if once else screenful(text(data)), flush=True)
-                if once or _over(data):
-                    return 0
-                pause = args.every
+            if args.json or not sys.stdout.isatty():
+                time.sleep(_FIRST)
+                picture.take(run.status())
+                data = _data(run, picture)
+                print(json.dumps(data) if args.json else text(data))
+            elif _watch(run, picture, args.every):
+                print("the run has ended")
         except KeyboardInterrupt:
-            return 0
+            pass
+    return 0
+
+
+def _watch(run: RunHandle, picture: RunPicture, every: float) -> bool:
+    """Renew the tables on the terminal until all stages are over; True if the run ended before that.
+
+    every: seconds between two tables.
+    """
+    pause = _FIRST
+    with live_screen() as show:
+        while True:
+            time.sleep(pause)
+            picture.renew(lambda: run.status(max(every, _LEAST)))
+            if picture.ended:
+                return True
+            data = _data(run, picture)
+            show(partial(report, data))
+            if data["stages"] and all(stage["state"] == "over" for stage in data["stages"]):
+                return False
+            pause = every
+
+
+def _data(run: RunHandle, picture: RunPicture) -> dict[str, Any]:
+    return {"run": run.run, "graph": run.graph, **picture.data()}
 
 
 def text(data: dict[str, Any]) -> str:
-    """The tables of a run's figures, as `RunPicture.data` gives them with its run and graph."""
+    """The report as plain text."""
+    return plain(report(data))
+
+
+def report(data: dict[str, Any], most: int | None = None) -> RenderableType:
+    """The tables of a run's figures, as `RunPicture.data` gives them with its run and graph.
+
+    most: rows of each table; None for all.
+    """
     expected = f" of {data['expected']}" if data["expected"] else ""
     head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames, {_rate(data)} per second"
-    head = "\n".join([head, *(f"{BAD} {line}" for line in data["faults"])])
-    parts = [head, _stages(data), _edges(data), _paths(data)]
     errors = [f"  {s['stage']}: {s['error'].splitlines()[0][:_ERROR]}" for s in data["stages"] if s["error"]]
-    parts += ["clocks, what is added to the times of each host\n" + _clocks(data)] if data["clocks"] else []
-    parts += ["last errors\n" + "\n".join(errors)] if errors else []
-    parts += ["news\n" + "\n".join(f"  {line}" for line in data["news"])] if data["news"] else []
-    return "\n\n".join(parts)
+    clocks = [line("clocks, what is added to the times of each host"), _clocks(data["clocks"])]
+    return blocks(
+        [line(head), *(line(fault, bad=True) for fault in data["faults"])],
+        [_stages(data["stages"][:most])],
+        [_edges(data["edges"][:most])],
+        [_paths(data["paths"][:most])],
+        clocks if data["clocks"] else [],
+        _listed("last errors", errors),
+        _listed("news", [f"  {news}" for news in data["news"]]),
+    )
 
 
-def _stages(data: dict[str, Any]) -> str:
+def _listed(title: str, lines: Sequence[str]) -> Sequence[RenderableType]:
+    return [line(title), *map(line, lines)] if lines else []
+
+
+def _stages(stages: Sequence[dict[str, Any]]) -> RenderableType:
     head = ("stage", "worker", "state", "on", "per second", "load", "fired", "skipped", "restarts")
     rows = []
-    for s in data["stages"]:
+    for s in stages:
         pace = (_rate(s), "-" if s["load"] is None else f"{100 * s['load']:.0f} %")
         counts = (str(s["fired"]), str(s["skipped"]), str(s["restarts"]))
         rows.append((s["stage"], s["worker"], _state(s), _waits(s), *pace, *counts))
-    return marked(table(head, rows), [s["state"] in BAD_STATES for s in data["stages"]])
+    return grid(head, rows, [s["state"] in BAD_STATES for s in stages])
 
 
-def _edges(data: dict[str, Any]) -> str:
+def _edges(edges: Sequence[dict[str, Any]]) -> RenderableType:
+    head = ("edge", "kind", "per second", "produced", "away", "sent", "in flight", *LOSSES)
     rows = []
-    for e in data["edges"]:
+    for e in edges:
         counts = (str(e[name]) for name in ("produced", "away", "sent", "in_flight", *LOSSES))
         rows.append((f"{e['from']} -> {e['to']}", e["kind"], _rate(e), *counts))
-    text = table(("edge", "kind", "per second", "produced", "away", "sent", "in flight", *LOSSES), rows)
-    return marked(text, [e["old"] for e in data["edges"]])
+    return grid(head, rows, [e["old"] for e in edges])
 
 
 def _state(stage: dict[str, Any]) -> str:
@@ -96,22 +130,20 @@ def _rate(figures: dict[str, Any]) -> str:
     return "-" if figures["rate"] is None else f"{figures['rate']:.1f}"
 
 
-def _clocks(data: dict[str, Any]) -> str:
+def _clocks(clocks: Sequence[dict[str, Any]]) -> RenderableType:
     head = ("host", "by the clock of", "offset ms", "round trip ms", "")
     rows = []
-    for c in data["clocks"]:
+    for c in clocks:
         note = "" if c["exchanges"] else "not compared"
         note = "set it by NTP or PTP" if abs(c["offset_ms"]) >= LIMIT_MS else note
         times = f"{c['offset_ms']:+.3f}", f"{c['round_trip_ms']:.3f}"
         rows.append((c["host"] or "this host", c["reference"], *times, note))
-    return table(head, rows)
+    return grid(head, rows)
 
 
-def _paths(data: dict[str, Any]) -> str:
-    rows = [
-        (f"{p['origin']} -> {p['sink']}", f"{p['p50_ms']:.2f}", f"{p['p95_ms']:.2f}") for p in data["paths"]
-    ]
-    return marked(table(("path", "p50 ms", "p95 ms"), rows), [p["old"] for p in data["paths"]])
+def _paths(paths: Sequence[dict[str, Any]]) -> RenderableType:
+    rows = [(f"{p['origin']} -> {p['sink']}", f"{p['p50_ms']:.2f}", f"{p['p95_ms']:.2f}") for p in paths]
+    return grid(("path", "p50 ms", "p95 ms"), rows, [p["old"] for p in paths])
 
 
 def _waits(stage: dict[str, Any]) -> str:
@@ -121,7 +153,3 @@ def _waits(stage: dict[str, Any]) -> str:
     ends = stage["on"][0].split(" -> ")
     more = f" +{len(stage['on']) - 1}" if len(stage["on"]) > 1 else ""
     return str(ends[stage["state"] == "sending"]) + more
-
-
-def _over(data: dict[str, Any]) -> bool:
-    return bool(data["stages"]) and all(stage["state"] == "over" for stage in data["stages"])
