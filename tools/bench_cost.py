@@ -88,7 +88,7 @@ def main() -> None:
 
 
 def cases(args: argparse.Namespace) -> list[Case]:
-    """Each quantity varied alone; those named on the command line only, where one is named."""
+    """Each quantity varied alone; those named on the command line only, if one is named."""
     cameras = [int(n) for n in args.cameras.split(",")] if args.cameras else []
     targets = [int(n) for n in args.targets.split(",")] if args.targets else []
     sizes = [_size(text) for text in args.sizes.split(",")] if args.sizes else []

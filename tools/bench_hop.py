@@ -59,7 +59,7 @@ def chain(hops: int, messages: int) -> Plan:
 
 
 def run_seconds(hops: int, messages: int, out: Path) -> float:
-    """Duration of one run, s. Raises AssertionError where the ledger does not balance."""
+    """Duration of one run, s. Raises AssertionError if the ledger does not balance."""
     report = local_run(chain(hops, messages), RunOptions(out)).execute()
     assert report.ok, report.errors
     return report.seconds

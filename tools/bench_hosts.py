@@ -92,7 +92,7 @@ def _throughput(f: dict[str, float]) -> tuple[str, ...]:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Empty where there are no rows."""
+    """Empty if there are no rows."""
     lines = ["| " + " | ".join(row) + " |" for row in (head, ["---"] * len(head), *rows)]
     return "\n".join(lines) if rows else ""
 

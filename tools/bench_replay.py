@@ -82,7 +82,7 @@ def measure(minutes: float) -> dict[str, Any]:
 
 
 def _followspot(*words: str) -> dict[str, Any]:
-    """The JSON that a command ends with; exits where there is none."""
+    """The JSON that a command ends with; exits if there is none."""
     command = [sys.executable, "-m", "followspot.cli.main", *words, "--quiet", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if not done.stdout:

@@ -100,7 +100,7 @@ def pictures(room: Room, camera: Camera, first: int, last: int, step: int) -> It
 
 
 def positions(tracks: TrackTable, room: Room, time: Array) -> Array:
-    """Positions of the T targets of the room at the times (F,) s: (F, T, 3) m, NaN where unknown."""
+    """Positions of the T targets of the room at the times (F,) s: (F, T, 3) m, NaN if unknown."""
     xyz = np.full((len(time), len(room.targets), 3), np.nan)
     for target, name in enumerate(room.targets):
         rows = np.flatnonzero(np.array(tracks.objects)[tracks.target] == name)
@@ -191,7 +191,7 @@ class FloorPlan:
             cv2.line(picture, start, end, GRID, 1)
 
     def trail(self, picture: Array, number: int, target: int) -> None:
-        """Where the target was, fading with age; broken where it was lost."""
+        """The path of the target, fading with age; broken while it was lost."""
         past = self.xyz[max(0, number - TRAIL) : number + 1, target]
         points = self.pixels(np.nan_to_num(past), len(picture))
         known = np.isfinite(past[:, 0])

@@ -1,7 +1,7 @@
 """Write docs/reference.md: every built-in stage with its ports and parameters, as it describes itself.
 
 python tools/reference.py            write it
-python tools/reference.py --check    fail where it is stale
+python tools/reference.py --check    fail if it is stale
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Stopwatch:
             self.started = time.process_time()
 
     def seconds(self) -> float:
-        """CPU time of the process so far. Raises ValueError where the frames ended first."""
+        """CPU time of the process so far. Raises ValueError if the frames ended first."""
         if self.started is None:
             raise ValueError(f"there are no frames after the first {self.lead}, which are not measured")
         return time.process_time() - self.started

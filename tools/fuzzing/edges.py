@@ -57,7 +57,7 @@ class Numbers(NamedTuple):
     noise: bytes | None = None
 
     def packed(self, true: int) -> bytes:
-        """As it travels; noise in place of it where there is some."""
+        """As it travels; noise in place of it if there is some."""
         if self.noise is not None:
             return self.noise
         return self.layout.pack(*(max(0, true + n) if relative else n for relative, n in self.parts))
@@ -218,7 +218,7 @@ class ZenohEdge:
         return Hostile(way, kind, token, None if layout is None else Numbers.some(layout, rng))
 
     def take(self, hostile: Hostile) -> object:
-        """Put it and see what becomes of it. Raises InvalidMessage where it is refused."""
+        """Put it and see what becomes of it. Raises InvalidMessage if it is refused."""
         pair = self._pairs[hostile.kind]
         if pair.kind is not hostile.kind:
             pair.begin(hostile.kind)
@@ -277,7 +277,7 @@ class RingEdge:
         return send
 
     def take(self, act: Callable[[], None]) -> object:
-        """Do it and see what becomes of it. Raises InvalidMessage where it is refused."""
+        """Do it and see what becomes of it. Raises InvalidMessage if it is refused."""
         refused = self.reader.strangers + self.writer.strangers
         sequence = self.reader._sequence
         act()

@@ -51,7 +51,7 @@ def _damaged(data: bytes, rng: random.Random) -> bytes:
 
 
 def _played(stage: Video | Images) -> int:
-    """Play to the end as a worker does. Raises FollowspotError where not all pictures came."""
+    """Play to the end as a worker does. Raises FollowspotError if not all pictures came."""
     count = 0
     try:
         stage.setup()

@@ -86,7 +86,7 @@ class Stages:
         return Call(uses, arguments)
 
     def take(self, call: Call) -> object:
-        """Call the stage. Raises InvalidMessage where an edge would have refused what it is given."""
+        """Call the stage. Raises InvalidMessage if an edge would have refused what it is given."""
         for argument in call.arguments:
             message = argument[0] if isinstance(argument, tuple) else argument
             ask = self._misfits[call.uses, type(message)]

@@ -72,7 +72,7 @@ def mutated(tree: Tree, rng: random.Random, more: Callable[[Tree, random.Random]
 
 
 def extreme(rng: random.Random) -> Tree:
-    """Something that hardly ever belongs where it is put."""
+    """A value that hardly ever fits its place."""
     return rng.choice(rng.choice(_EXTREMES))
 
 

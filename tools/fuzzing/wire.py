@@ -114,7 +114,7 @@ class Ring:
         return bytes(datagram) or b"\0"
 
     def take(self, datagram: bytes) -> object:
-        """Give it to the reader. Raises InvalidMessage where it says so."""
+        """Give it to the reader. Raises InvalidMessage if it says so."""
         self._sending.send(datagram)
         tokens = self._reader.poll()
         broken = next((token.reason for token in tokens if isinstance(token, Invalid)), None)

@@ -9,7 +9,7 @@ line, the nearest by the names of their files and the cheapest first, until one 
 and --budget seconds of what they usually take. A test without end has failed, and has a second trial with 4
 times the patience, for the machine may be busy. A change that no test reaches has survived. The sample is of
 places in the code, so that a package has its share by what it computes. Ctrl-C ends it; the same command goes
-on where it was. Results: runs/mutants/results.jsonl, and a table.
+on if it was. Results: runs/mutants/results.jsonl, and a table.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ def _of_file(test: str, seconds: Mapping[str, float]) -> float:
 def _verdict(ran: Run) -> str:
     """Who killed it: a test, a test without end or the import; "" for nobody.
 
-    Raises RuntimeError where pytest did not understand what it was asked: that tells nothing of the change.
+    Raises RuntimeError if pytest did not understand what it was asked: that tells nothing of the change.
     """
     failed = [entry["test"] for entry in ran.log if entry.get("outcome") == "failed"]
     if failed:

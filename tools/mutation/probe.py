@@ -34,7 +34,7 @@ _LOG = _Log()
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Log the test, and end the process with it where it takes longer than it may."""
+    """Log the test, and end the process with it if it takes longer than it may."""
     _LOG.seconds, _LOG.outcome = 0.0, "passed"
     _LOG.write(begin=item.nodeid)
     faulthandler.dump_traceback_later(_LOG.limits.get(item.nodeid, _LONGEST_S), exit=True)

@@ -100,7 +100,7 @@ def collect(tree: Tree, store: Path, files: Sequence[str]) -> list[Reach]:
 def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -> list[list[str]]:
     """The tests for a change by file: the nearest by its name first, of these the cheapest.
 
-    A line that runs at import is reached by whatever runs the code that it defines; where that has none of
+    A line that runs at import is reached by whatever runs the code that it defines; if that has none of
     its own (constants, plain records), by whatever runs the modules in `importers`.
     """
     reaches = list(reaches)
@@ -119,7 +119,7 @@ def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -
 
 
 def _distance(file: str, path: str) -> int:
-    """0 where a test file is named like a module, 1 where its folder is named like one of the module's."""
+    """0 if a test file is named like a module, 1 where its folder is named like one of the module's."""
     if Path(path).stem in Path(file).stem:
         return 0
     return 1 if Path(file).parent.name in Path(path).parts else 2

@@ -9,7 +9,7 @@ cameras of the simulated room with their detectors beside them; graphs/glowballs
 seventh camera ends, like a camera file. After each fault every worker must be at work, all six cameras used
 together, and each target that a colour and an infrared camera see tracked within 15 cm of the truth, all of
 that within --within seconds; who dies, hangs or is cut off must be noticed within --notice seconds. At the
-end every message must be accounted for, memory must be where it was, and nothing may be left behind. All
+end every message must be accounted for, memory must be if it was, and nothing may be left behind. All
 stages keep journals: they must agree with the ledger, but for the one message that a killed process had in
 hand, and no status that was seen meanwhile may show what cannot be. Exit code 1 where a promise was broken.
 """
@@ -62,7 +62,7 @@ _CALM = 0.5
 
 
 def recovered(show: Show, over: float, since: float) -> float | None:
-    """Seconds from `over` until all were at work after `since`, monotonic times; None where never."""
+    """Seconds from `over` until all were at work after `since`, monotonic times; None if never."""
     while time.monotonic() - over < _FOREVER and show.run.poll() is None:
         if tracked(show.judged(), since) and show.watch.works(since, CAMERAS):
             return time.monotonic() - over
@@ -71,7 +71,7 @@ def recovered(show: Show, over: float, since: float) -> float | None:
 
 
 def noticed(show: Show, begun: float) -> float | None:
-    """Seconds until the run said that something was wrong, which tracking may not need; None where never."""
+    """Seconds until the run said that something was wrong, which tracking may not need; None if never."""
     while (seconds := show.watch.noticed(begun)) is None and time.monotonic() - begun < _UNNOTICED:
         time.sleep(0.05)
     return seconds
@@ -149,7 +149,7 @@ def summary_of(show: Show) -> dict[str, Any]:
 
 
 def compared(summary: dict[str, Any], books: Books) -> dict[str, Any]:
-    """How many lines the journals of all stages have, and where they differ from the ledger."""
+    """The number of lines of all journals, and their differences from the ledger."""
     return {"lines": books.lines(), "differences": disagreements(summary["edges"], books)}
 
 

@@ -200,7 +200,7 @@ class Judge(Stage):
         os.write(self.file, line.encode())
 
     def error(self, tracks: Tracks) -> float:
-        """The largest, m; 0 where no target is to be seen."""
+        """The largest, m; 0 if no target is to be seen."""
         truth = self.truth.truth(tracks.header.seq)
         names = list(self.room.targets)
         placed = np.full((len(names), 3), np.inf)

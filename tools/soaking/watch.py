@@ -73,7 +73,7 @@ class Watch:
         return sum(last[camera] > count for camera, count in first.items()) >= cameras
 
     def noticed(self, since: float) -> float | None:
-        """Seconds until the run said that something was wrong; None where it never did."""
+        """Seconds until the run said that something was wrong; None if it never did."""
         glances = tuple(self._glances)
         before = [glance for glance in glances if glance.at <= since][-1]
         for glance in glances:
@@ -98,7 +98,7 @@ class Watch:
                 self.news.update(status.news)
 
     def _socket(self) -> str:
-        """Raises StopIteration where the run has none yet."""
+        """Raises StopIteration if the run has none yet."""
         begin = f"@followspot-{os.getuid()}-{self._pid}-"
         words = Path(f"/proc/{self._pid}/net/unix").read_text().split()
         return next(word[1:] for word in words if word.startswith(begin))

@@ -16,7 +16,7 @@ MOST_FRAMES = 300
 
 
 def folders_of(folder: Path, noun: str) -> list[Path]:
-    """The folders of the things shown, in the order of their names. Raises InputError where there is none."""
+    """The folders of the things shown, in the order of their names. Raises InputError if there is none."""
     found = sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else []
     if not found:
         text = f"{folder} has no folder per {noun}"

@@ -20,7 +20,7 @@ from followspot_cameras.recordings import find_recordings
 OFF_MIDDLE = 0.03
 """How far the middle of what glows may be from the middle of the target, one sigma over its width.
 
-Lamps and reflective patches sit where they sit, and infrared cameras see other ones than colour cameras do.
+Lamps and reflective patches sit if they sit, and infrared cameras see other ones than colour cameras do.
 That shifts all sightings of a camera alike, so that many of them do not help: it is counted for each.
 """
 
@@ -29,7 +29,7 @@ That shifts all sightings of a camera alike, so that many of them do not help: i
 class Places:
     """Targets at N moments as C cameras saw them.
 
-    pixel: (N, C, 2) px with lens distortion, NaN where not seen; sigma: (N,) px, of one coordinate.
+    pixel: (N, C, 2) px with lens distortion, NaN if not seen; sigma: (N,) px, of one coordinate.
     """
 
     pixel: Array
@@ -39,7 +39,7 @@ class Places:
 def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | None = None) -> Places:
     """The target in CLIPS/<target>/<camera>.mkv; equal numbers of frames are equal moments.
 
-    A camera whose clip is absent or shows no target has no sightings. Raises FollowspotError where no moment
+    A camera whose clip is absent or shows no target has no sightings. Raises FollowspotError if no moment
     has two.
     """
     found = []
@@ -56,7 +56,7 @@ def find_places(clips: Path, cameras: Sequence[Camera], progress: Progress | Non
 
 
 def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array]:
-    """Of one target: (F, C, 2) px and its width in each picture, (F, C) px; NaN where it is not seen."""
+    """Of one target: (F, C, 2) px and its width in each picture, (F, C) px; NaN if it is not seen."""
     pixel = np.full((MOST_FRAMES, len(cameras), 2), np.nan)
     width = np.full((MOST_FRAMES, len(cameras)), np.nan)
     recordings = find_recordings(folder, [camera.name for camera in cameras])
@@ -69,7 +69,7 @@ def _places(folder: Path, cameras: Sequence[Camera]) -> tuple[Array, Array]:
 
 
 def _spots(recording: Path, camera: Camera) -> list[Spot]:
-    """The target in each frame that shows it; none where the clip shows none."""
+    """The target in each frame that shows it; none if the clip shows none."""
     frames = read_frames(recording, camera, MOST_FRAMES)
     edge = COLOR_EDGE if camera.kind == "color" else INFRARED_EDGE
     try:

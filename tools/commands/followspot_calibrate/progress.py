@@ -1,4 +1,4 @@
-"""How far a calibration has come, on one line of the terminal; nothing where there is none."""
+"""How far a calibration has come, on one line of the terminal; nothing if there is none."""
 
 from __future__ import annotations
 

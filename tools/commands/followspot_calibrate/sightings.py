@@ -16,7 +16,7 @@ class Sightings:
     cameras: names, C of them; sizes: (C, 2) px, width and height;
     frame: (N,) int64, rows with the same frame were seen at the same time; label: (N,) int64, which point
     of the object it is (0 for a single bulb; 0 and 1 for a wand of two; a corner's number on a board);
-    pixel: (N, C, 2) px with lens distortion, NaN where the camera did not see the point.
+    pixel: (N, C, 2) px with lens distortion, NaN if the camera did not see the point.
     """
 
     cameras: tuple[str, ...]

@@ -54,7 +54,7 @@ def similarity(source: Array, target: Array, *, scaled: bool = True) -> Similari
 def agreeing(source: Array, target: Array, *, scaled: bool = True) -> Array:
     """Which points agree on one similarity, (N,) bool: those near the one with the least median error.
 
-    Each three points propose one. All agree where there are three only.
+    Each three points propose one. All agree if there are three only.
     """
     limit = NEAR * spread(target)
     best, agree = np.inf, np.ones(len(source), bool)

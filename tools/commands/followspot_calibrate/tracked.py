@@ -56,7 +56,7 @@ def tracking_plan(
 ) -> Plan:
     """The plan of a graph with one more stage, which writes down the blobs that are paired.
 
-    folder: for the changed graph. Raises InputError where graph or room have mistakes, or nothing is paired.
+    folder: for the changed graph. Raises InputError if graph or room have mistakes, or nothing is paired.
     """
     plan = compile_graph(graph, room=room, overrides=overrides, plugin_files=plugin_files)
     found = detectors(plan)
@@ -80,7 +80,7 @@ def detectors(plan: Plan) -> tuple[str, ...]:
 
 
 def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) -> Tracked:
-    """Run a plan of `tracking_plan`. Raises FollowspotError where it fails, KeyboardInterrupt on Ctrl-C."""
+    """Run a plan of `tracking_plan`. Raises FollowspotError if it fails, KeyboardInterrupt on Ctrl-C."""
     report = run_plan(plan, RunOptions(out, frames), show)
     if report.stopped:
         raise KeyboardInterrupt
@@ -123,7 +123,7 @@ def in_order(tracks: TrackTable) -> tuple[Array, Array, Array]:
 
 
 def moments_at(time: Array, target: Array, blobs: BlobTable) -> Array:
-    """The moment of each blob's target that its message was joined to: (M,), -1 where there is none.
+    """The moment of each blob's target that its message was joined to: (M,), -1 if there is none.
 
     Messages are joined to the earliest of them, within less than half a frame interval.
     """
@@ -138,6 +138,6 @@ def moments_at(time: Array, target: Array, blobs: BlobTable) -> Array:
 
 
 def frame_interval(time: Array, target: Array) -> float:
-    """Median time between two moments of a target, s; infinite where there are none."""
+    """Median time between two moments of a target, s; infinite if there are none."""
     step = np.diff(time)[np.diff(target) == 0]
     return float(np.median(step)) if len(step) else np.inf

@@ -22,7 +22,7 @@ ROUNDS = 3
 class Triangulated:
     """Points of the room and how well their sightings fit.
 
-    points: (N, 3) m, NaN where no two views agree; used: (N, C) bool, views that agree;
+    points: (N, 3) m, NaN if no two views agree; used: (N, C) bool, views that agree;
     residual: (N, C, 2) px, seen minus expected, of every sighting of a known point, used or not.
     """
 
@@ -37,7 +37,7 @@ def triangulate(cameras: Sequence[Camera], pixel: Array) -> Triangulated:
     Each pair of views proposes a point; the proposal with the least cost over all views wins, where a view
     costs its squared error over the squared limit, at most 1 (MSAC, Torr & Zisserman 2000). Then the
     point is solved for from the views within the limit, `SHARE` of the picture.
-    pixel: (N, C, 2) px with lens distortion, NaN where not seen.
+    pixel: (N, C, 2) px with lens distortion, NaN if not seen.
     """
     views, rays = Views(cameras), rays_of(cameras, pixel)
     seen, limit = np.isfinite(rays[..., 0]), limits(cameras)
@@ -52,7 +52,7 @@ def triangulate(cameras: Sequence[Camera], pixel: Array) -> Triangulated:
 def leave_one_out(cameras: Sequence[Camera], pixel: Array, found: Triangulated) -> Array:
     """Residuals of each view where the point rests on the other views alone: (N, C, 2) px.
 
-    A camera cannot pull the point towards its own sighting. NaN where fewer than two other views agree.
+    A camera cannot pull the point towards its own sighting. NaN if fewer than two other views agree.
     """
     views, rays = Views(cameras), rays_of(cameras, pixel)
     residual = np.full(pixel.shape, np.nan)
@@ -70,7 +70,7 @@ def limits(cameras: Sequence[Camera]) -> Array:
 
 
 def rays_of(cameras: Sequence[Camera], pixel: Array) -> Array:
-    """Viewing directions of the sightings: (N, C, 2) px -> (N, C, 3), NaN where not seen."""
+    """Viewing directions of the sightings: (N, C, 2) px -> (N, C, 3), NaN if not seen."""
     rays = np.full((*pixel.shape[:2], 3), np.nan)
     for number, camera in enumerate(cameras):
         seen = np.isfinite(pixel[:, number]).all(axis=1)
@@ -79,12 +79,12 @@ def rays_of(cameras: Sequence[Camera], pixel: Array) -> Array:
 
 
 def residuals(views: Views, points: Array, pixel: Array) -> Array:
-    """Seen minus expected: (N, 3) m, (N, C, 2) px -> (N, C, 2) px; NaN where not seen or behind."""
+    """Seen minus expected: (N, 3) m, (N, C, 2) px -> (N, C, 2) px; NaN if not seen or behind."""
     return np.asarray(pixel - views.project_local(views.local(points)).swapaxes(0, 1))
 
 
 def error(residual: Array) -> Array:
-    """Length of residuals: (..., 2) px -> (...,); infinite where there is none, so that no limit holds."""
+    """Length of residuals: (..., 2) px -> (...,); infinite if there is none, so that no limit holds."""
     return np.nan_to_num(np.hypot(residual[..., 0], residual[..., 1]), nan=np.inf)
 
 
@@ -105,7 +105,7 @@ def solved(views: Views, rays: Array, used: Array, near: Array) -> Array:
 
 
 def _proposed(views: Views, rays: Array, pixel: Array, limit: Array) -> Array:
-    """For each point the best proposal of any pair of views: (N, 3) m, NaN where no pair has one."""
+    """For each point the best proposal of any pair of views: (N, 3) m, NaN if no pair has one."""
     seen = np.isfinite(rays[..., 0])
     centers = np.array([camera.center for camera in views.cameras])
     best, points = np.full(len(pixel), np.inf), np.full((len(pixel), 3), np.nan)

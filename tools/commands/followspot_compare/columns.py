@@ -15,7 +15,7 @@ Figures = Sequence[TargetFigures]
 
 @dataclass(frozen=True)
 class Column:
-    """A figure. of: its value for some targets, NaN where nothing was measured; ratio: whether one tells."""
+    """A figure. of: its value for some targets, NaN if unknown; ratio: True if ratios make sense."""
 
     key: str
     heading: str

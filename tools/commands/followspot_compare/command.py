@@ -1,4 +1,4 @@
-"""What `followspot compare` does: plan everything, run everything, then tell."""
+"""`followspot compare`: plan everything, run everything, print the comparison."""
 
 from __future__ import annotations
 

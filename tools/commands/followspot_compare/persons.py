@@ -27,7 +27,7 @@ class PersonColumn:
     over: Statistic = mean
 
     def value(self, scores: Scores) -> float:
-        """The figure of some rooms; NaN where nothing was measured."""
+        """The figure of some rooms; NaN if nothing was measured."""
         return self.over([self.of(score) for score in scores])
 
     def cell(self, scores: Scores) -> str:

@@ -1,4 +1,4 @@
-"""Plots of a comparison, with matplotlib where it is installed."""
+"""Plots of a comparison, with matplotlib if it is installed."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _LOG_FROM = 20.0
 
 
 def draw(comparison: Comparison, folder: Path) -> str:
-    """Draw errors per target, and iterations where they are known; tell what was drawn, or is missing.
+    """Draw errors per target, and iterations if they are known; return a line that names the files.
 
-    Empty where there are no targets.
+    The line names the missing package without matplotlib; it is empty if there are no targets.
     """
     if not comparison.trackable:
         return ""
@@ -49,7 +49,7 @@ def draw(comparison: Comparison, folder: Path) -> str:
 
 
 def _stepping(comparison: Comparison) -> list[str]:
-    """Variants whose fusion takes steps."""
+    """Variants whose fusion iterates."""
     return [v for v in comparison.variants if any(comparison.iterations(v)[1:])]
 
 

@@ -1,4 +1,4 @@
-"""What a graph recorded on the way: fused positions before the filter, and the candidates they rest on."""
+"""Intermediate results that a graph recorded: fused positions before the filter, and their candidates."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Fused:
 
 
 def read_fused(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> Fused | None:
-    """Fused positions of those targets and frames that have a track; None where none were recorded."""
+    """Fused positions of those targets and frames that have a track; None if none were recorded."""
     time, target, xyz, steps = [], [], [], []
     for message in _messages(folder / POSITIONS):
         time += [message["time"]] * len(message["target"])
@@ -58,8 +58,8 @@ def detection_errors(
 ) -> dict[str, Array]:
     """Distances from each target's reprojected tracks to the detections, px, over frames and cameras.
 
-    In each camera the nearest blob counts of those that are part of a candidate of the target, as the
-    2D candidates of Jin & Qian 2008 are (section 4). Empty without candidates or tracks.
+    In each camera the nearest blob counts that is part of a candidate of the target, as the 2D candidates
+    of Jin & Qian 2008 are (section 4). Empty without candidates or tracks.
     """
     blobs = list(_blobs(folder / CANDIDATES))
     if not blobs or not len(tracks.time):

@@ -45,7 +45,7 @@ class Comparison:
         )
 
     def of_target(self, room: str, name: str) -> dict[str, Figures]:
-        """One target's figures for each variant; none where it was neither there nor reported."""
+        """One target's figures for each variant; none if it was neither there nor reported."""
         return {
             t.variant: [t.targets[name]] if name in t.targets else [] for t in self.trials if t.room == room
         }
@@ -74,13 +74,13 @@ class Comparison:
         return tuple(trial for trial in self.trials if trial.variant == variant)
 
     def iterations(self, variant: str) -> tuple[int, ...]:
-        """How many positions took 0, 1, 2, ... steps, over all rooms."""
+        """Number of positions that took 0, 1, 2, ... iterations, over all rooms."""
         counts = [trial.iterations for trial in self.trials_of(variant)]
         longest = max(map(len, counts))
         return tuple(sum(c[i] if i < len(c) else 0 for c in counts) for i in range(longest))
 
     def ratio(self, variant: str, key: str) -> float:
-        """Mean over all targets, over that of the first variant; NaN where either is not known."""
+        """Mean over all targets divided by that of the first variant; NaN if either is not known."""
         of = next(column.of for column in COLUMNS if column.key == key)
         groups = self.of_all()
         first = of(groups[self.variants[0]])
@@ -88,7 +88,7 @@ class Comparison:
 
 
 def text(comparison: Comparison) -> str:
-    """Tables: accuracy of targets or persons, speed, and iterations where they are known."""
+    """Tables: accuracy of targets or persons, speed, and iterations if they are known."""
     persons = comparison.persons()
     parts = [_accuracy(comparison)] if comparison.targets else []
     parts += [persons_text(persons)] if any(persons.values()) else []

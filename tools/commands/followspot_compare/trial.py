@@ -28,7 +28,7 @@ from followspot_compare.recorded import detection_errors, read_fused
 
 @dataclass(frozen=True)
 class TargetFigures:
-    """How one target fared. Figures that the graph did not record are NaN."""
+    """The figures of one target. A figure is NaN if the graph did not record what it needs."""
 
     tracks: TargetScore
     true_jerk_cost: float
@@ -54,9 +54,9 @@ class Trial:
     """Time per frame in all stages but sources and sinks, ms."""
     targets: Mapping[str, TargetFigures]
     iterations: tuple[int, ...]
-    """How many positions took 0, 1, 2, ... steps; empty where the graph did not record them."""
+    """How many positions took 0, 1, 2, ... steps; empty if the graph did not record them."""
     persons: PersonsScore | None = None
-    """Of a graph that writes poses, in a room whose truth is of persons; it has no targets."""
+    """Scores of poses if the room's truth is of persons; there are no targets then."""
 
 
 def run_trial(
@@ -67,7 +67,7 @@ def run_trial(
     options: RunOptions,
     on_progress: OnProgress | None,
 ) -> Trial:
-    """Run the plan and score it. Raises FollowspotError where the run fails, KeyboardInterrupt on Ctrl-C."""
+    """Run the plan and score it. Raises FollowspotError if the run fails, KeyboardInterrupt on Ctrl-C."""
     report = run_plan(plan, options, on_progress)
     if report.stopped:
         raise KeyboardInterrupt
@@ -120,7 +120,7 @@ def _require(path: Path, plan: Plan, stage: str) -> Path:
 
 
 def true_jerk_cost(tracks: TrackTable, truth: TruthTable, name: str) -> float:
-    """Eq. 9-10 of Jin & Qian 2008 for the truth where there is a track; NaN for what the truth lacks."""
+    """Jerk cost (eq. 9-10 of Jin & Qian 2008) of the truth in frames with a track; NaN without truth."""
     if name not in truth.objects:
         return np.nan
     there = trajectory(tracks, name, truth.time).there

@@ -1,4 +1,4 @@
-"""What is compared: each variant is a graph file with overrides."""
+"""Variants: a graph file with overrides each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NAME = re.compile(r"\w[\w ,+.=%-]{0,59}")
 
 @dataclass(frozen=True)
 class Variant:
-    """One of the things compared. overrides: STAGE.KEY=VALUE, after those for all variants."""
+    """A variant to compare. overrides: STAGE.KEY=VALUE, applied after those for all variants."""
 
     name: str
     graph: str

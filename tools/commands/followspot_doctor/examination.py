@@ -11,18 +11,18 @@ from followspot_doctor.checks import cameras, hosts, libraries, machine, network
 from followspot_doctor.finding import Finding, doubtful
 
 Check = tuple[str, Callable[[], Iterator[Finding]]]
-"""What it looks at, and what it finds."""
+"""The subject of a check, and its findings."""
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What to look at beside this computer."""
+    """Subjects beside this computer."""
 
     room: Path | None = None
     graph: str | None = None
     out: Path = Path("runs")
     network: Network = Network()
-    """With the certificates that are to be looked at and the agents that are to be asked, if any."""
+    """The checks, with those of certificates and agents if the subject names them."""
 
 
 def examine(subject: Subject) -> list[Finding]:

@@ -1,4 +1,4 @@
-"""What a check found."""
+"""Findings of checks."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ State = Literal["ok", "warning", "problem"]
 
 @dataclass(frozen=True)
 class Finding:
-    """subject: what was looked at; text: what was seen; remedy: what to do, empty where all is well."""
+    """subject: of the check; text: the observation; remedy: what to do, empty if all is well."""
 
     subject: str
     state: State

@@ -1,1 +1,1 @@
-"""`followspot new`: a plugin package, or a stage in one, whose first test run is green."""
+"""`followspot new`: a plugin package, or a stage in one, with tests that pass."""

@@ -1,4 +1,4 @@
-"""Who may look: browsers that were given this page's address, and nobody through another page."""
+"""Access to the page: only browsers that were given its address, never through a page of another site."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ HEADERS = {
 class Doorkeeper:
     """Refuses requests that come by way of another site.
 
-    A name that somebody else's DNS points here is refused by its Host, a page of another site by its Origin.
-    port: of this page; names: host names besides addresses that the page may be called by.
+    The Host check refuses foreign names that resolve here; the Origin check refuses pages of other sites.
+    port: of this page; names: host names that the page may be called by besides addresses.
     """
 
     def __init__(self, app: App, port: int, names: frozenset[str]) -> None:
@@ -39,7 +39,7 @@ class Doorkeeper:
         self.names = names
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Let in or refuse; what is not HTTP or WebSocket passes."""
+        """Pass a request on or refuse it; scopes other than HTTP and WebSocket pass."""
         if scope["type"] in ("http", "websocket") and not self._welcome(scope):
             if scope["type"] == "websocket":
                 await receive()
@@ -56,7 +56,7 @@ class Doorkeeper:
         return self._known(host) and (origin is None or origin == f"http://{host}")
 
     def _known(self, host: str) -> bool:
-        """Whether a Host header names this page: an address, or one of its names; never a stranger's name."""
+        """True if a Host header names this page: an address, or one of its names."""
         try:
             parts = urlsplit(f"//{host}")
             name, port = parts.hostname or "", parts.port or 80

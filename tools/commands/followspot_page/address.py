@@ -1,4 +1,4 @@
-"""Where the page is served."""
+"""The address of the page."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import ipaddress
 from followspot.errors import InputError, Mistake
 
 HOST, PORT = "127.0.0.1", 8777
-"""Where nothing is said."""
+"""Default host and port."""
 
 
 def read_address(option: str, text: str) -> tuple[str, int]:
-    """Host and port that an option names. Raises InputError."""
+    """Host and port of an option. Raises InputError."""
     host, colon, port = text.rpartition(":")
     host = host.strip("[]")
     if not (colon and host and port.isdecimal() and len(port) < 6 and int(port) < 1 << 16):
@@ -21,7 +21,7 @@ def read_address(option: str, text: str) -> tuple[str, int]:
 
 
 def is_address(name: str) -> bool:
-    """Whether a name is an address."""
+    """True if a name is an address."""
     try:
         ipaddress.ip_address(name)
     except ValueError:
@@ -30,5 +30,5 @@ def is_address(name: str) -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this computer reaches a host."""
+    """True if only this computer reaches a host."""
     return host == "localhost" or (is_address(host) and ipaddress.ip_address(host).is_loopback)

@@ -1,4 +1,4 @@
-"""What the options of the page ask for, checked."""
+"""The options of the page, checked."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ MAX_RATE = 60.0
 
 
 def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
-    """The page that is asked for. Raises InputError where it cannot be.
+    """The page that the options describe. Raises InputError if they contradict each other.
 
-    pid: of the process whose run is shown, this one unless told.
+    pid: of the operator's process whose run is shown; this one unless given.
     """
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:

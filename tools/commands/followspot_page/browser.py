@@ -1,4 +1,4 @@
-"""One browser that looks on: it is sent the newest of each thing, and may ask for changes."""
+"""One browser: receives the newest of each thing, and may ask for changes."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from followspot.errors import FollowspotError
 from followspot_page.feed import Feed
 
 Do = Callable[[str], Awaitable[str]]
-"""Does what a browser asks for and says what was done. Raises FollowspotError where it cannot be."""
+"""Carries out a browser's request and returns a line about it. Raises FollowspotError if that fails."""
 _PATIENCE = 30.0
-"""Seconds that a browser may take for one thing before it is let go."""
+"""Seconds within which a browser must take a message."""
 _WAITING = 8
-"""Answers that are kept for a browser that does not take them."""
+"""Answers that may wait for a slow browser."""
 
 
 class Browser:
@@ -31,7 +31,7 @@ class Browser:
         self._answers: deque[str] = deque(maxlen=_WAITING)
 
     async def serve(self) -> None:
-        """Until the browser leaves, or does not take what it is sent."""
+        """Serve until the browser leaves or stops taking messages."""
         self._feed.listeners.add(self._changed)
         hearing = asyncio.ensure_future(self._hear())
         sending = asyncio.ensure_future(self._send())
@@ -44,7 +44,7 @@ class Browser:
             await asyncio.gather(hearing, sending, return_exceptions=True)
 
     async def _hear(self) -> None:
-        """Do what the browser asks for, one thing after the other, until it leaves."""
+        """Carry out the browser's requests in order, until it leaves."""
         while (said := await self._socket.receive())["type"] != "websocket.disconnect":
             try:
                 answer = {"text": await self._do(said.get("text") or ""), "ok": True}
@@ -54,7 +54,7 @@ class Browser:
             self._changed.set()
 
     async def _send(self) -> None:
-        """The newest of each thing, as fast as the browser takes it; answers come after what they tell of."""
+        """Send the newest of each thing as fast as the browser takes it; answers follow their state."""
         sent = 0
         try:
             while True:
@@ -68,7 +68,7 @@ class Browser:
                 await self._changed.wait()
                 self._changed.clear()
         except (WebSocketDisconnect, RuntimeError, TimeoutError):
-            return  # it has left while it was sent something, or does not listen
+            return  # the browser left while it was sent something, or does not read
 
     async def _put(self, payload: str | bytes) -> None:
         if isinstance(payload, str):

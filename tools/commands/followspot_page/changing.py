@@ -1,6 +1,6 @@
-"""What may be changed from the page: parameters that name nothing outside, and stages with the same ports.
+"""Changes that the page may ask for: parameters that name no files or devices, and stages with equal ports.
 
-A browser sends words, not data: they are checked here, and what they ask for is checked by the run.
+A browser sends words, not data. This module checks the words; the run checks the change.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from followspot.stage import DeviceIn, NetworkOut, Stage
 
 
 def forms(plan: Plan) -> dict[str, dict[str, Any]]:
-    """For each stage of the graph file the parameters that can be set, and who can take its place.
+    """The parameters and possible replacements of each stage of the graph file.
 
-    Sources of recordings and sinks stay as they are: streams would begin anew, files be overwritten.
+    Sources of recordings and sinks are left out: streams would restart, files be overwritten.
     """
     found = {}
     for planned in plan.stages:
@@ -39,7 +39,7 @@ def forms(plan: Plan) -> dict[str, dict[str, Any]]:
 
 @dataclass(frozen=True)
 class Change:
-    """A parameter to be set, or with the key "" a stage to take the place of one."""
+    """A parameter to set, or with the key "" a stage to swap in."""
 
     stage: str
     key: str
@@ -48,7 +48,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Record:
-    """A recording to be begun or ended. ports: as `--record-ports` takes them, "" for all."""
+    """A recording to start or stop. ports: as `--record-ports` takes them, "" for all."""
 
     on: bool
     ports: str = ""
@@ -60,7 +60,7 @@ _WISH: pydantic.TypeAdapter[Change | Record] = pydantic.TypeAdapter(
 
 
 def wish_of(text: str) -> Change | Record:
-    """What a browser asks for, in JSON. Raises FollowspotError."""
+    """A browser's request, in JSON. Raises FollowspotError."""
     try:
         return _WISH.validate_json(text)
     except (ValueError, RecursionError):
@@ -68,7 +68,7 @@ def wish_of(text: str) -> Change | Record:
 
 
 def words_of(change: Change, plan: Plan) -> list[str]:
-    """A change as `followspot set` and `swap` take it. Raises FollowspotError where it may not be."""
+    """A change as `followspot set` and `swap` take it. Raises FollowspotError if the page may not ask it."""
     stage, key, value = change.stage, change.key, change.value
     allowed = forms(plan).get(stage, {"parameters": [], "alternatives": []})
     if key and key in {parameter["name"] for parameter in allowed["parameters"]}:
@@ -88,7 +88,7 @@ def _form(planned: PlannedStage, stage: type[Stage], plan: Plan) -> dict[str, An
 
 @cache
 def _importable() -> tuple[str, ...]:
-    """Installed stages that can be imported; `followspot plugins` tells what is wrong with the others."""
+    """Installed stages that can be imported; `followspot plugins` reports the others."""
     found = []
     for name in sorted(catalogue()):
         with suppress(PluginError, ImportError, TypeError):

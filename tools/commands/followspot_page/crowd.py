@@ -1,7 +1,7 @@
-"""Who is connected to the page, and how long anybody may keep a connection without asking for anything.
+"""Connections to the page, and how long each may stay idle.
 
-A connection that does not ask, or does not take its answer, is closed after a while, and sooner where many
-wait: then the one that has waited longest makes room, so that whoever comes and asks gets in.
+The server closes a connection that neither asks nor takes its answer in time. If many wait, the one that
+waited longest makes room, so that a new browser is always served.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 MAX_WAITING = 32
-"""Connections that are not looking on; of more, the oldest makes room."""
+"""Idle connections; if there are more, the oldest makes room."""
 PATIENCE = {"silent": 5.0, "deaf": 60.0}
-"""Seconds from a connection, or its last answer, to the next request; and until an answer is taken."""
+"""Seconds from a connection or its last answer to the next request, and for taking an answer."""
 MAX_FRAGMENTS = 64
-"""Pieces of one message of a browser."""
+"""Fragments of one message of a browser."""
 MAX_UNREAD = 1 << 20
-"""Bytes that may wait for a browser that does not read, but asks for an echo again and again."""
+"""Bytes that may wait for a browser that asks for echoes and does not read."""
 
 
 _COMPLAINTS = {
@@ -29,26 +29,26 @@ _COMPLAINTS = {
     "Invalid HTTP request received.": "not HTTP",
     "Unsupported upgrade request.": "not HTTP",
 }
-"""What the server says of browsers, and the reasons by which it is counted."""
+"""Log messages of the server about browsers, and the reasons they are counted under."""
 
 
 class Crowd:
-    """The connections of one page, and what was refused, by reason."""
+    """The connections of one page, and the number of refused ones by reason."""
 
     def __init__(self) -> None:
         self.refused: Counter[str] = Counter()
         self._waiting: dict[asyncio.Protocol, asyncio.Transport] = {}
-        """Those that are not looking on, the one that has waited longest first."""
+        """Idle connections, the one that waited longest first."""
 
     def enter(self, who: asyncio.Protocol, transport: asyncio.Transport) -> None:
-        """Somebody waits from now on; nobody else need wait for that."""
+        """Add an idle connection; the oldest makes room if there are too many."""
         self._waiting.pop(who, None)
         self._waiting[who] = transport
         if len(self._waiting) > MAX_WAITING:
             self.expel(next(iter(self._waiting)), "crowded")
 
     def leave(self, who: asyncio.Protocol) -> None:
-        """It is gone, or looks on."""
+        """Remove a connection that was closed or became a viewer."""
         self._waiting.pop(who, None)
 
     def expel(self, who: asyncio.Protocol, reason: str) -> None:
@@ -59,12 +59,12 @@ class Crowd:
             transport.abort()
 
     def protocols(self) -> tuple[type[asyncio.Protocol], type[asyncio.Protocol]]:
-        """Of HTTP and of WebSockets, for the configuration of the server."""
+        """Protocol classes for HTTP and WebSockets, for the configuration of the server."""
         return type("Http", (_Http,), {"crowd": self}), type("Look", (_Look,), {"crowd": self})
 
 
 class _Http(H11Protocol):
-    """A connection that must ask, and take what it asked for."""
+    """A connection that must ask, and take its answer, in time."""
 
     crowd: Crowd
     _timer: asyncio.TimerHandle | None = None
@@ -92,7 +92,7 @@ class _Http(H11Protocol):
         super().handle_websocket_upgrade(event)
 
     def _wait(self, reason: str) -> None:
-        """It has as long as anybody from now on."""
+        """Restart the idle time."""
         self._rest()
         if not self.transport.is_closing():
             self.crowd.enter(self, self.transport)
@@ -106,7 +106,7 @@ class _Http(H11Protocol):
 
 
 class _Look(WebSocketsSansIOProtocol):
-    """A browser that looks on."""
+    """A WebSocket of a viewer."""
 
     crowd: Crowd
 
@@ -119,14 +119,14 @@ class _Look(WebSocketsSansIOProtocol):
 
 
 class Rejections(logging.Filter):
-    """Counts what the server complains of about browsers, and keeps it out of the terminal."""
+    """Counts the server's complaints about browsers and keeps them out of the terminal."""
 
     def __init__(self, crowd: Crowd) -> None:
         super().__init__()
         self._crowd = crowd
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether it is something else."""
+        """False if the record is about a browser."""
         reason = _COMPLAINTS.get(str(record.msg))
         if reason is not None:
             self._crowd.refused[reason] += 1

@@ -16,9 +16,9 @@ _WAITING = 256
 
 
 class FarPreviews:
-    """Hands previews of ports on other hosts to the running event loop. `open` it, `close` it.
+    """Hands previews of ports on other hosts to the running event loop. Use `open` and `close`.
 
-    take: gets the port that a preview came from, and its packet.
+    take: receives the port of a preview, and its packet.
     """
 
     def __init__(self, remote: RemoteTaps, take: Callable[[str, bytes], Any]) -> None:

@@ -1,4 +1,4 @@
-"""What the page knows: the newest of each thing, each with the number of the change that brought it."""
+"""The newest of each thing that the page shows, each with the number of the change that brought it."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from followspot_dashboard.picture import Picture
 from followspot_page.views import KINDS, view
 
 MAX_THINGS = 4096
-"""Different things that are kept."""
+"""Largest number of different things."""
 _BURST = 64
-"""Packets of one sender taken in one go, so that browsers are served in between."""
+"""Packets read from one sender at a time, so that browsers are served in between."""
 _BUFFER = 1 << 18
 _BACKLOG = 1024
-"""Taps that may connect before the first is let in."""
+"""Connections of taps that may wait for acceptance."""
 
 
 class Feed:
-    """The newest of each thing, ready to be sent to browsers; whoever is slow misses what came between."""
+    """The newest of each thing, ready for browsers; a slow browser misses intermediate versions."""
 
     def __init__(self) -> None:
         self.number = 0
         self.things: dict[str, tuple[int, str | bytes]] = {}
         self.listeners: set[asyncio.Event] = set()
-        """Set at every change; of those who wait for one."""
+        """Set at every change; one for each waiting browser."""
 
     def put(self, key: str, payload: str | bytes) -> None:
-        """A thing is new; what it was before is forgotten."""
+        """Replace a thing."""
         if key in self.things or len(self.things) < MAX_THINGS:
             self.number += 1
             self.things[key] = (self.number, payload)
@@ -44,17 +44,17 @@ class Feed:
                 listener.set()
 
     def newest(self, key: str) -> str | bytes | None:
-        """What a thing is now."""
+        """The thing as it is now."""
         return self.things.get(key, (0, None))[1]
 
     def since(self, number: int) -> list[str | bytes]:
-        """What is newer than a change, oldest first."""
+        """Things that changed after a change number, oldest first."""
         newer = sorted((n, key) for key, (n, _) in self.things.items() if n > number)
         return [self.things[key][1] for _, key in newer]
 
 
 class Previews:
-    """Turns packets of taps into things to show. watch: gets every message that is none of pictures."""
+    """Turns packets of taps into things to show. watch: receives every message except pictures."""
 
     def __init__(self, feed: Feed, room: Room, watch: Callable[[Message], None]) -> None:
         self.feed = feed
@@ -63,14 +63,14 @@ class Previews:
         self.invalid = 0
 
     def take_from(self, sender: str, packet: bytes) -> None:
-        """Show what a port on another host sent; a host speaks for its own ports only."""
+        """Show what a port on another host sent; a host may send for its own ports only."""
         if packet.startswith(sender.encode() + b"\0"):
             self.take(packet)
         else:
             self.invalid += 1
 
     def take(self, packet: bytes) -> None:
-        """Show what a packet holds; what is no preview is counted and passed over."""
+        """Show a packet; a malformed one is counted and dropped."""
         try:
             port, name, packed = read(packet)
             message = unpack(packed, KINDS[name])
@@ -93,7 +93,7 @@ def picture_bytes(picture: Picture) -> bytes:
 
 
 class Listener:
-    """Takes the packets of all who connect to a socket of this name, in the running event loop."""
+    """Receives the packets of all senders that connect to this socket, in the running event loop."""
 
     def __init__(self, path: Path, take: Callable[[bytes], Any]) -> None:
         """Raises OSError."""
@@ -107,7 +107,7 @@ class Listener:
         self._loop.add_reader(self._door, self._admit)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Close all connections."""
         for end in (self._door, *self._senders):
             self._loop.remove_reader(end)
             end.close()

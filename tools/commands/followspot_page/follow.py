@@ -1,4 +1,4 @@
-"""Following a run: its plan, its status again and again, and taps at its ports, asked for from outside."""
+"""Follows a run: asks for its plan and its status, and places taps at its ports."""
 
 from __future__ import annotations
 
@@ -16,40 +16,40 @@ from followspot_page.far import FarPreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 
 _GLANCE = 0.1
-"""Seconds between two looks for a run that has not begun."""
+"""Poll interval, s, until the run has started."""
 _PERIOD = 0.5
-"""Seconds between two questions how the run is."""
+"""Poll interval of the status, s."""
 _ANSWER = 1.0
-"""Seconds to wait for its status until browsers are told again how old the last one is."""
+"""Seconds to wait for the status before the page shows the last one as old."""
 _PLAN_EVERY = 10
-"""Of so many questions one asks for the plan again: stages are swapped and parameters set."""
+"""Every so many polls, also ask for the plan, which changes by swaps and parameters."""
 
 
 async def found(pid: int) -> RunHandle:
-    """The run of a process, as soon as there is one."""
+    """The run of a process, as soon as it exists."""
     while True:
         for run in await asyncio.to_thread(runs_here):
-            if run.pid == pid and run.graph:  # else it does not answer yet
+            if run.pid == pid and run.graph:  # a run that does not answer yet has no name
                 return run
         await asyncio.sleep(_GLANCE)
 
 
 async def plan_of(run: RunHandle) -> Plan:
-    """The plan as it is now. Raises FollowspotError."""
+    """The present plan. Raises FollowspotError."""
     return await asyncio.to_thread(run.plan)
 
 
 async def far_previews(run: RunHandle, take: Callable[[str, bytes], Any]) -> FarPreviews | None:
-    """The way from the run's other hosts; None where it has none. Raises FollowspotError."""
+    """Previews from the run's other hosts; None if it has none. Raises FollowspotError."""
     network = (await asyncio.to_thread(run.surroundings)).network
     return None if network is None else await FarPreviews.open(network, run.run, take)
 
 
 class Sight:
-    """What the page looks at: every port that can be shown, wherever its stage is now.
+    """The page's taps: one at every port that it can show, on the present host of each stage.
 
-    folder: of the page, which taps here send to; rate: pictures in a second; far: previews from other hosts,
-    where the run has any.
+    folder: of the page, where taps of this host send to; rate: pictures per second; far: previews from
+    other hosts, if the run has any.
     """
 
     def __init__(self, run: RunHandle, folder: Path, rate: float, far: FarPreviews | None) -> None:
@@ -60,7 +60,7 @@ class Sight:
         self._ports: tuple[ShownPort, ...] = ()
 
     async def turn_to(self, plan: Plan) -> None:
-        """Look where the plan has the stages. Raises FollowspotError."""
+        """Place taps for the plan's present ports. Raises FollowspotError."""
         found = shown_ports(plan)
         if found == self._ports:
             return
@@ -73,7 +73,7 @@ class Sight:
 async def follow(
     run: RunHandle, sight: Sight, take: Callable[[RunStatus | None], Any], show: Callable[[Plan], Any]
 ) -> None:
-    """Ask the run how it is, until it is there no more; `take` is given None where it does not answer."""
+    """Poll the run until it has ended; `take` receives None if the run does not answer."""
     with contextlib.suppress(FollowspotError):
         for turn in count(1):
             try:

@@ -17,12 +17,12 @@ from followspot_watch.picture_of_run import RunPicture
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 SILENCE = 2.0
-"""Seconds without a message that tells of targets after which their states are old."""
+"""Seconds after the last message about targets until their states are old."""
 _OUTCOMES = ("away", "delivered", *LOSSES, "in_flight")
 
 
 class Targets:
-    """Which targets are tracked, after the newest messages that tell.
+    """The state of each target, from the newest messages about targets.
 
     monotonic: a clock, s.
     """
@@ -35,17 +35,17 @@ class Targets:
 
     @property
     def age_s(self) -> float | None:
-        """Seconds since a message told of targets; None where none ever did."""
+        """Seconds since the last message about targets; None if there was none."""
         return self._clock() - self._taken if self._state else None
 
     @property
     def state(self) -> Mapping[str, str]:
-        """Of each target, "old" where nothing was told of it lately."""
+        """The state of each target, "old" without a recent message."""
         old = (self.age_s or 0.0) > SILENCE
         return dict.fromkeys(self._state, "old") if old else self._state
 
     def take(self, message: Message) -> None:
-        """A message; those that tell nothing of targets are passed over."""
+        """Take a message; one that is not about targets has no effect."""
         if not isinstance(message, Tracks):
             return
         known = [(int(t), STATES[s]) for t, s in zip(message.target, message.state, strict=True)]
@@ -56,7 +56,7 @@ class Targets:
 def text(
     run: RunPicture, targets: Targets, browsers: int, refused: Mapping[str, int] = MappingProxyType({})
 ) -> str:
-    """All figures. browsers: that look on; refused: connections and messages of others, by reason."""
+    """All figures. browsers: number of viewers; refused: connections and messages of others, by reason."""
     turned_away = [({"reason": reason}, count) for reason, count in sorted(refused.items())]
     figures = [
         Figure("page_browsers", "gauge", "Browsers that look on.", [({}, browsers)]),
@@ -78,7 +78,7 @@ class Figure:
     samples: Iterable[tuple[Mapping[str, str], float]]
 
     def text(self) -> str:
-        """As Prometheus reads it."""
+        """The figure in the format of Prometheus."""
         name = f"followspot_{self.name}"
         lines = [f"# HELP {name} {self.about}", f"# TYPE {name} {self.kind}"]
         lines += [f"{name}{_labels(labels)} {value:.10g}" for labels, value in self.samples]
@@ -161,7 +161,7 @@ def _states(targets: Targets) -> list[tuple[Mapping[str, str], float]]:
 
 
 def _known(labels: Mapping[str, str], value: float | None) -> list[tuple[Mapping[str, str], float]]:
-    """A sample, where its value is known."""
+    """A sample, if its value is known."""
     return [] if value is None else [(labels, value)]
 
 

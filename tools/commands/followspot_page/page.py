@@ -1,4 +1,4 @@
-"""What the page's process knows of a run, who looks on, and what they may ask for."""
+"""The state of the page's process: the run, the browsers, and what they may ask for."""
 
 from __future__ import annotations
 
@@ -28,20 +28,20 @@ from followspot_watch.picture_of_run import RunPicture
 
 MAX_BROWSERS = 16
 MAX_OF_ADDRESS = 12
-"""Of those, the most from one other computer."""
+"""Largest number from one other computer."""
 
 
 class Page:
-    """What the page's process knows, and who looks on."""
+    """The state of the page, and its browsers."""
 
     def __init__(self, plan: Plan, gate: Gate, folder: Path) -> None:
         """folder: of the page, for sockets."""
         self.plan = plan
         self.ask: RunHandle | None = None
-        """The run that may be changed from here; None where the page only shows."""
+        """The run that browsers may change; None if the page only shows it."""
         self.gate = gate
         self.far: FarPreviews | None = None
-        """Previews from other hosts; None where the run has none."""
+        """Previews from other hosts; None if the run has none."""
         self.feed = Feed()
         self.run = RunPicture(plan)
         self.targets = metrics.Targets(plan.room)
@@ -49,18 +49,18 @@ class Page:
         self.button = RecordButton(folder, self._tell_recording)
         self.crowd = Crowd()
         self._browsers: Counter[str] = Counter()
-        """Of each address that looks on."""
+        """Number of browsers by address."""
         self.show(plan)
 
     def show(self, plan: Plan) -> None:
-        """The plan as it is now; browsers are told where it differs."""
+        """Take the present plan; browsers receive it if it differs."""
         self.plan = self.run.plan = plan
         scene = json.dumps({"type": "scene", **self.about()})
         if self.feed.newest("scene") != scene:
             self.feed.put("scene", scene)
 
     def about(self) -> dict[str, Any]:
-        """What does not change during a run."""
+        """The parts that stay during a run."""
         return {
             "graph": self.plan.graph,
             "room": scene(self.plan.room),
@@ -80,13 +80,13 @@ class Page:
         }
 
     async def allow_changes(self, run: RunHandle) -> None:
-        """Let browsers ask for changes, as soon as it is known which there can be."""
-        await asyncio.to_thread(forms, self.plan)  # imports every stage that could take another's place
+        """Let browsers ask for changes, once the possible ones are known."""
+        await asyncio.to_thread(forms, self.plan)  # imports every stage that could be swapped in
         self.ask = run
         self.show(self.plan)
 
     async def do(self, text: str) -> str:
-        """What a browser asks for; what was done. Raises FollowspotError where it may not be, or cannot."""
+        """Carry out a browser's request; a line about it. Raises FollowspotError if that fails."""
         if self.ask is None:
             raise FollowspotError("this page only shows: it is open to other computers")
         asked = wish_of(text)
@@ -105,17 +105,17 @@ class Page:
         self.feed.put("recording", json.dumps({"type": "recording", **about}))
 
     def take_status(self, status: RunStatus | None) -> None:
-        """How the run is now; None where it does not answer, and what is known of it becomes old."""
+        """Take the run's status; None if it does not answer, and the last one becomes old."""
         if status is not None:
             self.run.take(status)
         self.feed.put("run", json.dumps(self.run.data()))
 
     def end(self, how: str) -> None:
-        """The run is there no more; browsers are told how it ended, as far as anybody knows."""
+        """Tell browsers that the run has ended, and how, as far as that is known."""
         self.feed.put("end", json.dumps({"type": "end", "how": how}))
 
     async def look(self, socket: WebSocket) -> None:
-        """Serve one browser until it leaves, or does not take what it is sent."""
+        """Serve one browser until it leaves or stops taking messages."""
         address = socket.client.host if socket.client is not None else ""
         of_it = MAX_BROWSERS if is_loopback(address) else MAX_OF_ADDRESS
         if self.browsers >= MAX_BROWSERS or self._browsers[address] >= of_it:
@@ -131,12 +131,12 @@ class Page:
 
     @property
     def browsers(self) -> int:
-        """How many look on."""
+        """Number of browsers."""
         return self._browsers.total()
 
     def _count(self, address: str, change: int) -> None:
         self._browsers[address] += change
-        self._browsers += Counter()  # who is gone for good
+        self._browsers += Counter()  # drops addresses with a count of 0
         watched = self.browsers > 0
         self.gate.watched = watched
         if self.far is not None:

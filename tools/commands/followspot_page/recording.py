@@ -1,4 +1,4 @@
-"""The record button: a recorder in a process of its own, fed by taps at the ports of the run."""
+"""The record button: a recorder in its own process, fed by taps at the ports of the run."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from followspot_record.order import Order
 
 TAP = "recording.tap"
 _BEGINNING, _ENDING = 30.0, 8.0
-"""Seconds that a recorder may take to open its file, and to complete it."""
+"""Seconds for a recorder to open its file, and to complete it."""
 
 Tell = Callable[[dict[str, Any]], Any]
-"""Gets how a recording is: state (on, over, failed), file, bytes, messages, lost, seconds, error."""
+"""Receives a recording's state: state (on, over, failed), file, bytes, messages, lost, seconds, error."""
 
 
 class RecordButton:
     """Starts and stops recordings of a run, one at a time.
 
-    folder: of the page, for sockets; tell: gets what browsers are to be shown.
+    folder: of the page, for sockets; tell: receives the state for browsers.
     """
 
     def __init__(self, folder: Path, tell: Tell) -> None:
@@ -42,7 +42,7 @@ class RecordButton:
         self._telling: asyncio.Task[None] | None = None
 
     async def start(self, run: RunHandle, plan: Plan, words: str) -> str:
-        """Record the ports that the words name, all where there are none; what was done.
+        """Record the ports that the words name, or all for ""; a line about it.
 
         Raises FollowspotError.
         """
@@ -66,7 +66,7 @@ class RecordButton:
         return f"recording {len(names)} ports to {begun['file']}"
 
     async def stop(self) -> str:
-        """End the recording now; what was done. Raises FollowspotError where there is none."""
+        """Stop the recording; a line about it. Raises FollowspotError if there is none."""
         if self._process is None:
             raise FollowspotError("nothing is recorded")
         assert self._process.stdin is not None
@@ -75,7 +75,7 @@ class RecordButton:
         return "the recording is complete"
 
     async def close(self) -> None:
-        """Let the recording end with its run, complete."""
+        """Wait until the recording is complete, after its run."""
         process, telling = self._process, self._telling
         if process is None or telling is None:
             return
@@ -87,7 +87,7 @@ class RecordButton:
             process.kill()
 
     async def _begin(self, order: Order) -> dict[str, Any]:
-        """Start the recorder; what it says first. Raises FollowspotError."""
+        """Start the recorder; its first report. Raises FollowspotError."""
         pipe = asyncio.subprocess.PIPE
         command = (sys.executable, "-m", "followspot_record.recorder_process")
         self._process = await asyncio.create_subprocess_exec(
@@ -107,17 +107,17 @@ class RecordButton:
         return said
 
     async def _keep_telling(self, process: asyncio.subprocess.Process) -> None:
-        """What the recorder says, until it has ended."""
+        """Pass on the recorder's reports until it has ended."""
         last: dict[str, Any] = {}
         while (said := await self._said(process)) and said["state"] == "on":
             last = said
             self._tell(said)
         await process.wait()
-        self._process = None  # before browsers know, for they may begin another
+        self._process = None  # first, because browsers may start another recording once they know
         self._tell(said or {**last, "state": "failed", "error": "the recorder has died"})
 
     async def _said(self, process: asyncio.subprocess.Process) -> dict[str, Any] | None:
-        """The next line of a recorder; None at its end."""
+        """The next report of a recorder; None at its end."""
         assert process.stdout is not None
         line = await process.stdout.readline()
         said: dict[str, Any] | None = json.loads(line) if line else None
@@ -125,12 +125,12 @@ class RecordButton:
 
 
 def recordable(plan: Plan) -> list[str]:
-    """Stages of the graph file that send something, in its order."""
+    """Stages of the graph file with outputs, in its order."""
     return list(dict.fromkeys(name.partition("/")[0].partition(".")[0] for name in output_ports(plan)))
 
 
 def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
-    """Those of the ports that are on other hosts, with the keys of Zenoh that their taps send to."""
+    """The ports on other hosts, with the Zenoh keys of their taps."""
     hosts = {worker.name: worker.host for worker in plan.workers}
     home = {stage.name: hosts[stage.worker] for stage in plan.stages}
     there = {name: home[name.rpartition(".")[0]] for name in names}

@@ -15,20 +15,20 @@ from followspot.messages import Array
 from followspot.room import Camera, Room, Target
 
 _REACH = 8.0
-"""Farthest that the drawn room goes from the middle of its cameras, m."""
+"""Largest distance of the drawn room from the middle of its cameras, m."""
 _MARGIN = 0.3
 _RIM = 0.15
-"""Share of the floor's seen places that may lie outside on each side."""
+"""Share of the seen floor that may lie outside the box on each side."""
 _INNER = np.linspace(0.2, 0.8, 5)
-"""Where in a picture the floor is looked at, as a share of its width or height."""
+"""Places in a picture at which the floor is sampled, as a share of its width or height."""
 _AROUND = np.linspace(0.0, 1.0, 12, endpoint=False)
 """The same along a panorama."""
 _DIFFERENT = 20
-"""Degrees of hue between colours that can be told apart."""
+"""Smallest difference of hue between two colours, degrees."""
 _ACROSS = 0.99
-"""Part of a unit normal along an axis from which on a wall counts as lying across it."""
+"""Component of a unit normal along an axis from which on a wall counts as perpendicular to it."""
 _PALETTE = (205.0, 28.0, 140.0, 275.0, 52.0, 175.0, 330.0, 240.0)
-"""Hues, degrees, for who has none of its own, as far apart as can be."""
+"""Hues of targets without one of their own, degrees, as far apart as possible."""
 
 
 def scene(room: Room) -> dict[str, Any]:
@@ -48,7 +48,7 @@ def scene(room: Room) -> dict[str, Any]:
 
 
 def bounds(room: Room) -> tuple[Array, Array]:
-    """Lowest and highest corner of what is drawn, (3,) m: the cameras and the floor that they look at."""
+    """Lowest and highest corner of the drawn box, (3,) m: the cameras and the floor that they see."""
     centers = np.array([camera.center for camera in room.cameras.values()]).reshape(-1, 3)
     if not len(centers):
         return np.array([-2.5, -2.5, 0.0]), np.array([2.5, 2.5, 2.5])
@@ -67,7 +67,7 @@ def bounds(room: Room) -> tuple[Array, Array]:
 
 
 def _stop_at(plane: Array, inside: Array, low: Array, high: Array) -> None:
-    """Let the box end at a wall across an axis; inside: a point on its near side, (3,) m."""
+    """Limit the box at a wall across an axis; inside: a point on its near side, (3,) m."""
     axis = int(np.abs(plane[:3]).argmax())
     if axis == 2 or abs(plane[axis]) < _ACROSS:
         return
@@ -79,7 +79,7 @@ def _stop_at(plane: Array, inside: Array, low: Array, high: Array) -> None:
 
 
 def patch(plane: Array, low: Array, high: Array) -> list[list[float]]:
-    """Corners, in order, of the part of a plane within a box; empty where they do not meet."""
+    """The corners, in order, of a plane's intersection with a box; empty if they do not meet."""
     found = []
     box = np.array([low, high])
     for axis in range(3):
@@ -96,7 +96,7 @@ def patch(plane: Array, low: Array, high: Array) -> list[list[float]]:
 
 
 def colors(targets: Sequence[Target]) -> list[str]:
-    """A colour for each target: the hue of its template, moved where two would look alike; CSS."""
+    """A CSS colour for each target: the hue of its template, moved if two would look alike."""
     taken: list[float] = []
     for number, target in enumerate(targets):
         hue = _hue(target)
@@ -107,19 +107,19 @@ def colors(targets: Sequence[Target]) -> list[str]:
 
 
 def _hue(target: Target) -> float | None:
-    """Mean hue of the template, degrees; None where there is none."""
+    """Mean hue of the template, degrees; None if there is none."""
     histograms = list(target.hue_histogram.values())
     if not histograms:
         return None
     weights = np.sum(histograms, axis=0)
     angles = (np.arange(len(weights)) + 0.5) * 2 * math.pi / len(weights)
     if len(weights) == 16 and weights[0] > 0.5 * weights.sum():
-        return 2.0  # red: its bin begins at 0
+        return 2.0  # its bin begins at 0
     return math.degrees(math.atan2(weights @ np.sin(angles), weights @ np.cos(angles))) % 360
 
 
 def _free(hue: float, taken: Sequence[float]) -> bool:
-    """Whether a hue, degrees, looks different from those taken."""
+    """True if a hue, degrees, differs enough from those taken."""
     return all(abs((hue - other + 180) % 360 - 180) >= _DIFFERENT for other in taken)
 
 
@@ -143,7 +143,7 @@ def _camera(camera: Camera) -> dict[str, Any]:
 
 
 def _floor_seen(camera: Camera) -> Array:
-    """Where the inner part of the picture meets the floor, (N, 3) m."""
+    """Intersection of the picture's inner part with the floor, (N, 3) m."""
     width, height = camera.size
     across = _AROUND if camera.model == "cylinder" else _INNER
     grid = np.array(list(product(across * width, _INNER * height)))

@@ -32,9 +32,9 @@ from followspot_page.page import Page
 
 STATIC = Path(__file__).parent / "static"
 MAX_HEARD = 1024
-"""Longest message taken from a browser, bytes: a change."""
+"""Longest message of a browser, bytes: a change."""
 _ACCEPTED = 64
-"""Connections that are taken in at once, before any of them is asked what it wants: each is a descriptor."""
+"""Connections accepted before the first request of any: each is a file descriptor."""
 
 
 def application(page: Page) -> Starlette:
@@ -65,22 +65,22 @@ class _Static(StaticFiles):
     """Files of the page, with its headers."""
 
     def file_response(self, *args: Any, **named: Any) -> Response:
-        """As the base, and what browsers may do with it."""
+        """The response of the base class with headers that restrict browsers."""
         response = super().file_response(*args, **named)
         response.headers.update(HEADERS)
         return response
 
 
 async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> None:
-    """Serve the page of a process's run until that ends, or standard input.
+    """Serve the page of a process's run until the run or standard input ends.
 
-    firm: whether another port will not do where this one is taken. Raises OSError where the address cannot
-    be had, FollowspotError where the run does not let itself be looked at.
+    firm: no other port may replace a taken one. Raises OSError if the address cannot be bound,
+    FollowspotError if the run refuses taps.
     """
     with TemporaryDirectory(prefix="followspot-page-") as made:
         folder = Path(made)
         door = _door(host, port, firm=firm)
-        door.listen()  # who comes before the run has begun waits, and is not refused
+        door.listen()  # browsers that connect before the run has begun wait
         print(door.getsockname()[1], flush=True)
         over = _input_over()
         waiting = asyncio.ensure_future(found(pid))
@@ -133,7 +133,7 @@ def _server(page: Page, host: str, port: int) -> uvicorn.Server:
 
 
 def _door(host: str, port: int, *, firm: bool) -> socket.socket:
-    """A socket at this address; at any free port where it is taken and not firm. Raises OSError."""
+    """A socket at this address, or at a free port if it is taken and not firm. Raises OSError."""
     door = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -146,7 +146,7 @@ def _door(host: str, port: int, *, firm: bool) -> socket.socket:
 
 
 def _input_over() -> asyncio.Future[bytes]:
-    """Done when standard input ends: whoever started the page holds the other end; what came last."""
+    """Done when standard input ends, which the starting process holds open; the last line read."""
     loop = asyncio.get_running_loop()
     over: asyncio.Future[bytes] = loop.create_future()
     said = b""
@@ -165,7 +165,7 @@ def _input_over() -> asyncio.Future[bytes]:
 
 def main() -> int:
     """Entry of the process."""
-    logging.getLogger("asyncio").setLevel(logging.ERROR)  # else it tells of browsers that are gone
+    logging.getLogger("asyncio").setLevel(logging.ERROR)  # otherwise uvicorn logs browsers that left
     try:
         asyncio.run(serve(**json.loads(sys.argv[1])))
     except (OSError, FollowspotError) as error:

@@ -1,4 +1,4 @@
-"""Starting the page's process for a run of this machine, and ending it."""
+"""Starts and ends the page's process for a run of this machine."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from followspot.errors import FollowspotError
 
 @dataclass(frozen=True)
 class PageOrder:
-    """What page is wanted: of which process's run, and where.
+    """The page to start: the operator's process of its run, and the address.
 
-    port: 0 for any; firm: whether another will not do where it is taken; rate: pictures in a second.
+    port: 0 for any; firm: no other port may replace a taken one; rate: pictures per second.
     """
 
     pid: int
@@ -27,11 +27,11 @@ class PageOrder:
 
 
 OVER = "."
-"""What the page's process is told when what it shows has come to its end."""
+"""The line that tells the page's process that the run has ended."""
 
 
 class ShownPage:
-    """A page that is served. url: its address; pid: of its process."""
+    """A running page. url: its address; pid: of its process."""
 
     def __init__(self, process: subprocess.Popen[str], url: str) -> None:
         self._process = process
@@ -39,25 +39,25 @@ class ShownPage:
         self.pid = process.pid
 
     def wait(self) -> int:
-        """Until the page ends, with its run; its exit code."""
+        """Block until the page ends with its run; its exit code."""
         return self._process.wait()
 
 
 @contextmanager
 def shown(order: PageOrder) -> Iterator[ShownPage]:
-    """The page, while the block runs. Raises FollowspotError where it cannot be served."""
+    """The page while the block runs. Raises FollowspotError if it cannot be served."""
     process = subprocess.Popen(
         [sys.executable, "-m", "followspot_page.server", json.dumps(asdict(order))],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
-        start_new_session=True,  # Ctrl-C ends the run, and the run its page
+        start_new_session=True,  # Ctrl-C ends the run, and the run ends its page
     )
     try:
         host = f"[{order.host}]" if ":" in order.host else order.host
         yield ShownPage(process, f"http://{host}:{_port(process, order)}/")
         if process.stdin is not None and process.poll() is None:
-            process.stdin.write(OVER)  # who dies before this line has not ended its run
+            process.stdin.write(OVER)  # the page reports a run that died if this line does not arrive
     finally:
         assert process.stdin is not None
         with suppress(BrokenPipeError):
@@ -70,7 +70,7 @@ def shown(order: PageOrder) -> Iterator[ShownPage]:
 
 
 def _port(process: subprocess.Popen[str], order: PageOrder) -> int:
-    """The port that the page listens on. Raises FollowspotError where there is none."""
+    """The port of the page. Raises FollowspotError if the page does not start."""
     assert process.stdout is not None
     line = process.stdout.readline().strip()
     if line.isdigit():

@@ -1,4 +1,4 @@
-"""Where the page looks: at each port that sends something to show, on this host and on others."""
+"""The page's taps: one at each port that it can show, on this host and on others."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"
 _PIXELS, _MOST = 320 * 240, 1280
-"""Pixels of a preview, and most of them in a row."""
+"""Pixels of a preview, and the largest number of columns."""
 SMOOTH_RATE = 30.0
-"""Tracks and poses shown in a second; they are small, and a target that jumps is hard to follow."""
+"""Messages per second of tracks and poses; they are small, and smooth motion is easier to follow."""
 
 
 @dataclass(frozen=True)
 class ShownPort:
     """A port that the page shows.
 
-    name: STAGE.PORT; host: where it is, "" for here; source: of a source; size: of its camera's pictures, px.
+    name: STAGE.PORT; host: of its stage, "" for here; source: True for a source; size: of its pictures, px.
     """
 
     name: str
@@ -36,7 +36,7 @@ class ShownPort:
 
 
 def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
-    """All that the page can show of a graph."""
+    """The ports of a graph that the page can show."""
     hosts = {worker.name: worker.host for worker in plan.workers}
     found = []
     for stage in plan.stages:
@@ -50,14 +50,14 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
 
 
 def longest_side(size: tuple[int, int]) -> int:
-    """Of the preview of a picture, px: as many pixels whatever its shape. size: width and height, px."""
+    """Longest side of a picture's preview, px, for a fixed number of pixels. size: width and height, px."""
     width, height = size
     shape = max(width, height) / min(width, height)
     return min(_MOST, round(math.sqrt(_PIXELS * shape)))
 
 
 def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[Tapping]:
-    """A tap for each port. folder: of the page, for those that are here; rate: pictures in a second."""
+    """A tap for each port. folder: of the page, for taps of this host; rate: pictures per second."""
     found = []
     for port in looked_at:
         smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0

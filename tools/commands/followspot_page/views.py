@@ -1,4 +1,4 @@
-"""Messages as the page shows them: JSON types, rounded to what an eye can see."""
+"""Messages in the page's form: JSON types, rounded to display precision."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from followspot.tracking import STATES, Blobs, Forecast, Frame, ImageTracks, Tra
 from followspot_dashboard.picture import Picture
 
 SHOWN: tuple[type[Message], ...] = (Frame, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks)
-"""Types of messages that the page can show."""
+"""Message types that the page can show."""
 SMOOTH: tuple[type[Message], ...] = (Tracks, Poses)
-"""Those that are shown more often than pictures."""
+"""Types that are shown more often than pictures."""
 _SENT: tuple[type[Message], ...] = (Picture, *SHOWN[1:])
 KINDS: Mapping[str, type[Message]] = {kind.__name__: kind for kind in _SENT}
-"""What taps send, by name."""
+"""Message types that taps send, by name."""
 _HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4
 """Radius of a head, m; how far below its top the chest is, as a share of the height; length of arrows, m."""
 _SEARCH = 3.0
@@ -29,7 +29,7 @@ _SEARCH = 3.0
 
 
 def view(message: Message, room: Room) -> dict[str, Any]:
-    """What the page needs to draw a message; all but pictures."""
+    """The data with which the page draws a message; pictures excepted."""
     return {
         "kind": type(message).__name__,
         "time": message.header.time / 1e6,
@@ -86,7 +86,7 @@ def _poses(m: Poses, room: Room) -> dict[str, Any]:
 
 
 def _body(m: Poses) -> Array:
-    """Of each person the head, where it looks to, the chest, where that points to, (M, 4, 3) m."""
+    """Of each person the head, its viewing direction, the chest, its direction: (M, 4, 3) m."""
     gaze, level = m.heading + m.pan, np.cos(m.tilt)
     face = np.column_stack([level * np.cos(gaze), level * np.sin(gaze), np.sin(m.tilt)])
     front = np.column_stack([np.cos(m.heading), np.sin(m.heading), np.zeros(len(m.heading))])
@@ -96,11 +96,11 @@ def _body(m: Poses) -> Array:
 
 
 def _arrows(camera: Camera, points: Array) -> list[list[list[float]] | None]:
-    """How the arrows of head and chest, (M, 4, 3) m, appear: four points, px; None where they do not."""
+    """Images of the arrows of head and chest, (M, 4, 3) m: four points, px; None if not visible."""
     pixel = project(camera, points.reshape(-1, 3)).reshape(-1, 4, 2)
     width, height = camera.size
     near = (np.abs(pixel - [width / 2, height / 2]) < [width, height]).all((1, 2))
-    whole = (np.abs(pixel[:, 1::2, 0] - pixel[:, ::2, 0]) < width / 2).all(1)  # none over a panorama's seam
+    whole = (np.abs(pixel[:, 1::2, 0] - pixel[:, ::2, 0]) < width / 2).all(1)  # none across a panorama's seam
     drawn = np.isfinite(pixel).all((1, 2)) & near & whole
     return [row if ok else None for row, ok in zip(_rounded(pixel, 1), drawn, strict=True)]
 
@@ -114,7 +114,7 @@ def _image_tracks(m: ImageTracks, room: Room) -> dict[str, Any]:
 
 
 def _images(room: Room, xyz: Array, radius: Array) -> dict[str, list[list[float] | None]]:
-    """Where points appear in each camera, and how large: x, y, radius in px; None where they do not."""
+    """Images of points in each camera: x, y, radius in px; None if not visible."""
     found = {}
     for name, camera in room.cameras.items():
         pixel = project(camera, xyz)
@@ -129,7 +129,7 @@ def _images(room: Room, xyz: Array, radius: Array) -> dict[str, list[list[float]
 
 
 def _rounded(array: Array, digits: int) -> Any:
-    """Nested lists; what is not finite becomes None, for JSON knows no NaN."""
+    """Nested lists; a value that is not finite becomes None, because JSON has no NaN."""
     rounded = np.round(array, digits)
     if np.isfinite(rounded).all():
         return rounded.tolist()

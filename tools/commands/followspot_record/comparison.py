@@ -15,7 +15,7 @@ from followspot_recording.records import Channel, Recorded
 
 @dataclass(frozen=True)
 class Compared:
-    """How a port fared. messages: how many are the same; difference: the first one, empty where none is."""
+    """The result for a port. messages: how many are equal; difference: the first one, "" for none."""
 
     port: str
     messages: int

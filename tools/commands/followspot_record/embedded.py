@@ -20,9 +20,9 @@ from followspot_recording.recording import Recording
 
 
 def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
-    """What was run when it was recorded, for this host. Raises FollowspotError.
+    """The plan of the recorded run, for this host. Raises FollowspotError.
 
-    plugin_files: Python files that the user names; those that the recording names are never loaded.
+    plugin_files: Python files that the user names; files that the recording names are never loaded.
     """
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     use_plugin_files(files)
@@ -34,7 +34,7 @@ def recorded_plan(recording: Recording, plugin_files: Sequence[str]) -> Plan:
 
 
 def plan_of_recording(recording: Recording) -> Plan:
-    """The plan as it stands in the file; nothing of it was looked at. Raises FollowspotError."""
+    """The plan in the file, unchecked. Raises FollowspotError."""
     try:
         return plan_from_data(json.loads(recording.attachment(PLAN)))
     except (ValueError, RecursionError) as error:
@@ -42,7 +42,7 @@ def plan_of_recording(recording: Recording) -> Plan:
 
 
 def _mistakes(stage: PlannedStage) -> list[Mistake]:
-    """What is wrong with a stage's parameters: an unknown one, or an output outside the output folder."""
+    """Mistakes in a stage's parameters: unknown ones, and outputs outside the output folder."""
     try:
         kind = load_stage(stage.uses)
         params = kind.Params(**stage.params)

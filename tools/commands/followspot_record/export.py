@@ -24,7 +24,7 @@ from followspot_recording.records import Channel
 from followspot_recording.replays import REPLAYS
 
 PICTURES, HEAVY = type_name(Frame), (type_name(Gradients),)
-"""Types that are exported only where they are asked for: as numbers they fill disks."""
+"""Types that are exported on request only: as numbers they fill disks."""
 
 
 def export_command(args: argparse.Namespace) -> int:
@@ -60,13 +60,13 @@ def export_command(args: argparse.Namespace) -> int:
 
 
 def recorded_room(recording: Recording) -> Room:
-    """The room that it was recorded in; an empty one where the file does not say."""
+    """The room of the recorded run; an empty one if the file has none."""
     if PLAN not in recording.attachments:
         return Room()
     return plan_of_recording(recording).room
 
 
 def type_of(channel: Channel) -> type[Message]:
-    """The installed message type where it is the recorded one, else one like it. Raises ContractError."""
+    """The installed message type if it equals the recorded one, else a made one. Raises ContractError."""
     known = next((kind for kind in REPLAYS.values() if type_name(kind) == channel.schema), None)
     return known if known and contract_of(known) == channel.contract else message_type(channel.contract)

@@ -20,7 +20,7 @@ _GROUP = 1 << 14
 
 @dataclass(frozen=True)
 class Port:
-    """What is written. name: STAGE.PORT; room: the one that was recorded in."""
+    """A port to write. name: STAGE.PORT; room: of the recorded run."""
 
     name: str
     kind: type[Message]
@@ -39,7 +39,7 @@ class Format:
     suffix: str
     needs: str = ""
     pictures: bool = False
-    """Whether pictures are written, too, where nothing is said."""
+    """True if pictures are written by default."""
 
 
 def write_csv(path: Path, port: Port) -> int:

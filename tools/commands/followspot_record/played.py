@@ -24,7 +24,7 @@ _ANY = f"{_PREFIX}port"
 
 @dataclass(frozen=True)
 class Clip:
-    """What of a recording is played. start, stop: s after its beginning; speed: 0 as fast as it can."""
+    """The part of a recording to play. start, stop: s after its beginning; speed: 0 as fast as possible."""
 
     path: Path
     start: float = 0.0
@@ -46,9 +46,9 @@ def replays(recording: Recording, plan: Plan, names: Iterable[str]) -> dict[str,
 
 
 def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
-    """The plan with these ports played, and without what is not needed then.
+    """The plan with replays of these ports, without stages that nothing needs then.
 
-    chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError where nothing is left to do.
+    chosen: the stage that replays each port, STAGE.PORT. Raises FollowspotError if no stage is left.
     """
     sources: list[PlannedStage] = []
     name_of: dict[str, str] = {}

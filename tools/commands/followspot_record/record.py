@@ -36,7 +36,7 @@ _MAX_FILE = 4 << 20
 
 @dataclass(frozen=True)
 class Target:
-    """What is written where. params: of the recording sinks; metadata, attachments: what the file embeds."""
+    """The file and its content. params: of the recording sinks; metadata, attachments: embedded."""
 
     path: Path
     params: Mapping[str, Any]
@@ -44,7 +44,7 @@ class Target:
     attachments: Mapping[str, str]
 
     def sink_params(self, port: str, *, first: bool) -> dict[str, Any]:
-        """Of the sink of one port, validated, in JSON types; the first one brings what the file embeds."""
+        """Validated parameters of a port's sink, in JSON types; the first brings the embedded content."""
         embedded = {"metadata": dict(self.metadata), "attachments": dict(self.attachments)} if first else {}
         given = {**self.params, "path": str(self.path), "port": port, **embedded}
         return load_stage(SINK).Params(**given).model_dump(mode="json")
@@ -84,7 +84,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
 
 
 def _unsuitable(path: Path) -> str:
-    """Why a recording cannot become this file; empty where it can."""
+    """The reason why a recording cannot use this path; empty if it can."""
     if path.suffix != ".mcap":
         return "is no .mcap"
     return "exists already" if path.exists() else "" if path.parent.is_dir() else "is in no folder"
@@ -116,7 +116,7 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
 
 
 def _depth(plan: Plan, stage: PlannedStage) -> int:
-    """How many messages of a port may wait: live sources lose what finds no room, replays take their time."""
+    """Messages of a port that may wait: live sources drop what does not fit, replays wait."""
     fewest, most = _DEPTHS
     if not plan.live:
         return fewest
@@ -133,7 +133,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _metadata(plan: Plan, names: Sequence[str]) -> dict[str, str]:
-    """What the recording is of, in words."""
+    """Metadata of the recording."""
     used = {stage.uses for stage in plan.stages}
     entries = [entry for name, entry in catalogue().items() if name in used]
     plugins = dict.fromkeys(f"{entry.distribution} {entry.version}" for entry in entries)

@@ -56,7 +56,7 @@ class RecordedRun(Closing):
 
     @property
     def plan(self) -> Plan:
-        """What was run. Raises FollowspotError if the file does not say."""
+        """The plan that was run. Raises FollowspotError if the file does not embed it."""
         return plan_of_recording(self._recording)
 
     @property

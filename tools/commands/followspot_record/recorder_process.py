@@ -1,7 +1,7 @@
-"""The recorder of a graph that runs, a process of its own: `python -m followspot_record.recorder_process`.
+"""The recorder of a live graph in its own process: `python -m followspot_record.recorder_process`.
 
-Its first line of standard input is an order, JSON; "stop" ends the recording at once, the end of the input as
-soon as all who send have left. A line of JSON on standard output says now and then what has been recorded.
+The first line of standard input is an `Order`. "stop" ends the recording at once; the end of the input
+ends it once all senders have left. Twice a second it prints a line of JSON with its state.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from followspot_recording.sink import RecordingSink
 _PERIOD = 0.5
 """Seconds between two lines."""
 _PATIENCE = 3.0
-"""Seconds that those who send may take to leave when the run is over."""
+"""Seconds for the senders to leave after the run has ended."""
 _BROKEN = (FollowspotError, InvalidMessage, ValueError, KeyError)
-"""What a message that cannot be, or a disk that takes no more, raises."""
+"""Errors of malformed messages and full disks."""
 
 
 class RecorderProcess:
-    """An open recording, and those who send to it, each heard by a thread."""
+    """An open recording and its senders, each read by a thread."""
 
     def __init__(self, order: Order) -> None:
         """Raises FollowspotError, OSError."""
@@ -51,14 +51,14 @@ class RecorderProcess:
         self._remote = _remote(order, self._hear)
 
     def told(self, state: str) -> dict[str, Any]:
-        """What has been recorded so far; seconds since the beginning, bytes of the file."""
+        """The present state; seconds since the beginning, bytes of the file."""
         size = self.path.stat().st_size if self.path.exists() else 0
         seconds = round(time.monotonic() - self._began, 1)
         figures = {"bytes": size, "messages": self.messages, "lost": self.lost, "seconds": seconds}
         return {"state": state, "file": str(self.path), **figures, "error": self.error}
 
     def close(self, *, at_once: bool) -> None:
-        """Complete the file; unless at once, after those who send have left."""
+        """Complete the file: at once, or after all senders have left."""
         if self._remote is not None:
             self._remote.close()
         self._local.close(0.0 if at_once else _PATIENCE)

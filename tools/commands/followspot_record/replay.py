@@ -54,7 +54,7 @@ def source_ports(plan: Plan) -> tuple[str, ...]:
 
 
 def _ports(plan: Plan, recording: Recording, more: Sequence[str]) -> Iterator[str]:
-    """What is played: the recorded sources, and more where it is asked for. Raises InputError."""
+    """The ports to play: the recorded sources, and those in `more`. Raises InputError."""
     known = output_ports(plan)
     mistakes = [
         Mistake(
@@ -73,7 +73,7 @@ def _ports(plan: Plan, recording: Recording, more: Sequence[str]) -> Iterator[st
 
 
 def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
-    """What the options say and cannot mean."""
+    """Options that contradict each other or are out of range."""
     if args.overrides and not args.graph:
         yield Mistake(None, "--set changes a graph file, and none is named", "add --graph GRAPH")
     if args.room and not args.graph:
@@ -85,7 +85,7 @@ def _mistakes(args: argparse.Namespace) -> Iterator[Mistake]:
 
 
 def _other_graph(args: argparse.Namespace, recording: Recording) -> Plan:
-    """The plan of another graph file, whose cameras' own sources need not be there. Raises InputError."""
+    """The plan of another graph file; the cameras' own sources need not exist. Raises InputError."""
     return compile_graph(
         args.graph,
         room=args.room,
@@ -115,7 +115,7 @@ def check_sampled_cycles(plan: Plan, remedy: str) -> None:
 
 
 def _check_live(plan: Plan) -> None:
-    """Raises InputError where a device would have to be opened."""
+    """Raises InputError if a live source would have to be opened."""
     live = [stage.name for stage in plan.stages if stage.live]
     if live:
         remedy = "name with --ports what is played instead of what follows it"

@@ -20,10 +20,10 @@ _SCALARS: dict[Any, str] = {int: "i8", float: "f8", bool: "?"}
 
 
 def headings(kind: type[Message]) -> dict[str, str]:
-    """Names of a table's columns and numpy's codes of their types; `xyz` (N, 3) becomes xyz_0, xyz_1, xyz_2.
+    """Names of a table's columns and their numpy type codes; `xyz` (N, 3) becomes xyz_0, xyz_1, xyz_2.
 
-    A table has a row for each row of the message's first column. What is not as long, or has another size
-    that varies, stands as JSON in one column. Raises FollowspotError where two would have one name.
+    A table has a row for each row of the message's first column. A column of another length, or with
+    another variable size, becomes JSON in one column. Raises FollowspotError if two names are equal.
     """
     scalars = {name: _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
     columns = {
@@ -57,7 +57,7 @@ def as_json(message: Message) -> dict[str, Any]:
 
 
 def _spread(kind: type[Message], column: Column) -> bool:
-    """Whether a column has a cell for each of its numbers."""
+    """True if a column has a cell for each of its numbers."""
     sizes = column.shape[1:]
     return column.shape[:1] == kind.columns[0].shape[:1] and not any(isinstance(s, str) for s in sizes)
 

@@ -27,7 +27,7 @@ _LIVE = "it was recorded live: a message that came too late then comes in time n
 
 
 def verify_command(args: argparse.Namespace) -> int:
-    """Run again, compare, tell. Returns the exit code."""
+    """Run again, compare, print. Returns the exit code."""
     with Recording(args.recording) as old:
         old.examine()
         plan = recorded_plan(old, args.plugin_files)
@@ -53,7 +53,7 @@ def verify_command(args: argparse.Namespace) -> int:
 
 
 def _run(plan: Plan, out: Path, *, quiet: bool) -> None:
-    """Raises FollowspotError where the run fails."""
+    """Raises FollowspotError if the run fails."""
     with closing(ProgressBar()) as bar:
         report = run_plan(plan, RunOptions(out), None if quiet or not sys.stderr.isatty() else bar.show)
     if report.stopped:
@@ -63,7 +63,7 @@ def _run(plan: Plan, out: Path, *, quiet: bool) -> None:
 
 
 def _compare(old: Recording, new: Recording, names: Sequence[str], sources: Sequence[str]) -> list[Compared]:
-    """Every port; of a recording that ends early only up to where all of its sources reach."""
+    """Compare every port; if the recording ends early, up to the last time that all its sources reach."""
     stop = None
     if old.problem:
         stop = min(max((m.time for m in old.messages(port)), default=-1) for port in sources)

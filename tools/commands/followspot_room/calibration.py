@@ -1,4 +1,4 @@
-"""Calibrations in files: every known format, told apart by content when read."""
+"""Calibrations in files of every known format; the content decides which."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ FORMATS = (
 )
 """In the order in which they are tried."""
 IN_FOLDERS = ("*.rad", "*.Pmat.cal", "camera_order.txt", "Res.dat", "*.yml", "*.yaml")
-"""What is read where a folder is given; nothing else in it is touched."""
+"""Files that are read from a folder; others are ignored."""
 NO_POSES = "the calibration has no camera poses: all cameras stand at the origin until you calibrate them"
 
 
@@ -51,12 +51,12 @@ def read_calibration(path: Path) -> Calibration:
 
 
 def _texts(path: Path) -> Texts:
-    """The file's text, or those of a folder that a format may want; none where they are no text."""
+    """The texts of a file, or of the matching files of a folder; none if they are not text."""
     chosen = [path]
     if path.is_dir():
         chosen = sorted(one for pattern in IN_FOLDERS for one in path.glob(pattern) if one.is_file())
     texts: dict[str, str] = {}
-    left = DATA  # of all files together
+    left = DATA  # bytes that all files together may still have
     try:
         for one in chosen:
             data = read_bytes(one, left)

@@ -22,7 +22,7 @@ COEFFICIENTS: dict[Model, tuple[int, ...]] = {"pinhole": (0, 4, 5), "fisheye": (
 
 
 class Unfit(ValueError):
-    """A value does not fit; the text says where, what it is and what it should be; remedy: what to do."""
+    """A value does not fit; the text says where it is, its value and the expected one; remedy: what to do."""
 
     def __init__(self, text: str, remedy: str = "") -> None:
         super().__init__(text)
@@ -91,7 +91,7 @@ def camera_matrix(value: Any, where: str) -> Array:
 
 
 def distortion(value: Any, model: Model, where: str) -> Array:
-    """Of a pinhole camera k1 k2 p1 p2 k3, (5,), shorter lists of OpenCV end with zeros; of a fisheye (4,).
+    """Distortion of a pinhole k1 k2 p1 p2 k3, (5,), filled up with zeros; of a fisheye (4,).
 
     Raises Unfit.
     """
@@ -105,7 +105,7 @@ def distortion(value: Any, model: Model, where: str) -> Array:
 
 
 def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
-    """The cameras, where no name is there twice. Raises Unfit."""
+    """The cameras, if their names differ. Raises Unfit."""
     if len(cameras) > MOST_CAMERAS:
         raise Unfit(f"{len(cameras)} cameras, at most {MOST_CAMERAS}")
     names = [camera.name for camera in cameras]
@@ -116,7 +116,7 @@ def unique(cameras: Sequence[Camera]) -> tuple[Camera, ...]:
 
 
 def holds(cameras: Iterable[Camera], models: Sequence[Model], format_name: str, other: str) -> None:
-    """Raise Unfit for the first camera whose model the format does not have; other: a format that has it."""
+    """Raise Unfit for the first camera with a model that the format lacks; other: a format that has it."""
     for camera in cameras:
         if camera.model not in models:
             raise Unfit(f"camera {camera.name} is a {camera.model}, which {format_name} cannot hold", other)

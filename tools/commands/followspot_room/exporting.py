@@ -1,4 +1,4 @@
-"""What `followspot room export` does."""
+"""`followspot room export`."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def export_room(room_file: Path, output: Path, format_key: str | None, *, as_jso
 
 
 def format_of(output: Path) -> str:
-    """The format that the name of the output stands for. Raises InputError where it is open."""
+    """The format of the output's name. Raises InputError if it has none."""
     for ending, key in ENDINGS.items():
         if output.name.lower().endswith(ending):
             return key

@@ -9,7 +9,7 @@ from followspot.messages import Array
 from followspot.room import Camera
 
 Texts = Mapping[str, str]
-"""Names of files -> what stands in them: one file, or those of a folder."""
+"""Names of files -> their content: one file, or those of a folder."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,19 +26,19 @@ class Calibration:
 
     @property
     def posed(self) -> bool:
-        """Whether the poses say anything: several cameras in one place with one direction have none."""
+        """True if the poses are known: several cameras with one and the same pose have none."""
         poses = {(c.rotation.tobytes(), (c.translation + 0.0).tobytes()) for c in self.cameras}
         return len(poses) > 1 or len(self.cameras) < 2
 
 
 @dataclass(frozen=True)
 class Format:
-    """A way to write calibrations.
+    """A file format of calibrations.
 
-    key: what `--format` says; name: what users call it;
-    parse: texts -> calibration, or None where they are in another format; raises Unfit where they are in
-    this one with a mistake; write: cameras -> texts, raises Unfit for a camera that the format cannot hold;
-    folder: whether it is a folder of files, else the one text has any name.
+    key: its name for `--format`; name: for users;
+    parse: texts -> calibration, None if they are in another format; raises Unfit if they are in this one
+    with a mistake; write: cameras -> texts, raises Unfit for a camera that the format cannot hold;
+    folder: True for a folder of files, else one text of any name.
     """
 
     key: str
@@ -49,5 +49,5 @@ class Format:
 
 
 def only_text(files: Texts) -> tuple[str, str] | None:
-    """Name and text where there is a single file."""
+    """Name and text if there is a single file."""
     return next(iter(files.items())) if len(files) == 1 else None

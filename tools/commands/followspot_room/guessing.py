@@ -1,4 +1,4 @@
-"""What `followspot room guess` does: a rough camera from the sizes of the people in its video."""
+"""`followspot room guess`: a rough camera pose from the sizes of people in its video."""
 
 from __future__ import annotations
 
@@ -24,23 +24,23 @@ PICTURES = 20
 WORKING_HEIGHT = 1100
 """Pictures are searched at this height, px; OpenCV's detector finds people from about 100 px on."""
 PERSON_OF_BOX, FOOT_OF_BOX = 0.75, 0.875
-"""Shares of the height of the detector's box, which has margins: the person, and where the feet are."""
+"""Shares of the height of the detector's box, which has margins: height of the person, row of the feet."""
 SCORE = 0.6
-"""Of a detection that counts."""
+"""Lowest score of a detection that counts."""
 STILL = 0.08
-"""What is found twice within this share of its height is furniture, or somebody who stands there."""
+"""Detections that agree within this share of their height are furniture or a standing person."""
 FEWEST = 8
 """People that the guess needs."""
 PITCHES = np.radians(np.arange(-5.0, 75.0, 0.25))
-"""Tried angles by which the camera looks down."""
+"""Candidate pitch angles, rad."""
 
 
 @dataclass(frozen=True)
 class Guess:
-    """What is known of the camera after looking at people.
+    """The guessed pose.
 
-    pitch: by which it looks down, rad; height: above the floor, m; spread: median deviation of the heights
-    that single people tell, m; people: how many counted.
+    pitch: downward, rad; height: above the floor, m; spread: median deviation of the heights from single
+    people, m; people: how many counted.
     """
 
     pitch: float
@@ -104,14 +104,14 @@ def _pictures(video: Path) -> Iterator[Array]:
 
 
 def without_still(people: Array) -> Array:
-    """The people of whom no two are at one place, (N, 3) as :func:`people_in`."""
+    """People at different places, (N, 3) as :func:`people_in`."""
     apart = np.abs(people[:, None] - people[None]).max(axis=2) / people[:, 2]
     np.fill_diagonal(apart, np.inf)
     return np.asarray(people[(apart > STILL).all(axis=1)])
 
 
 def guess_pose(people: Array, size: tuple[int, int], focal: float, person: float) -> Guess:
-    """The pitch at which people who are all of one height agree best on the height of the camera.
+    """The pitch at which people of one height agree best on the height of the camera.
 
     The feet of a person of height h are seen at an angle a below the horizon, the head at b, both at the
     distance H / tan(a) = (H - h) / tan(b) from a camera at height H, hence H = h tan(a) / (tan(a) - tan(b)).
@@ -146,7 +146,7 @@ def _below_horizon(pixel: Array, size: tuple[int, int], focal: float, pitch: flo
 
 
 def room_of(video: Path, output: Path, size: tuple[int, int], focal: float, guess: Guess) -> Room:
-    """The room whose origin is on the floor below the camera, which looks along x."""
+    """The room with its origin on the floor below the camera, which looks along x."""
     c, s = np.cos(guess.pitch), np.sin(guess.pitch)
     rotation = np.array([[0.0, -1.0, 0.0], [-s, 0.0, -c], [c, 0.0, -s]])
     matrix = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1]])

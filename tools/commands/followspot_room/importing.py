@@ -1,4 +1,4 @@
-"""What `followspot room import` does."""
+"""`followspot room import`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from followspot_room.recorded_size import as_recorded, picture_size
 
 TRUTH = "truth.csv"
 POSES = "cameras.pose_truth_csv"
-"""The stage that reads true poses of persons, who need no templates."""
+"""The stage that reads true poses of persons, which need no templates."""
 
 
 def import_room(
@@ -33,10 +33,10 @@ def import_room(
     allow_missing: bool,
     as_json: bool,
 ) -> int:
-    """Write the room file and say what is in it; returns the exit code. Raises InputError.
+    """Write the room file and print its content; returns the exit code. Raises InputError.
 
-    videos: None where only the cameras are wanted; only: cameras to take, none for all of them; infrared:
-    cameras that are, whatever the file says.
+    videos: None for cameras alone; only: cameras to take, empty for all; infrared: cameras that are infrared
+    whatever the file says.
     """
     known = with_infrared(with_only(read_calibration(calibration), only), infrared)
     names = [camera.name for camera in known.cameras]

@@ -1,4 +1,4 @@
-"""Recordings whose pictures are not as large as the calibration says, and what that means for the camera."""
+"""Recordings with pictures of another size than the calibration's, and the camera for them."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from followspot_cameras.video import open_video
 BLOCK = 16
 """Codecs store whole blocks of so many px; what they add right and below is cut off when playing."""
 SAME_SHAPE = 0.005
-"""By how much the scales of width and height may differ, as a share."""
+"""Largest relative difference between the scales of width and height."""
 
 
 def picture_size(recording: Path) -> tuple[int, int] | None:
-    """Width and height of a video's pictures, turned as the file says, or of a folder's first picture.
+    """Width and height of a video's pictures, rotated as the file says, or of a folder's first picture.
 
-    None where there is no picture yet. Raises InputError for a video that is none.
+    None if there is no picture yet. Raises InputError for a video that is none.
     """
     if recording.is_dir():
         files = natural_order(recording, "*")

@@ -1,4 +1,4 @@
-"""What `followspot room rectify` does: upright cameras without distortion in place of the real ones."""
+"""`followspot room rectify`: upright cameras without distortion in place of the real ones."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from followspot.room import StageUse
 from followspot.room_file import load, save
 
 STEEP = 0.17
-"""A camera that looks up or down within such an angle of the vertical has no upright view, rad."""
+"""Angle from the vertical, rad, below which a viewing direction has no upright view."""
 LARGEST = 1.6
 """An upright picture is at most so many times as wide and high as the tilted one."""
 BORDER = 40
-"""So many points on each side of a picture tell where its edge goes."""
+"""Points sampled on each side of a picture to find the extent of its edge."""
 
 
 def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) -> int:
-    """Write a room whose cameras stand upright; returns the exit code. Raises InputError.
+    """Write a room with upright cameras; returns the exit code. Raises InputError.
 
     scale: of the new pictures over the old ones.
     """
@@ -54,9 +54,9 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
 
 
 def rectified(camera: Camera, scale: float, folder: Path) -> Camera:
-    """An upright pinhole camera at the same place that looks the same way and shows as much.
+    """An upright pinhole camera with the same centre, heading and field of view.
 
-    The camera itself where it is no pinhole or fisheye, has no video, or looks up or down.
+    The camera itself if it is no pinhole or fisheye, has no video, or looks up or down.
     """
     ahead = camera.rotation[2]
     video = camera.source is not None and camera.source.uses == "cameras.video"

@@ -33,7 +33,7 @@ def graph_schema() -> Schema:
 
 
 def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
-    """What every stage may say, and for each one that is installed what it takes."""
+    """The keys of every stage, and the parameters and inputs of each installed one."""
     envelope = form(
         "one step of work",
         {

@@ -15,7 +15,7 @@ POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
 
 
 def room_schema() -> Schema:
-    """The schema of a room file with all installed sources: those of pictures, and those of truth."""
+    """The schema of a room file with all installed sources of pictures and of truth."""
     sources = {name: stage for name, stage in stages_offered().items() if ports(stage).source}
     pictures = {name: stage for name, stage in sources.items() if _sends_frames(stage)}
     return form(

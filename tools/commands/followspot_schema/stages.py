@@ -1,4 +1,4 @@
-"""What installed stages take, for every file that names one."""
+"""Parameters of installed stages, for every file that names one."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def models(offered: Mapping[str, type[Stage]]) -> Schema:
 
 
 def _of(name: str, stage: type[Stage]) -> Schema:
-    """What a use of this stage says besides its name."""
+    """The condition that checks the parameters of one stage."""
     taken = parameters(name, stage, variables=False)
     then: Schema = {"properties": {"with": taken}} | ({"required": ["with"]} if "required" in taken else {})
     return {"if": {"properties": {"uses": {"const": name}}, "required": ["uses"]}, "then": then}

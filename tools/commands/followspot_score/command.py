@@ -1,4 +1,4 @@
-"""What `followspot score` does: tracks of targets, or poses of persons, as the header of the file says."""
+"""`followspot score`: scores tracks of targets or poses of persons, as the header of the file says."""
 
 from __future__ import annotations
 

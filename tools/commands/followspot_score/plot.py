@@ -35,7 +35,7 @@ ANGLES = ("direction", "torso", "pan", "tilt")
 
 
 def draw(poses: PoseTable, truth: PoseTruthTable, folder: Path) -> str:
-    """Draw into a folder; tell what was drawn, or is missing. Raises FollowspotError."""
+    """Draw into a folder; a line that names the files or the missing package. Raises FollowspotError."""
     try:
         import matplotlib as mpl
         from matplotlib.backends.backend_svg import FigureCanvasSVG
@@ -73,7 +73,7 @@ def _histograms(figure: Figure, errors: PoseErrors) -> None:
 
 
 def _plan(axes: Axes, poses: PoseTable, truth: PoseTruthTable, row: np.ndarray) -> None:
-    """Ways over the floor, true and reported; a break where a person has no pose."""
+    """Paths on the floor, true and reported; a gap while a person has no pose."""
     for own in range(len(truth.persons)):
         reported = np.where((row[:, own] != NOBODY)[:, None], poses.pose[row[:, own], :2], np.nan)
         first = own == 0

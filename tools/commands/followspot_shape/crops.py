@@ -37,7 +37,7 @@ class Crops:
 
 
 def read_crops(folder: Path) -> Crops:
-    """The crops in a folder. Raises InputError where the table or a picture is missing or wrong."""
+    """The crops in a folder. Raises InputError if the table or a picture is missing or wrong."""
     table = folder / "boxes.csv"
     try:
         with open_text(table) as file:

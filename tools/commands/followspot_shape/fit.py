@@ -1,4 +1,4 @@
-"""Fit the sections of the outline to crops: the body on whose silhouette their edges agree best."""
+"""Fit the sections of the outline to crops: maximise the agreement of their edges with the silhouette."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from followspot_shape import start
 from followspot_shape.crops import Crops
 
 HALF, REACH = 12.0, 4
-"""Of `persons.gradients`: grey levels, px. The reach is shorter, for the poses are known."""
+"""Reach of `persons.gradients`: grey levels, px. It is shorter here because the poses are known."""
 SIGMA = 0.35
-"""Of the orientation, rad."""
+"""Standard deviation of the orientation, rad."""
 STEPS = (0.016, 0.008, 0.004, 0.002)
-"""Of lengths, in body heights; one round over all numbers with each."""
+"""Steps of lengths, in body heights; one round over all numbers with each."""
 DEGREES_PER_LENGTH = 1000.0
 """The rise is searched with this many degrees for a step of one body height."""
 
@@ -41,7 +41,7 @@ def start_document() -> dict[str, Any]:
 
 
 def fitness(document: dict[str, Any], crops: Crops, edges: tuple[Array, Array] | None = None) -> float:
-    """Mean edge likelihood of a model over the crops, 0 to 1; edges: of the crops, where known."""
+    """Mean edge likelihood of a model over the crops, 0 to 1; edges: of the crops, if known."""
     return float(_likelihood(shape_of(document), crops, edges or _edges(crops)).mean())
 
 
@@ -55,7 +55,7 @@ def _document(sections: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _free(section: dict[str, Any]) -> tuple[str, ...]:
-    """What is fitted: heights stay, or sections would meet where the contrast is best."""
+    """The fitted numbers. Heights stay fixed; otherwise sections would meet at the strongest contrast."""
     return ("width", "depth", "forward", "rise") if section["width"] else ("forward",)
 
 

@@ -13,7 +13,7 @@ from followspot_shape.crops import Crops
 from followspot_shape.fit import feature_pixels
 
 FACTORS = 5
-"""Of the covariance between features."""
+"""Factors of the covariance between features."""
 SHRINKAGE = 0.15
 """Share of a feature's variance that is its own whatever the few people say: others wear something else."""
 
@@ -42,7 +42,7 @@ def relations_document(shape: ShapeModel, crops: Crops) -> dict[str, Any]:
 
 
 def person_colors(shape: ShapeModel, crops: Crops) -> Array:
-    """Mean colour of each feature of each person where it is seen, in the plane: (people, F, 3)."""
+    """Mean colour of each feature of each person over the crops that show it: (people, F, 3)."""
     turned = turn(shape, crops.torso, crops.head, crops.tilt)
     rows, columns = feature_pixels(shape, crops, turned.surface, crops.pixels.shape[1:3])
     colors = plane(hsi(crops.pixels[np.arange(len(rows))[:, None], rows, columns]))

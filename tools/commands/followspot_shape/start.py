@@ -34,7 +34,7 @@ SINGLE = [
 ]
 """Name, part, height, and the direction from the axis, forward and left, that they face."""
 INSET = 0.72
-"""Where surface features lie between axis and outline: within, so that a near miss stays on the body."""
+"""Distance of surface features from the axis over that of the outline; less than 1 tolerates near misses."""
 
 
 def surface(sections: list[dict[str, Any]]) -> list[dict[str, Any]]:

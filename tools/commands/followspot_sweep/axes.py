@@ -1,4 +1,4 @@
-"""What is varied: `STAGE.KEY=A,B,C` and `STAGE.KEY=START:STOP:STEP`."""
+"""Axes of a sweep: `STAGE.KEY=A,B,C` and `STAGE.KEY=START:STOP:STEP`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Point = tuple[tuple[str, str], ...]
 
 
 def read_axes(options: Sequence[str]) -> tuple[Axis, ...]:
-    """The axes of the grid, those with one value included. Raises InputError with every mistake."""
+    """The axes of the grid, including those with one value. Raises InputError with every mistake."""
     mistakes: list[Mistake] = []
     axes = tuple(axis for option in options if (axis := _axis(option, mistakes)) is not None)
     names = [axis.name for axis in axes]

@@ -1,4 +1,4 @@
-"""What `followspot sweep` does: check every value, run every point, then tell."""
+"""`followspot sweep`: check every value, run every point, print the table."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ def sweep(args: argparse.Namespace) -> int:
 
 
 def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
-    """The results in the order of the tasks; those that are kept are not run again.
+    """The results in the order of the tasks; tasks with a kept result are not run again.
 
-    Raises KeyboardInterrupt when it is interrupted, with every run ended.
+    Raises KeyboardInterrupt on Ctrl-C, after it has ended every run.
     """
     running: set[Popen[str]] = set()
     lock = Lock()
@@ -101,7 +101,7 @@ def run_all(tasks: Sequence[Task], jobs: int, *, quiet: bool) -> list[Result]:
 
 
 def _time_left(left: int, tasks: int, seconds: float) -> str:
-    """How long the rest of the tasks takes at the pace so far, seconds since they began; empty at the end."""
+    """The estimated time for the remaining tasks as text; seconds: since the first began."""
     return f", about {seconds * left / (tasks - left):.0f} s left" if 0 < left < tasks else ""
 
 

@@ -1,4 +1,4 @@
-"""A plot of a sweep, with matplotlib where it is installed: a figure over each parameter."""
+"""A plot of a sweep, with matplotlib if it is installed: a figure over each parameter."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COLORS = ("#1b6ca8", "#e07a1f", "#3d9970", "#b03a48", "#7d5ba6", "#6b6b6b")
 
 
 def draw(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str, folder: Path) -> str:
-    """Draw; tell what was drawn, or what is missing."""
+    """Draw; return a line that names the file or the missing package."""
     known = [row for row in found if row.get(figure) is not None]
     varied = [axis for axis in axes if len(axis.values) > 1]
     if not known:
@@ -46,7 +46,7 @@ def draw(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str, fol
 
 
 def _span(values: Sequence[float]) -> tuple[float, float]:
-    """From below the smallest to above the largest, by so much that what is all the same looks so."""
+    """Limits of the axis around the values; equal values stay in its middle."""
     middle, room = (min(values) + max(values)) / 2, 0.55 * (max(values) - min(values))
     room = max(room, _ALIKE * abs(middle), 1e-9)
     return middle - room, middle + room

@@ -18,7 +18,7 @@ NO_PARQUET = 'no Parquet file: pyarrow is not installed; pip install "followspot
 
 
 def rows(results: Sequence[Result]) -> list[dict[str, Any]]:
-    """A row for each result: room, parameters, figures, error; numbers where the values are numbers."""
+    """A row for each result: room, parameters, figures, error; a number if the value is one."""
     figures = dict.fromkeys(key for result in results for key in result.figures)
     return [
         {
@@ -32,7 +32,7 @@ def rows(results: Sequence[Result]) -> list[dict[str, Any]]:
 
 
 def best(found: Sequence[dict[str, Any]], figure: str) -> dict[str, Any] | None:
-    """The row with the smallest figure; None where no row has it."""
+    """The row with the smallest figure; None if no row has it."""
     known = [row for row in found if row.get(figure) is not None]
     return min(known, key=lambda row: float(row[figure]), default=None)
 
@@ -51,7 +51,7 @@ def text(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str) -> 
 
 
 def write(found: Sequence[dict[str, Any]], folder: Path) -> str:
-    """Write the files; tell what was written or is missing."""
+    """Write the files; return a line that names them and what is missing."""
     with (folder / CSV).open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(found[0]))
         writer.writeheader()
@@ -67,7 +67,7 @@ def write(found: Sequence[dict[str, Any]], folder: Path) -> str:
 
 
 def _alike(values: list[Any]) -> list[Any]:
-    """Values of one type: texts where some are."""
+    """The values in one type: all texts if any is a text."""
     return [str(v) for v in values] if any(isinstance(v, str) for v in values) else values
 
 

@@ -1,4 +1,4 @@
-"""One point of the grid in one room: a run in a process of its own, whose summary is kept in its folder."""
+"""One point of the grid in one room: a run in its own process, with its summary kept in its folder."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ SUMMARY = "summary.json"
 
 @dataclass(frozen=True)
 class Task:
-    """What is to be run.
+    """A run to make.
 
-    command: the arguments of `followspot` without those of the output; state: of graph, room and followspot
-    when it was planned, so that results of another state are not taken for its own.
+    command: the arguments of `followspot` without those of the output; state: hash of graph, room and
+    followspot version, so that a sweep does not reuse results of another state.
     """
 
     room: str
@@ -37,7 +37,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Result:
-    """What came of it: figures by name; error is empty where it went well."""
+    """The result of a task: figures by name; error is empty if the run succeeded."""
 
     task: Task
     figures: dict[str, float]
@@ -52,7 +52,7 @@ def folder_name(point: Point) -> str:
 
 
 def kept(task: Task) -> Result | None:
-    """The result of an earlier sweep of the same; None where there is none that is whole."""
+    """The result of an earlier sweep; None if there is no complete one."""
     try:
         found = json.loads(read_bytes(task.folder / SUMMARY))
         if (found["command"], found["state"]) == (list(task.command), task.state):
@@ -63,7 +63,7 @@ def kept(task: Task) -> Result | None:
 
 
 def run(task: Task, started: Callable[[subprocess.Popen[str]], None]) -> Result:
-    """Run it and keep the summary. started: told of the process, so that it can be ended."""
+    """Run the task and keep its summary. started: receives the process, so that the caller can end it."""
     task.folder.mkdir(parents=True, exist_ok=True)
     command = [
         sys.executable,

@@ -19,9 +19,9 @@ LEAST = -3.0
 
 
 def recall(pictures: Pictures, rate: float) -> dict[str, Any]:
-    """Share of all persons that it finds at a rate of false positives on all backgrounds.
+    """Recall of OpenCV's detector on all persons, at a rate of false positives on all backgrounds.
 
-    Where a crop ends at the waist, its last row is repeated: there is nothing else to see.
+    The last row of a crop that ends at the waist is repeated.
     """
     hog = people_hog()
     scores, searched = [np.zeros(0)], 0
@@ -42,7 +42,7 @@ def _kinds(known: Array) -> Sequence[tuple[str, Array]]:
 
 
 def _score(hog: cv2.HOGDescriptor, weights: Array, pixels: Array, box: Array) -> float:
-    """Of the window in which the upper body is where the detector has it."""
+    """Score of the window that has the upper body at the place of the detector's."""
     scale = (box[3] - box[1]) / (UPPER[3] - UPPER[1])
     left = (box[0] + box[2]) / 2 - scale * WINDOW[0] / 2
     place = np.array([[scale, 0, left], [0, scale, box[1] - scale * UPPER[1]]])

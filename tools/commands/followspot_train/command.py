@@ -1,4 +1,4 @@
-"""What `followspot train hog` does: try on strangers, then learn from all, then tell."""
+"""`followspot train hog`: cross-validate on held-out people, learn from all, report."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def text(report: dict[str, Any], out: Path) -> str:
 
 
 def _check(pictures: Pictures, out: Path) -> None:
-    """Raises InputError where there is too little to learn from, or nowhere to write."""
+    """Raises InputError if there are too few pictures, or if `out` cannot be written."""
     mistakes = []
     bodies = {person.body for person in pictures.persons if person.body >= 0}
     rooms = {background.place for background in pictures.backgrounds}
@@ -106,4 +106,4 @@ def _told(text: str) -> None:
 
 
 def _untold(_: str) -> None:
-    """Without a terminal there is nobody to tell."""
+    """Without a terminal there is no progress."""

@@ -1,4 +1,4 @@
-"""What the trials on strangers say in numbers: recall, headings, threshold, and how far to trust."""
+"""Figures of the cross-validation: recall, headings, threshold, and calibration of the likelihoods."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def threshold(trials: Sequence[Trial]) -> float:
 
 
 def score_at(scores: Array, searched: int, rate: float) -> float:
-    """The score that a share of all searched windows exceeds; `scores` are those of windows that have one."""
+    """The score that a share `rate` of the searched windows exceeds; scores: of windows that have one."""
     allowed = int(searched * rate)
     return float(np.sort(scores)[::-1][allowed]) if allowed < len(scores) else float(scores.min(initial=0.0))
 
@@ -75,9 +75,9 @@ def trust(trials: Sequence[Trial], part: str) -> tuple[float, float]:
 
 
 def best_trust(said: Array, true: Array) -> tuple[float, float]:
-    """Factor and share of mistakes under which the true directions are likeliest.
+    """Scale and error share (see `trusted`) that maximise the likelihood of the true directions.
 
-    said: (N, DIRECTIONS) logits; true: (N,) rad, NaN where unknown.
+    said: (N, DIRECTIONS) logits; true: (N,) rad, NaN if unknown.
     """
     known = np.isfinite(true)
     bin_of = np.rint(true[known] / (2 * np.pi) * DIRECTIONS).astype(int) % DIRECTIONS
@@ -90,5 +90,5 @@ def best_trust(said: Array, true: Array) -> tuple[float, float]:
 
 
 def share(true: Array) -> float:
-    """Of the rows that are true, 0 of none."""
+    """Share of the rows that are true, 0 if there are none."""
     return float(np.mean(true)) if len(true) else 0.0

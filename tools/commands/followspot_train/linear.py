@@ -40,7 +40,7 @@ class Seen(NamedTuple):
 def train(
     persons: Array, backgrounds: Sequence[Background], rng: np.random.Generator, tell: Callable[[str], None]
 ) -> tuple[Array, list[Array]]:
-    """Weights (FEATURES + 1,), bias last, and the windows of backgrounds that they were taught with.
+    """Weights (FEATURES + 1,), bias last, and the background windows that they were trained with.
 
     persons: (N, FEATURES); tell: called with progress.
     """

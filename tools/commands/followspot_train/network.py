@@ -24,18 +24,18 @@ ANGLES = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 
 @dataclass(frozen=True, eq=False)
 class Lessons:
-    """Looks (N, LOOKS) f4 and what the network shall say of them."""
+    """Inputs (N, LOOKS) f4 and the targets of the network."""
 
     looks: Array
     person: Array
     """(N,) 1 or 0."""
     torso: Array
-    """(N, DIRECTIONS) shares, all 0 where unknown."""
+    """(N, DIRECTIONS) shares, all 0 if unknown."""
     head: Array
 
 
 def directions(angle: Array) -> Array:
-    """Shares of directions around angles (N,), rad; all 0 where the angle is NaN: (N, DIRECTIONS) f4."""
+    """Shares of directions around angles (N,), rad; all 0 if the angle is NaN: (N, DIRECTIONS) f4."""
     share = np.exp(SHARPNESS * (np.cos(angle[:, None] - ANGLES) - 1))
     share /= share.sum(axis=1, keepdims=True)
     return np.nan_to_num(share).astype(np.float32)
@@ -75,7 +75,7 @@ def train(
 def gradients(
     weights: list[Array], x: Array, taught: tuple[Array, Array, Array], rng: np.random.Generator
 ) -> list[Array]:
-    """Of the mean cross entropy of person, torso and head, with parts of the inputs and units dropped."""
+    """Gradient of the mean cross entropy of person, torso and head, with dropout of inputs and units."""
     x = x * _kept(x.shape, DROPPED_INPUT, rng)
     hidden = x @ weights[0] + weights[1]
     mask = (hidden > 0) * _kept(hidden.shape, DROPPED_UNITS, rng)

@@ -23,7 +23,7 @@ MIDDLE = (48.0, 22.0)
 UPPER = 72.0
 """Height of the upper body in it, px."""
 PEDESTRIAN = np.array([28.0, 30.0, 68.0, 74.0])
-"""Where the upper body is in a crop of the INRIA form, px."""
+"""Box of the upper body in a crop of the INRIA form, px."""
 PLACES = 4
 """Parts into which pictures of the INRIA form are divided, each a place of its own."""
 MOST = 20_000
@@ -32,13 +32,13 @@ MOST = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Person:
-    """An upper body in a picture. Headings are relative to the camera, rad, NaN where unknown."""
+    """An upper body in a picture. Headings are relative to the camera, rad, NaN if unknown."""
 
     pixels: Array
     box: Array
     """(4,) x0, y0, x1, y1, px."""
     body: int
-    """Number of the person, -1 where everyone is somebody else."""
+    """Number of the person, -1 if every crop shows another person."""
     place: str
     torso: float = float("nan")
     head: float = float("nan")
@@ -54,7 +54,7 @@ class Background:
 
 @dataclass(frozen=True)
 class Pictures:
-    """What one or more folders hold."""
+    """The pictures of one or more folders."""
 
     persons: tuple[Person, ...] = ()
     backgrounds: tuple[Background, ...] = ()
@@ -64,7 +64,7 @@ class Pictures:
 
 
 def read_folder(folder: Path) -> Pictures:
-    """Read a folder of either form. Raises InputError where it has none, or a picture cannot be read."""
+    """Read a folder of either form. Raises InputError if it has neither, or if a picture cannot be read."""
     if (folder / "boxes.csv").is_file():
         return _with_boxes(folder)
     if (folder / "pos").is_dir() and (folder / "neg").is_dir():

@@ -1,4 +1,4 @@
-"""How a model is made from pictures, and how it does on people and places that it never saw."""
+"""Training of a model, and its trial on people and places that it never saw."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """What a model that learnt from the rest says of what was held out."""
+    """The answers of a model for held-out pictures."""
 
     model: HogModel
     person: Array
@@ -54,15 +54,15 @@ class Trial:
     linear: Array
     """(N,) score of the proposing detector for their exact windows, 0 at its threshold."""
     judgement: Judgement
-    """Of the same windows."""
+    """For the exact windows."""
     found: Judgement
-    """Of their windows as a search finds them, with the true directions below."""
+    """For windows as a search finds them, with the true directions below."""
     torso: Array
     head: Array
     background: Array
     """Scores of all windows of held-out backgrounds that were proposed."""
     searched: int
-    """How many windows of backgrounds were searched."""
+    """Number of searched background windows."""
 
 
 def material(pictures: Pictures, rng: np.random.Generator, tell: Tell) -> Material:

@@ -14,7 +14,7 @@ from followspot_persons.hog.window import BODY, HEIGHT, TALL, WIDTH, cut, descri
 from followspot_train.pictures import Background, Person
 
 PLACE_SIGMA, SIZE_SIGMA = 2.5 / TALL, 0.06
-"""How far a search misses a person: place over the height of the box, logarithm of the size."""
+"""Standard deviations of a search: place over the height of the box, logarithm of the size."""
 MISS = (0.22, 0.4)
 """Range of a near miss, over the height of the box."""
 BLUR = (0.5, 1.5)
@@ -28,11 +28,11 @@ class Windows:
     features: Array
     """(N, FEATURES) for the linear detector."""
     looks: Array
-    """(N, LOOKS) for the network."""
+    """(N, LOOKS), inputs of the network."""
     owner: Array
     """(N,) number of the person; -1 for backgrounds."""
     torso: Array
-    """(N,) rad, NaN where unknown."""
+    """(N,) rad, NaN if unknown."""
     head: Array
 
     def where(self, rows: Array) -> Windows:
@@ -58,7 +58,7 @@ def exact(persons: Sequence[Person]) -> Windows:
 
 
 def found(persons: Sequence[Person], count: int, rng: np.random.Generator) -> Windows:
-    """Each person `count` times, about where a search finds it, in other light, half of them mirrored."""
+    """Each person `count` times at the places and sizes of a search, relit, half of them mirrored."""
     windows, owner, headings = [], [], []
     for number, person in enumerate(persons):
         for _ in range(count):

@@ -45,7 +45,7 @@ class Normal:
     def solve(self, groups: Sequence[Group], damping: float) -> tuple[Array, Array]:
         """The damped step of all cameras, (C, P), and points, (N, 3).
 
-        Raises numpy.linalg.LinAlgError where the damping is too small for what the data determine.
+        Raises numpy.linalg.LinAlgError if the damping is too small for what the data determine.
         """
         count, size = self.toward_cameras.shape
         blocks = np.zeros((count, size, count, size))

@@ -27,7 +27,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class Adjusted:
-    """What an adjustment found: points (N, 3) m; residual (N, C) px, NaN where not seen; steps taken."""
+    """What an adjustment found: points (N, 3) m; residual (N, C) px, NaN if not seen; steps taken."""
 
     cameras: tuple[Camera, ...]
     points: Array
@@ -50,7 +50,7 @@ def adjust(
 ) -> Adjusted:
     """Cameras and points with the smallest robust reprojection error (Cauchy loss of the distance in px).
 
-    points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN where not seen; scale: px, of
+    points: (N, 3) m, a start; pixel: (N, C, 2) px as in the picture, NaN if not seen; scale: px, of
     each point, (N,), or of all, where an error begins to count as an outlier. What is off by its sigma, a rod
     in length, a principal point from its expected middle, a camera from its anchor or its prior (poses
     must be free), costs about as much as a point off by `scale`. Rows seen by fewer than two cameras, or
@@ -75,7 +75,7 @@ def adjust(
 
 
 def residuals(cameras: Sequence[Camera], points: Array, pixel: Array) -> Array:
-    """Distance of points from where they were seen: (N, C) px; NaN where not seen or behind the camera."""
+    """Distance of points from their sightings: (N, C) px; NaN if not seen or behind the camera."""
     away = [np.linalg.norm(project(c, points) - pixel[:, i], axis=1) for i, c in enumerate(cameras)]
     return np.stack(away, axis=1)
 

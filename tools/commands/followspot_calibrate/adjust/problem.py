@@ -59,7 +59,7 @@ class Anchors:
     sigma: Array
 
     def errors(self, cameras: Sequence[Camera]) -> Array:
-        """How far centres are from where they are known to be, (C, 3) sigmas."""
+        """Deviation of centres from their known places, (C, 3) sigmas."""
         away = np.array([camera.center for camera in cameras]) - self.center
         return np.where(np.isfinite(self.sigma)[:, None], away / self.sigma[:, None], 0.0)
 
@@ -102,7 +102,7 @@ class Problem:
         return float(total + np.square(self._off_middle(state.cameras)).sum())
 
     def step(self, normal: Normal, state: State, damping: float) -> State | None:
-        """The state after one damped step, or None where the damping is too small."""
+        """The state after one damped step, or None if the damping is too small."""
         try:
             by_camera, by_point = normal.solve(self.groups, damping)
         except np.linalg.LinAlgError:
@@ -138,7 +138,7 @@ class Problem:
         return normal
 
     def _off_middle(self, cameras: Sequence[Camera]) -> Array:
-        """How far principal points are from where they are expected, (C, 2) sigmas."""
+        """Deviation of principal points from the expected ones, (C, 2) sigmas."""
         if self.middle is None:
             return np.zeros((len(cameras), 2))
         centers = np.array([camera.matrix[:2, 2] for camera in cameras])

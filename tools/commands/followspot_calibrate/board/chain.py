@@ -30,7 +30,7 @@ def relations(seen: Sequence[Seen]) -> dict[tuple[int, int], Relation]:
 def chained(names: Sequence[str], pairs: Pairs) -> list[Pose]:
     """Poses from the first camera to each, over the pairs that agree on most moments (Prim 1957).
 
-    Raises FollowspotError where a camera is linked to no other; it names the best pair to mend.
+    Raises FollowspotError if a camera is linked to no other; it names the best pair to mend.
     """
     poses = {0: STILL}
     while len(poses) < len(names):

@@ -39,7 +39,7 @@ class Distances:
 def distances(frame: Array, label: Array, points: Array, board: Board) -> Distances:
     """Pairs of known corners of the same moment.
 
-    frame, label: (N,), in the order of moments; points: (N, 3) m, NaN where not known.
+    frame, label: (N,), in the order of moments; points: (N, 3) m, NaN if not known.
     """
     known = np.flatnonzero(np.isfinite(points).all(axis=1))
     starts = np.flatnonzero(np.diff(frame[known], prepend=-1))

@@ -36,7 +36,7 @@ Progress = Callable[[str, float], None]
 class BoardCalibration:
     """Where the cameras stand, and how well that explains what they saw.
 
-    sightings: of corners that at least two cameras saw; points: (N, 3) m; residual: (N, C) px, NaN where not
+    sightings: of corners that at least two cameras saw; points: (N, 3) m; residual: (N, C) px, NaN if not
     seen or rejected; rejected: (C,) sightings that contradict the others; pairs: which cameras saw the board
     together; distances: between corners of the board, measured against printed; scale: by which lengths from
     the lenses alone differ from the board's.
@@ -95,7 +95,7 @@ def solve(
 def start(
     cameras: Sequence[Camera], views: Mapping[str, Sequence[View]], board: Board
 ) -> tuple[Pairs, tuple[Camera, ...]]:
-    """Which cameras see the board together, and where they stand by that. Raises FollowspotError."""
+    """The poses of cameras that see the board together. Raises FollowspotError."""
     seen = [
         {view.frame: board_poses(camera, view, board) for view in views[camera.name]} for camera in cameras
     ]
@@ -128,7 +128,7 @@ def _origin(before: Camera, after: Camera) -> Pose:
 
 
 def _on_floor(seen: Sightings, points: Array, board: Board, moment: int) -> Pose:
-    """The frame of a board on the floor (Kabsch 1976). Raises FollowspotError where it was not seen."""
+    """The frame of a board on the floor (Kabsch 1976). Raises FollowspotError if it was not seen."""
     rows = (seen.frame == moment) & np.isfinite(points).all(axis=1)
     corners = board.corners[seen.label[rows]] @ FLOOR.T
     if rows.sum() < 4 or np.linalg.matrix_rank(corners - corners.mean(axis=0), 1e-6) < 2:

@@ -30,7 +30,7 @@ class View:
     """A board in one picture.
 
     frame: number of the picture; label: (K,) int64, which corners; pixel: (K, 2) px;
-    blur: width of the edges, px: 1 to 3 where they are sharp.
+    blur: width of the edges, px: 1 to 3 if they are sharp.
     """
 
     frame: int
@@ -47,7 +47,7 @@ class Detector:
         self.charuco = _charuco_detector(board) if board.pattern == "charuco" else None
 
     def find(self, gray: Array, frame: int = 0) -> View | None:
-        """The board's corners in a picture, (H, W) u8; None where fewer than LEAST_CORNERS are seen."""
+        """The board's corners in a picture, (H, W) u8; None if fewer than LEAST_CORNERS are seen."""
         found = self._charuco(gray) if self.charuco is not None else self._chessboard(gray)
         if found is None:
             return None
@@ -91,7 +91,7 @@ def edge_width(gray: Array, pixel: Array, distance: float) -> float:
     """Median over the corners of contrast over steepest slope in the worst direction, px.
 
     Motion blurs the edges across it only, hence the direction; defocus blurs all.
-    gray: (H, W) u8; distance: of neighbouring corners, px. Infinite where no corner has a whole patch.
+    gray: (H, W) u8; distance: of neighbouring corners, px. Infinite if no corner has a whole patch.
     """
     half = max(3, round(PATCH * distance))
     widths = []

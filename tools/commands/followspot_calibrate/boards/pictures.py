@@ -57,12 +57,12 @@ def count(path: Path) -> int:
 
 
 def pictures(path: Path, chosen: Container[int]) -> Numbered:
-    """The chosen pictures of a video or a folder. Raises InputError where it is neither."""
+    """The chosen pictures of a video or a folder. Raises InputError if it is neither."""
     yield from _of_folder(path, chosen) if path.is_dir() else _of_video(path, chosen)
 
 
 def live_pictures(camera: Camera) -> Numbered:
-    """Pictures of the camera's own source as they come, without end; none where it gives none at first.
+    """Pictures of the camera's own source as they come, without end; none if it gives none at first.
 
     Raises InputError.
     """

@@ -23,7 +23,7 @@ REACH = 0.5
 class CameraDifference:
     """One camera in two calibrations: the second, moved onto the first, minus the first.
 
-    center_mm, angle_deg between the orientations; mean_px between images of the same points: NaN where one of
+    center_mm, angle_deg between the orientations; mean_px between images of the same points: NaN if one of
     the calibrations has no poses. focal_percent; principal_px between the principal points; lens_px: mean
     over the picture between images of the same directions, in the camera's own frame.
     """
@@ -39,13 +39,13 @@ class CameraDifference:
 
     @property
     def judged_px(self) -> float:
-        """The difference in the picture: of points, or of directions where there are no poses."""
+        """The difference in the picture: of points, or of directions if there are no poses."""
         return self.mean_px if np.isfinite(self.mean_px) else self.lens_px
 
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Two calibrations. scale: a metre of the second in metres of the first, NaN where one has no poses."""
+    """Two calibrations. scale: a metre of the second in metres of the first, NaN if one has no poses."""
 
     cameras: tuple[CameraDifference, ...]
     scale: float
@@ -53,9 +53,9 @@ class Comparison:
 
 
 def compare(mine: Sequence[Camera], other: Sequence[Camera]) -> Comparison:
-    """What differs between calibrations. Raises InputError where they share fewer than two cameras.
+    """What differs between calibrations. Raises InputError if they share fewer than two cameras.
 
-    Cameras correspond by name, or by order where no two names agree.
+    Cameras correspond by name, or by order if no two names agree.
     """
     pairs, notes = _pairs(mine, other)
     here, there = [a for a, _ in pairs], [b for _, b in pairs]

@@ -33,8 +33,8 @@ class Agreement:
     """How C cameras agree about N points.
 
     pixel: (N, C, 2) px, the sightings; points: (N, 3) m, from the trusted cameras; residual: (N, C, 2) px, of
-    each camera against the others that are trusted, NaN where unknown; score: (C,) px, what is held against
-    the limit, NaN where a camera shares too little; limit: (C,) px; suspects: numbers of the cameras that do
+    each camera against the others that are trusted, NaN if unknown; score: (C,) px, what is held against
+    the limit, NaN if a camera shares too little; limit: (C,) px; suspects: numbers of the cameras that do
     not fit the others; at_odds: the others do not agree either; epipolar: (C, C) px, median distance of
     sightings from each other's epipolar line; shared: (C, C), points that both saw.
     """
@@ -72,7 +72,7 @@ def typical_error(residual: Array) -> float:
 
 
 def bias(residual: Array) -> float:
-    """What sightings share: the length of their median, 0 where it does not stand out from their scatter.
+    """What sightings share: the length of their median, 0 if it does not stand out from their scatter.
 
     For targets, whose sightings are off one by one where people and light cover half of them.
     """
@@ -94,7 +94,7 @@ def agreement(
 ) -> Agreement:
     """Hold each camera against the others; leave out the worst, as long as a majority is left.
 
-    pixel: (N, C, 2) px with lens distortion, NaN where not seen; time: (N,) in any unit; limit: (C,) px.
+    pixel: (N, C, 2) px with lens distortion, NaN if not seen; time: (N,) in any unit; limit: (C,) px.
     """
     block = np.argsort(np.argsort(time, kind="stable")) * BLOCKS // max(len(time), 1)
     trusted = list(range(len(cameras)))

@@ -39,5 +39,5 @@ def landmarks(camera: Camera, size: float) -> Array:
 
 
 def _size(cameras: Sequence[Camera]) -> float:
-    """How far the cameras are apart, m; 1 where they stand in one place."""
+    """How far the cameras are apart, m; 1 if they stand in one place."""
     return spread([camera.center for camera in cameras]) or 1.0

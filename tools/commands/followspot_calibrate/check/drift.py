@@ -10,7 +10,7 @@ from followspot.messages import Array
 from followspot_calibrate.report import Course
 
 WINDOWS = 24
-"""Parts of a recording, each with one bias; fewer where they would hold fewer sightings than `FEWEST`."""
+"""Parts of a recording, each with one bias; fewer if they would hold fewer sightings than `FEWEST`."""
 FEWEST = 15
 CORRELATED = 4.0
 """Sightings that say as much as one: a ball that is half hidden is so for several frames."""
@@ -50,7 +50,7 @@ def course(camera: str, time: Array, residual: Array) -> Course:
 
 
 def change(path: Course, time: Array, residual: Array) -> Change | None:
-    """The step or slope that explains a course better than no change; None where none is sure.
+    """The step or slope that explains a course better than no change; None if none is sure.
 
     time, residual: as for `course`, to find the moment of a step.
     """

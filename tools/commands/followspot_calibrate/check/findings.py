@@ -20,7 +20,7 @@ GROSS_SHARE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class Drift:
-    """One camera over time; change: None where it stayed."""
+    """One camera over time; change: None if it stayed."""
 
     course: Course
     change: Change | None
@@ -28,7 +28,7 @@ class Drift:
 
 @dataclass(frozen=True, eq=False)
 class Findings:
-    """Everything that was measured; None where there was no evidence for it.
+    """Everything that was measured; None if there was no evidence for it.
 
     limit: px, as the user gave it; differences from another calibration count only then.
     """
@@ -56,7 +56,7 @@ class Findings:
 
     @property
     def differences(self) -> list[str]:
-        """Cameras that another calibration places elsewhere; none where the user gave no limit."""
+        """Cameras that another calibration places elsewhere; none if the user gave no limit."""
         if self.comparison is None or self.limit is None:
             return []
         return [

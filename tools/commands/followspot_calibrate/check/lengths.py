@@ -39,7 +39,7 @@ class MeasuredLength:
 def measured_length(points: Array, frame: Array, label: Array, length: float) -> MeasuredLength:
     """The distance of points 0 and 1 of the same frames. Raises FollowspotError for too few of them.
 
-    points: (N, 3) m, NaN where unknown; frame, label: (N,); length: m.
+    points: (N, 3) m, NaN if unknown; frame, label: (N,); length: m.
     """
     first, second = ({int(frame[row]): row for row in np.flatnonzero(label == one)} for one in (0, 1))
     both = sorted(first.keys() & second.keys())

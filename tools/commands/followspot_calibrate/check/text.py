@@ -58,7 +58,7 @@ def camera_rows(one: Agreement) -> list[tuple[str, ...]]:
 
 
 def camera_figures(one: Agreement) -> list[dict[str, Any]]:
-    """The same as JSON types; None where unknown. Gross errors count in the median only."""
+    """The same as JSON types; None if unknown. Gross errors count in the median only."""
     rows = []
     for number, camera in enumerate(one.cameras):
         length, believed = one.length[:, number], one.believed[:, number]

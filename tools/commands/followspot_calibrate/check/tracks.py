@@ -35,7 +35,7 @@ class TargetSightings:
 
 
 def read_run(folder: Path, room: Room) -> Tracked:
-    """Tracks and blobs of a run's output folder. Raises InputError where one is missing or wrong."""
+    """Tracks and blobs of a run's output folder. Raises InputError if one is missing or wrong."""
     blobs = next((folder / name for name in FILES if (folder / name).is_file()), None)
     if blobs is None:
         remedy = (

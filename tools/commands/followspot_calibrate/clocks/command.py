@@ -35,7 +35,7 @@ DECIMALS = 6
 def calibrate_clocks(args: argparse.Namespace) -> int:
     """Track, estimate, and again with what was found; write and report. Returns the exit code.
 
-    Raises InputError for files and options, FollowspotError where the graph fails or too little moves.
+    Raises InputError for files and options, FollowspotError if the graph fails or too little moves.
     """
     room = room_file.load(args.room)
     reference = camera_number(room, args.reference)
@@ -59,7 +59,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
 
 
 def camera_number(room: Room, name: str | None) -> int | None:
-    """Of the camera of that name. Raises InputError where the room has none, or not two to compare."""
+    """Of the camera of that name. Raises InputError if the room has none, or not two to compare."""
     names = list(room.cameras)
     if len(names) < 2:
         text = f"room {room.name} has {len(names)} cameras"

@@ -57,7 +57,7 @@ class Offsets:
 
 
 class Linear(NamedTuple):
-    """Sightings of N moments by C cameras, linearised; zero where there is none."""
+    """Sightings of N moments by C cameras, linearised; zero if there is none."""
 
     J: Array
     """(N, C, 2, 3) px/m."""

@@ -23,7 +23,7 @@ GAP = 1.5
 class Moments:
     """N moments in the order of targets and times, and C cameras.
 
-    time: (N,) s; target: (N,); xyz: (N, 3) m; xy: (N, C, 2) px, undistorted, NaN where a camera saw nothing;
+    time: (N,) s; target: (N,); xyz: (N, 3) m; xy: (N, C, 2) px, undistorted, NaN if a camera saw nothing;
     late: (N, C) s, by which the camera's time stamp is later than the moment.
     """
 
@@ -60,7 +60,7 @@ def moments(tracked: Tracked, room: Room, offset: Array) -> Moments:
 
 
 def velocities(time: Array, target: Array, xyz: Array) -> Array:
-    """Slopes of straight lines through each moment and its neighbours: (N, 3) m/s; NaN where some lack."""
+    """Slopes of straight lines through each moment and its neighbours: (N, 3) m/s; NaN if some lack."""
     found = np.full(xyz.shape, np.nan)
     count = 2 * NEIGHBOURS + 1
     rows = np.arange(len(time) - count + 1)[:, None] + np.arange(count)

@@ -33,7 +33,7 @@ def collect(
     """The board in all pictures, of one size. total: how many will come; None for a live camera.
 
     A live camera ends when it has seen enough, or on Ctrl-C; views without motion count once then.
-    Raises InputError where the size changes.
+    Raises InputError if the size changes.
     """
     views: list[View] = []
     size, looked_at = (0, 0), 0

@@ -62,7 +62,7 @@ def write(
 ) -> dict[str, list[str]]:
     """Put the lenses into the room file, write the page; returns what else to know of each camera.
 
-    A new camera is a colour camera at the origin, with its device as source where it was live.
+    A new camera is a colour camera at the origin, with its device as source if it was live.
     Raises FollowspotError.
     """
     notes: dict[str, list[str]] = {name: list(lens.warnings) for name, lens in done.items()}

@@ -25,7 +25,7 @@ from followspot_calibrate.similarity import Similarity
 def calibrate_planes(args: argparse.Namespace) -> int:
     """Fit all planes, update the room file, write the page, print; returns the exit code.
 
-    Raises FollowspotError where a plane cannot be measured; the room file is untouched then.
+    Raises FollowspotError if a plane cannot be measured; the room file is untouched then.
     """
     room = load(args.room)
     cameras = list(room.cameras.values())

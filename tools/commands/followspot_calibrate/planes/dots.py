@@ -33,7 +33,7 @@ BLUR = 1.0
 def find_marks(clips: Path, cameras: Sequence[Camera]) -> Marks:
     """Dots on each plane from CLIPS/<plane>/<camera>.mkv; the frame's number says which dot it is.
 
-    Raises InputError where a plane has clips of fewer than two cameras.
+    Raises InputError if a plane has clips of fewer than two cameras.
     """
     marks = {}
     for folder in folders_of(clips, "plane"):
@@ -53,7 +53,7 @@ def find_marks(clips: Path, cameras: Sequence[Camera]) -> Marks:
 
 
 def dots(levels: Sequence[Array]) -> list[Array | None]:
-    """The dot in each picture, (2,) px, sub-pixel; None where there is none or it is not clear which it is.
+    """The dot in each picture, (2,) px, sub-pixel; None if there is none or it is not clear which it is.
 
     levels: (H, W) u8 pictures; the room without dots is their median.
     """

@@ -32,7 +32,7 @@ class FittedPlane:
     """A plane and the points that it rests on.
 
     plane: (4,) [a b c d], unit normal towards the cameras, m; found: its triangulated points;
-    distance: (N,) m, signed, of each point, NaN where it is not known; kept: (N,) bool, lies on the plane;
+    distance: (N,) m, signed, of each point, NaN if it is not known; kept: (N,) bool, lies on the plane;
     width: of the points' extent over its length.
     """
 

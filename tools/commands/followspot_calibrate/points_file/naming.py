@@ -13,7 +13,7 @@ from followspot.messages import Array
 
 
 def names_of(path: Path, count: int, cameras: Sequence[Camera]) -> tuple[str, ...]:
-    """Names of cameras: the room's, or cam0, cam1, ... Raises InputError where the room has more or fewer."""
+    """Names of cameras: the room's, or cam0, cam1, ... Raises InputError if the room has more or fewer."""
     if not cameras:
         return tuple(f"cam{number}" for number in range(count))
     if count != len(cameras):
@@ -25,7 +25,7 @@ def names_of(path: Path, count: int, cameras: Sequence[Camera]) -> tuple[str, ..
 def sizes_of(
     path: Path, names: Sequence[str], cameras: Sequence[Camera], size: tuple[int, int] | None
 ) -> Array:
-    """Width and height of the cameras' pictures, (C, 2) px. Raises InputError where nobody knows them."""
+    """Width and height of the cameras' pictures, (C, 2) px. Raises InputError if nobody knows them."""
     known = {camera.name: camera.size for camera in cameras}
     sizes = [known.get(name, size) for name in names]
     if None in sizes:

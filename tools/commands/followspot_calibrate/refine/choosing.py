@@ -18,7 +18,7 @@ CELL = 0.2
 
 OFF_MIDDLE = 0.04
 """How far a tracked sighting may be from the middle of its target, one sigma over its width; people hide
-parts of it, lamps sit where they sit, and that stays alike for a while."""
+parts of it, lamps sit if they sit, and that stays alike for a while."""
 
 
 def telling(cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]) -> Places:

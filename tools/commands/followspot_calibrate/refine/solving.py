@@ -92,7 +92,7 @@ def prior_of(settled: Watermark) -> Prior:
 
 
 def onto(cameras: Sequence[Camera], given: Sequence[Camera]) -> Similarity:
-    """The rigid motion that brings the centres nearest to the given ones; none where it is not determined."""
+    """The rigid motion that brings the centres nearest to the given ones; none if it is not determined."""
     source, target = (np.array([camera.center for camera in some]) for some in (cameras, given))
     if on_a_line(target):
         return Similarity(np.eye(3), np.zeros(3))

@@ -21,8 +21,8 @@ INKS = ("#2563c9", "#c9661b")
 class Course:
     """The bias of one camera over time.
 
-    time: (W,) s; bias: (W, 2) px, across and down, NaN where unknown; sigma: (W,) px, of the bias;
-    moved: s, since when the camera stands elsewhere, None where it does not.
+    time: (W,) s; bias: (W, 2) px, across and down, NaN if unknown; sigma: (W,) px, of the bias;
+    moved: s, since when the camera stands elsewhere, None if it does not.
     """
 
     camera: str

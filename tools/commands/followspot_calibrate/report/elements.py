@@ -32,5 +32,5 @@ def html(node: Element) -> str:
 
 
 def number(value: float, digits: int = 2) -> str:
-    """A measured value for people; a dash where there is none."""
+    """A measured value for people; a dash if there is none."""
     return f"{value:.{digits}f}" if value == value else "–"

@@ -1,4 +1,4 @@
-"""Pictures of one camera: where it saw points, and how far they were from where they should be."""
+"""Pictures of one camera: where it saw points, and how far these were from the expected ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SHADE, DOT, ARROW, LEFT_OUT = "#2563c9", "#16407f", "#b3362b", "#9aa4ae"
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What one camera saw: pixel (N, 2) px; residual (N, 2) px, NaN where the point was left out."""
+    """What one camera saw: pixel (N, 2) px; residual (N, 2) px, NaN if the point was left out."""
 
     size: tuple[int, int]
     pixel: Array

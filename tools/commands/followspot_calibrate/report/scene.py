@@ -135,7 +135,7 @@ def plane_patch(plane: Array, center: Array, size: float) -> Array:
 
 
 def floor_grid(center: Array, radius: float) -> list[Array]:
-    """Lines on z = 0, 1 m apart; wider where the room is so large that they would run together."""
+    """Lines on z = 0, 1 m apart; wider if the room is so large that they would run together."""
     step = 1.0 if radius < 30 else 10.0 ** np.ceil(np.log10(radius / 30))
     low, high = np.floor((center[:2] - radius) / step), np.ceil((center[:2] + radius) / step)
     (left, near), (right, far) = low * step, high * step

@@ -35,7 +35,7 @@ def camera_table(
 ) -> Section:
     """One line per camera: what it is, how many points it saw and where, and how well they fit.
 
-    pixel: (N, C, 2) px, NaN where not seen; residual: (N, C, 2) or (N, C) px, NaN where left out.
+    pixel: (N, C, 2) px, NaN if not seen; residual: (N, C, 2) or (N, C) px, NaN if left out.
     """
     length = residual if residual.ndim == 2 else np.linalg.norm(residual, axis=2)
     head = ("camera", "kind", "size px", "focal px", "points", "left out", "picture covered",
@@ -47,7 +47,7 @@ def camera_table(
 def pair_table(
     title: str, names: Sequence[str], value: Array, count: Array, *, limit: float, note: str
 ) -> Section:
-    """A matrix over pairs of cameras: value (C, C) px, NaN where unknown; count (C, C) of shared points.
+    """A matrix over pairs of cameras: value (C, C) px, NaN if unknown; count (C, C) of shared points.
 
     limit: px, value at which a cell is fully shaded.
     """

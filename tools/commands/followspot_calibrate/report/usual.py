@@ -1,4 +1,4 @@
-"""The usual page of a calibration: cameras, where they stand, what each saw."""
+"""The usual page of a calibration: cameras, if they stand, what each saw."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ def calibration_page(
 ) -> Page:
     """A page with the table, the scene and two pictures per camera.
 
-    pixel: (N, C, 2) px, NaN where not seen; points: (N, 3) m; residual: (N, C, 2) px, seen minus expected, or
-    (N, C) px, NaN where left out; marked: cameras to point out; more: sections after the table.
+    pixel: (N, C, 2) px, NaN if not seen; points: (N, 3) m; residual: (N, C, 2) px, seen minus expected, or
+    (N, C) px, NaN if left out; marked: cameras to point out; more: sections after the table.
     """
     pictures = [
         coverage(camera.name, camera.size, pixel[:, number], residual[:, number])

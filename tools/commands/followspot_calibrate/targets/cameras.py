@@ -1,4 +1,4 @@
-"""Whether the cameras agree about the targets in their clips, and what corrects them where they do not."""
+"""Whether the cameras agree about the targets in their clips, and what corrects them if they do not."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ AGREEING = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """What the clips tell about the cameras: a correction, or why there is none. Neither where they agree."""
+    """What the clips tell about the cameras: a correction, or why there is none. Neither if they agree."""
 
     correction: Refinement | None = None
     problem: str = ""
 
 
 def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agreement:
-    """Holds the cameras against each other by where they see each target at the same frame of its clip.
+    """Compares cameras by the places at which they see each target in the same frame of its clip.
 
     Cameras with clock offsets take their frames at different moments, which is no contradiction.
     """

@@ -60,7 +60,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
 
 
 def write_room(file: Path, targets: Mapping[str, Target], correction: Refinement | None) -> None:
-    """The targets, and cameras and planes where they were corrected."""
+    """The targets, and cameras and planes if they were corrected."""
     if correction is None:
         update(file, targets=targets)
     else:

@@ -27,7 +27,7 @@ Method = Literal["centers", "marker", "none"]
 
 @dataclass(frozen=True, eq=False)
 class Marker:
-    """Points with known places, (M, 3) m, as cameras see them: pixel (M, C, 2) px, NaN where not seen."""
+    """Points with known places, (M, 3) m, as cameras see them: pixel (M, C, 2) px, NaN if not seen."""
 
     places: Array
     pixel: Array
@@ -50,7 +50,7 @@ class Alignment:
 
 
 def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scaled: bool) -> Alignment:
-    """Camera centres to where they are known to be, m; cameras that were moved since are found and left out.
+    """Aligns camera centres with their known places, m; leaves out cameras that were moved since.
 
     scaled: whether they give the scale too; else it stays. Raises FollowspotError for fewer than three
     centres or centres on a line, and where two cameras stand in each other's place.
@@ -85,7 +85,7 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
 
 
 def onto_marker(cameras: Sequence[Camera], marker: Marker, *, scaled: bool) -> Alignment:
-    """Points of a marker to their known places. Raises FollowspotError where fewer than three are found."""
+    """Points of a marker to their known places. Raises FollowspotError if fewer than three are found."""
     points = triangulate(cameras, marker.pixel).points
     found = np.isfinite(points).all(axis=1)
     if on_a_line(marker.places[found]):

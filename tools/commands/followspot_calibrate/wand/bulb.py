@@ -28,7 +28,7 @@ def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None 
     """The bulb in CLIPS/<camera>.mkv, any video or a folder of pictures; equal numbers are equal moments.
 
     A picture in which a second spot is nearly as bright shows no bulb: which is the reflection is not clear.
-    Raises InputError where a camera of the room has no recording.
+    Raises InputError if a camera of the room has no recording.
     """
     recordings = find_recordings(clips, [camera.name for camera in cameras])
     absent = [camera.name for camera in cameras if camera.name not in recordings]
@@ -49,7 +49,7 @@ def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None 
 
 
 def _track(frames: Iterator[Array]) -> Array:
-    """Where the bulb is in each picture, (F, 2) px, NaN where it is not seen."""
+    """Where the bulb is in each picture, (F, 2) px, NaN if it is not seen."""
     places: list[Iterable[float]] = []
     while some := [brightness(pixels) for pixels in islice(frames, TOGETHER)]:
         places += [(np.nan, np.nan) if place is None else place for place in dots(some)]

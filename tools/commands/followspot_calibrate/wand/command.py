@@ -86,7 +86,7 @@ def calibrated(args: argparse.Namespace, room: Room | None) -> Calibrated:
 
 
 def _sightings(args: argparse.Namespace, known: Sequence[Camera], progress: Progress | None) -> Sightings:
-    """The points of the frames that were asked for. Raises InputError where there are none."""
+    """The points of the frames that were asked for. Raises InputError if there are none."""
     if args.clips is not None:
         found = find_bulb(args.clips, known, progress)
     else:

@@ -30,7 +30,7 @@ MOST_OF = 0.7
 def require_connected(
     sightings: Sightings, begin: Beginning, known: Sequence[Camera] | None, rods: Rods | None
 ) -> None:
-    """Raises FollowspotError where the cameras fall into groups that share too few points.
+    """Raises FollowspotError if the cameras fall into groups that share too few points.
 
     It names what explains why a camera agrees with no other, or else the groups and where to wave.
     """
@@ -83,21 +83,21 @@ def require_placed(
 
 
 def require_own_lenses(sightings: Sightings, settled: Watermark) -> None:
-    """Raises FollowspotError where two cameras see the points through the lens of the other."""
+    """Raises FollowspotError if two cameras see the points through the lens of the other."""
     pair = exchanged_lenses(settled, sightings.pixel)
     if pair is not None:
         raise FollowspotError(exchanged(sightings.cameras, pair))
 
 
 def require_depth(sightings: Sightings, settled: Watermark) -> None:
-    """Raises FollowspotError where points in a plane gave some cameras the wrong one of their two poses."""
+    """Raises FollowspotError if points in a plane gave some cameras the wrong one of their two poses."""
     share = settled.used.sum(axis=0) / np.maximum(1, sightings.seen.sum(axis=0))
     if share.min() < MOST_OF * share.max():
         raise FollowspotError(IN_A_PLANE)
 
 
 def require_used(sightings: Sightings, settled: Watermark) -> None:
-    """Raises FollowspotError where hardly a sighting of a camera fits in the end."""
+    """Raises FollowspotError if hardly a sighting of a camera fits in the end."""
     counts = settled.used.sum(axis=0)
     for name, count, seen in zip(sightings.cameras, counts, sightings.seen.sum(axis=0), strict=True):
         if count < LEAST:

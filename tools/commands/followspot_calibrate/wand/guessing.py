@@ -30,7 +30,7 @@ WELL = 0.3
 
 
 def guess(sightings: Sightings, progress: Progress | None = None) -> Beginning:
-    """Cameras from sightings alone. Raises FollowspotError where the points lie in a plane."""
+    """Cameras from sightings alone. Raises FollowspotError if the points lie in a plane."""
     bend, pairs = best_bend(sightings)
     if in_a_plane(straightened(sightings, bend), pairs, sightings.sizes):
         raise FollowspotError(

@@ -35,7 +35,7 @@ class Beginning:
 
 @dataclass(frozen=True, eq=False)
 class Grown:
-    """Cameras that found their place, by number, and the points that they see: (N, 3), NaN where unknown.
+    """Cameras that found their place, by number, and the points that they see: (N, 3), NaN if unknown.
 
     residual: (N, P) px of the placed cameras in the order of their numbers.
     """
@@ -52,7 +52,7 @@ def grow(
     free: Free,
     zooms: Sequence[float] = (1.0,),
 ) -> Grown | None:
-    """Places the cameras relative to each other; None where no pair can begin.
+    """Places the cameras relative to each other; None if no pair can begin.
 
     cameras: with their intrinsics, their poses count for nothing; pixel: (N, C, 2) px without gross
     outliers; free: what the data may change on the way; zooms: factors of its focal length that are tried

@@ -41,7 +41,7 @@ class Pair:
 def match(xy: Array, limit: Array) -> list[Pair]:
     """The pairs of cameras and the sightings that fit the fundamental matrix of the pair (MAGSAC).
 
-    xy: (N, C, 2) px without distortion, NaN where not seen; limit: (C,) px, the largest distance from the
+    xy: (N, C, 2) px without distortion, NaN if not seen; limit: (C,) px, the largest distance from the
     epipolar line in each camera.
     """
     seen = np.isfinite(xy[..., 0])

@@ -34,7 +34,7 @@ class Relation:
 def relate(first: Camera, second: Camera, pixel: Array) -> Relation | None:
     """Relative pose from the essential matrix (H&Z, section 9.6) of shared points, (M, 2, 2) px.
 
-    None where too few points agree with any.
+    None if too few points agree with any.
     """
     import cv2
 
@@ -56,7 +56,7 @@ def relate(first: Camera, second: Camera, pixel: Array) -> Relation | None:
 def resect(camera: Camera, points: Array, pixel: Array) -> tuple[Camera, int] | None:
     """The camera where it sees known points as it does, and how many agree (perspective from three points).
 
-    points: (M, 3) m; pixel: (M, 2) px. None where too few agree.
+    points: (M, 3) m; pixel: (M, 2) px. None if too few agree.
     """
     import cv2
 

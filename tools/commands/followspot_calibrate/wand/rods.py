@@ -16,7 +16,7 @@ FEWEST = 10
 
 
 def rods_of(sightings: Sightings, length: float) -> Rods:
-    """The wand in each frame that has both of its points. Raises FollowspotError where there are too few."""
+    """The wand in each frame that has both of its points. Raises FollowspotError if there are too few."""
     one, other = (np.flatnonzero(sightings.label == label) for label in (0, 1))
     _, first, second = np.intersect1d(sightings.frame[one], sightings.frame[other], return_indices=True)
     if len(first) < FEWEST:
@@ -30,7 +30,7 @@ def rods_of(sightings: Sightings, length: float) -> Rods:
 def scale_of(points: Array, rods: Rods) -> float:
     """What points, (N, 3), have to be multiplied by so that the wand has its length in the median.
 
-    Raises FollowspotError where the wand is hardly ever seen whole.
+    Raises FollowspotError if the wand is hardly ever seen whole.
     """
     lengths = measured(points, rods)
     if np.isfinite(lengths).sum() < FEWEST:
@@ -39,5 +39,5 @@ def scale_of(points: Array, rods: Rods) -> float:
 
 
 def measured(points: Array, rods: Rods) -> Array:
-    """The wand's length in each frame, (S,); NaN where an end is unknown."""
+    """The wand's length in each frame, (S,); NaN if an end is unknown."""
     return np.asarray(np.linalg.norm(points[rods.first] - points[rods.second], axis=1))

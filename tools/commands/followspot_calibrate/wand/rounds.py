@@ -30,7 +30,7 @@ RAYLEIGH = 1.1774
 class Watermark:
     """Cameras, points and the sightings that count.
 
-    points: (N, 3) m, NaN where no two sightings agree; used: (N, C) bool; residual: (N, C, 2) px, seen minus
+    points: (N, 3) m, NaN if no two sightings agree; used: (N, C) bool; residual: (N, C, 2) px, seen minus
     expected, of every sighting, used or not; sigma: px, of one coordinate.
     """
 

@@ -48,7 +48,7 @@ class Solved:
     """Cameras from sightings, in a frame of their own.
 
     intrinsics: "known" as they were given, "refined" from those, or "free", found from nothing; rods: the
-    wand, None where it has one bulb or no known length; then the unit of length is arbitrary. timed: the
+    wand, None if it has one bulb or no known length; then the unit of length is arbitrary. timed: the
     sightings as if all cameras had been synchronised, and by how much they were not; planar: whether known
     lenses saw points in a plane.
     """
@@ -176,7 +176,7 @@ def _begin(
 
 
 def _middle(sightings: Sightings, known: Sequence[Camera] | None) -> Middle:
-    """Where principal points are expected: where they are known to be, else in the middle of the pictures."""
+    """Expected principal points, (C, 2) px: the known ones, else the middle of the pictures."""
     center = (sightings.sizes - 1) / 2 if known is None else np.array([c.matrix[:2, 2] for c in known])
     return Middle(center, OFF_MIDDLE * sightings.sizes.max(axis=1))
 

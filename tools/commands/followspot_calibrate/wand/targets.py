@@ -44,7 +44,7 @@ def with_targets(
     """The cameras adjusted to wand and targets together; lenses, too, where the points have to tell them.
 
     alignment: of these cameras with the room; then the result is in the room's frame, and known centres
-    hold the cameras as well as they were met. Raises FollowspotError where the cameras do not see the
+    hold the cameras as well as they were met. Raises FollowspotError if the cameras do not see the
     targets in the same places.
     """
     pixel, settled, anchors = solved.sightings.pixel, solved.settled, None

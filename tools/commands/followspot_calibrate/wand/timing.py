@@ -41,7 +41,7 @@ Settle = Callable[[Sequence[Camera], Array], Watermark]
 class Timed:
     """Sightings of one moment a row, and by how many frames each camera was late: (C,), 0 for most.
 
-    drift: (C,) frames by which the lateness grew from the first half of the recording to the second, 0 where
+    drift: (C,) frames by which the lateness grew from the first half of the recording to the second, 0 if
     it did not.
     """
 

@@ -18,14 +18,14 @@ if TYPE_CHECKING:
     from followspot.library.handle import ClockStatus
 
 PATIENCE = 3.0
-"""Seconds for agents to be found, and for each to tell its clock."""
+"""Seconds to find agents, and to read the clock of each."""
 _REMEDY = "times are corrected while a graph runs; install chrony or ptp4l on both hosts all the same"
 SOON = timedelta(days=30)
-"""How long before its end a certificate is worth a warning."""
+"""Remaining validity below which a certificate is reported."""
 
 
 def certificates(folder: Path) -> Iterator[Finding]:
-    """Whether the folder of this host's certificates is whole, private, and valid for a while."""
+    """Check that this host's certificates are complete, private, and valid for a while."""
     name = "certificates"
     try:
         own = read_certificates(folder).own
@@ -40,7 +40,7 @@ def certificates(folder: Path) -> Iterator[Finding]:
 
 
 def agents(network: Network) -> Iterator[Finding]:
-    """A finding a host that answers; a problem where none does."""
+    """A finding for each host that answers; a problem if none does."""
     from followspot.control.zenoh_rpc import RpcClient
     from followspot.control.zenoh_rpc import agents as in_reach
     from followspot.transport.zenoh.session import close_session, connected
@@ -65,7 +65,7 @@ def agents(network: Network) -> Iterator[Finding]:
 
 
 def _clock(asker: RpcClient, host: str) -> Finding:
-    """How the clock there differs from the one here."""
+    """The difference between the clock there and the one here."""
     from followspot.host.clocks.host import HostClock
 
     clock = HostClock(asker)

@@ -19,7 +19,7 @@ FEWEST_FILES = 256
 LITTLE_MEMORY = 2 << 30
 LITTLE_DISK = 1 << 30
 NOT_SYNCHRONISED = 5
-"""What adjtimex returns while no time service steers the clock (TIME_ERROR)."""
+"""Result of adjtimex while no time service steers the clock (TIME_ERROR)."""
 
 
 def computer() -> Iterator[Finding]:
@@ -48,7 +48,7 @@ def open_files() -> Iterator[Finding]:
 
 
 def shared_memory() -> Iterator[Finding]:
-    """What the rings between workers are made of."""
+    """Check shared memory, which the rings between workers use."""
     try:
         fd = os.memfd_create("followspot-doctor", os.MFD_CLOEXEC)
         try:
@@ -64,7 +64,7 @@ def shared_memory() -> Iterator[Finding]:
 
 
 def output_folder(out: Path) -> Iterator[Finding]:
-    """Whether results can be written, and how much."""
+    """Check that results can be written, and how much space there is."""
     name = "output folder"
     place = next(folder for folder in (out, *out.absolute().parents) if folder.exists())
     try:
@@ -82,7 +82,7 @@ def output_folder(out: Path) -> Iterator[Finding]:
 
 
 def clock() -> Iterator[Finding]:
-    """Whether a time service steers it; cameras on several computers need that."""
+    """Check that a time service steers the clock; cameras on several computers need that."""
     state = ctypes.CDLL(None, use_errno=True).adjtimex(ctypes.create_string_buffer(512))
     if state == NOT_SYNCHRONISED:
         remedy = "matters with cameras on several computers: install chrony, or ptp4l"

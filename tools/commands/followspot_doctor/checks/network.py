@@ -1,4 +1,4 @@
-"""The network as far as one computer can tell: loopback, multicast, the port of a router, Zenoh."""
+"""The network as seen from one computer: loopback, multicast, ports, Zenoh."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from followspot_doctor.finding import Finding, doubtful, fine, wrong
 
 PORTS = {7447: "a router", 7450: "an agent", 8777: "the page"}
-"""Where others are looked for, unless told otherwise."""
+"""Default ports and their servers."""
 GROUP = "239.255.77.7"
 PATIENCE = 2.0
 
@@ -27,7 +27,7 @@ def loopback() -> Iterator[Finding]:
 
 
 def multicast() -> Iterator[Finding]:
-    """A datagram to a group; agents find each other that way unless told where they are."""
+    """A multicast datagram; agents discover each other by multicast unless endpoints are given."""
     try:
         with _receiver("") as end, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             membership = socket.inet_aton(GROUP) + socket.inet_aton("0.0.0.0")  # noqa: S104  any network card

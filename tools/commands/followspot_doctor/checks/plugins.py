@@ -38,7 +38,7 @@ def hooks() -> Iterator[Finding]:
 
 
 def graph(path: str, room: str | None) -> Iterator[Finding]:
-    """What `followspot check` would say."""
+    """The result of `followspot check`."""
     try:
         plan = compile_graph(path, room=room)
     except InputError as error:

@@ -1,4 +1,4 @@
-"""caliscope's camera_array.toml: a table [cameras.N] for camera number N, whose video is cam_N."""
+"""caliscope's camera_array.toml: a table [cameras.N] for camera number N with video cam_N."""
 
 from __future__ import annotations
 

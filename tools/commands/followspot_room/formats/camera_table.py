@@ -26,7 +26,7 @@ Table = Mapping[str, Any]
 
 
 def toml_tables(files: Texts) -> dict[str, Table] | None:
-    """The tables of a TOML file; None where it is none. Raises Unfit for a .toml that cannot be read."""
+    """The tables of a TOML file; None if it is none. Raises Unfit for a .toml that cannot be read."""
     found = only_text(files)
     if found is None:
         return None
@@ -42,7 +42,7 @@ def toml_tables(files: Texts) -> dict[str, Table] | None:
 
 
 def is_camera(table: Any) -> bool:
-    """Whether a table holds a calibrated camera."""
+    """True if a table holds a calibrated camera."""
     return isinstance(table, dict) and {"matrix", "size"} <= table.keys()
 
 
@@ -99,7 +99,7 @@ def rotation_vector(R: Array) -> Array:
 
 
 def toml_text(tables: Mapping[str, Table]) -> str:
-    """Tables of numbers, texts and lists as TOML; their values look in TOML as they do in JSON."""
+    """Tables of numbers, texts and lists as TOML; such values are written as in JSON."""
     return "\n".join(_section(title, table) for title, table in tables.items())
 
 

@@ -97,7 +97,7 @@ def _size(one: Mapped, where: str) -> tuple[int, int]:
 
 
 def _key(one: Any, names: Sequence[str]) -> str | None:
-    """The name under which the mapping has a value; None where it has none."""
+    """The name under which the mapping has a value; None if it has none."""
     return next((key for key in names if key in one), None) if isinstance(one, dict) else None
 
 

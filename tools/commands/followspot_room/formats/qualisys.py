@@ -22,7 +22,7 @@ from followspot_room.formats.view import turned_clockwise
 SUBPIXELS = 64
 MILLIMETRES = 1000.0
 FLIP = np.diag([1.0, -1.0, -1.0])
-"""From x right, y up, z back to x right, y down, z forward."""
+"""Axes from x right, y up, z back to x right, y down, z forward."""
 ROTATION = tuple(f"r{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3))
 FOCAL = ("focalLengthU", "focalLengthV")
 CENTER = ("centerPointU", "centerPointV")
@@ -36,7 +36,7 @@ LENS = (
 
 
 def parse(files: Texts) -> Calibration | None:
-    """XML whose root is <calibration> with <cameras>; cameras that are not active are left out."""
+    """XML with root <calibration> and <cameras>; inactive cameras are left out."""
     found = only_text(files)
     if found is None or "<calibration" not in found[1]:
         return None

@@ -62,7 +62,7 @@ def decompose(P: Array) -> tuple[Array, Array, Array]:
     """K with K33 = 1, R and t of P ~ K [R | t] (H&Z, section 6.2.4, RQ decomposition).
 
     P: (3, 4), of any scale and sign; M = K R with positive focal lengths and det R = 1.
-    Raises numpy.linalg.LinAlgError where M is singular.
+    Raises numpy.linalg.LinAlgError if M is singular.
     """
     P = P * np.sign(np.linalg.det(P[:, :3]))
     Q, U = np.linalg.qr(np.linalg.inv(P[:, :3]))
@@ -74,9 +74,9 @@ def decompose(P: Array) -> tuple[Array, Array, Array]:
 def _camera(
     called: str, size: tuple[int, int], pmat: str | None, rad: str | None, number: int
 ) -> tuple[Camera, str]:
-    """The camera, and a note where its two files contradict each other.
+    """The camera, and a note if its two files contradict each other.
 
-    The lens file was fitted last, so its matrix counts; the pose keeps the centre and turns least.
+    The lens file was fitted last, so its matrix counts. The pose keeps the centre, with the least rotation.
     """
     where = f"camera{number}.Pmat.cal"
     R, t, K, note = np.eye(3), np.zeros(3), np.eye(3), ""

@@ -27,7 +27,7 @@ NEEDED = {"pinhole": {"K", "R", "t"}, "cylinder": {"F", "u0", "v0", "position"}}
 
 
 def parse(files: Texts) -> Calibration | None:
-    """JSON whose entries all have one of the types and what it needs."""
+    """JSON whose entries all have a known type and its keys."""
     found = only_text(files)
     entries = recognise(found[1]) if found else None
     if entries is None:
@@ -67,7 +67,7 @@ def _camera(called: str, entry: Mapping[str, Any]) -> Camera:
 
 
 def _panorama(called: str, entry: Mapping[str, Any], where: str, size: tuple[int, int]) -> Camera:
-    """A level one, whose middle column looks along the room's x axis."""
+    """A level panorama with its middle column along the room's x axis."""
     F, u0, v0 = (float(array(entry[key], (), f"{where}: {key}")) for key in ("F", "u0", "v0"))
     return Camera(
         name=called,

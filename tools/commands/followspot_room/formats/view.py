@@ -1,4 +1,4 @@
-"""Cameras whose pictures are shown turned, as those on their side for portrait videos."""
+"""Cameras with rotated pictures, such as portrait videos."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from followspot.room import Camera
 
 QUARTER = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-"""Clockwise in the picture, whose y points down: x to the right becomes y down."""
+"""Clockwise rotation in a picture with y down: x to the right becomes y down."""
 
 
 def turned_clockwise(camera: Camera, quarters: int) -> Camera:

@@ -24,7 +24,7 @@ CONFUSED = 0.05
 
 
 def confused(camera: Camera, points: Array, pixel: Array, other: Array) -> str | None:
-    """What is wrong if a camera without a place has the bulbs the wrong way round; None where it does not.
+    """What is wrong if a camera without a place has the bulbs the wrong way round; None if it does not.
 
     points: (N, 3); pixel: (N, 2) px of this camera; other: (N,) the row of the other bulb, -1 without one.
     """

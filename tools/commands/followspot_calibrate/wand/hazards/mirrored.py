@@ -21,7 +21,7 @@ class Mirrored:
 
 
 def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camera]) -> Mirrored | None:
-    """Whether a camera sees the points of the others only in the mirror; None where it does not.
+    """Whether a camera sees the points of the others only in the mirror; None if it does not.
 
     points: (N, 3); pixel: (N, 2) px of this camera, which has its lens and no place yet. Left-right and
     up-down differ by half a turn of the camera: the flip that leaves it upright as the others is named.

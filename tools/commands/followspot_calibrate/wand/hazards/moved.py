@@ -20,7 +20,7 @@ FEWEST = 30
 BETTER = 0.7
 """Cost of two poses over that of one, below which the camera was moved."""
 ROUNDS = 3
-"""Of fitting both poses and moving the moment to where they change."""
+"""Rounds of fitting both poses and moving the moment of the change."""
 
 
 @dataclass(frozen=True, eq=False)

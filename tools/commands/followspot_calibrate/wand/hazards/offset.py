@@ -55,7 +55,7 @@ def lateness(settled: Watermark, pixel: Array, sightings: Sightings, free: Free)
 
     pixel: (N, C, 2) px of the frames and labels of the sightings; free: what else of the cameras is open, for
     a place or a lens that is adjusted to a late camera hides most of its lateness. A camera sees a point that
-    moves with v where it is after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
+    moves with v if it is after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
     """
     velocity = _velocities(sightings, settled.points)
     known = np.isfinite(velocity[:, 0] + settled.points[:, 0])
@@ -144,7 +144,7 @@ def _solved(
 
 
 def _velocities(sightings: Sightings, points: Array) -> Array:
-    """Of points, per frame: (N, 3); NaN where neighbours lack."""
+    """Of points, per frame: (N, 3); NaN if neighbours lack."""
     order = np.lexsort([sightings.frame, sightings.label])
     found = np.empty_like(points)
     found[order] = velocities(sightings.frame[order].astype(float), sightings.label[order], points[order])
@@ -154,7 +154,7 @@ def _velocities(sightings: Sightings, points: Array) -> Array:
 def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int) -> float:
     """By how many frames, up to `NEAR` steps, a camera is late that has no place among points; 0 without any.
 
-    points: (N, 3), NaN where unknown; number: of the camera.
+    points: (N, 3), NaN if unknown; number: of the camera.
     """
     late = np.zeros(len(sightings.cameras))
     best, most = 0.0, max(ENOUGH, CLEARLY * support(lens, points, sightings.pixel[:, number]).share)
@@ -169,7 +169,7 @@ def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int
 def drift(
     settled: Watermark, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
-    """By how many frames lateness grew from the first half to the second, (C,); 0 where that is not sure.
+    """By how many frames lateness grew from the first half to the second, (C,); 0 if that is not sure.
 
     late: (C,) frames, in all; sure: sigmas, and least: frames, of a growth that is believed. One that is not
     late is believed to have lost whole frames only: a camera that was moved seems to lose parts of them.

@@ -39,7 +39,7 @@ PARTNERS = 2
 def steps_late(
     sightings: Sightings, straight: Array, pairs: Sequence[Pair], limit: Array, progress: Progress | None
 ) -> Array:
-    """By how many whole frames each camera is late, relative to most of them: (C,), 0 where none is found.
+    """By how many whole frames each camera is late, relative to most of them: (C,), 0 if none is found.
 
     straight: (N, C, 2) px without distortion; pairs: what agrees as it is; limit: (C,) px.
     """
@@ -61,7 +61,7 @@ def steps_late(
 
 
 def shares(pairs: Sequence[Pair], cameras: int) -> Array:
-    """Share of the points of each pair that agree, (C, C); NaN where too few are shared."""
+    """Share of the points of each pair that agree, (C, C); NaN if too few are shared."""
     share = np.full((cameras, cameras), np.nan)
     for pair in pairs:
         if len(pair.rows) >= FEWEST:
@@ -90,7 +90,7 @@ def _reached(near: Array, start: int) -> set[int]:
 def _shift(
     tracks: Sightings, camera: int, joined: Sequence[int], late: Array, share: Array, limit: Array
 ) -> float | None:
-    """The shift at which a camera agrees with those that are in step; None where there is none."""
+    """The shift at which a camera agrees with those that are in step; None if there is none."""
     common = {other: int((tracks.seen[:, other] & tracks.seen[:, camera]).sum()) for other in joined}
     enough = max(FEWEST, max(common.values()) / 2)
     partners = [other for other in joined if common[other] >= enough]

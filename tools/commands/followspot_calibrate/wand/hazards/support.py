@@ -21,14 +21,14 @@ MOST = 1000
 
 @dataclass(frozen=True, eq=False)
 class Support:
-    """camera: where it would be, None where nowhere; share: of the points that it then sees as it does."""
+    """camera: with its new pose, None if it has none; share: of its points that this pose explains."""
 
     camera: Camera | None
     share: float
 
 
 def support(camera: Camera, points: Array, pixel: Array) -> Support:
-    """The best place of a camera with this lens. points: (N, 3); pixel: (N, 2) px; NaN where unknown."""
+    """The best place of a camera with this lens. points: (N, 3); pixel: (N, 2) px; NaN if unknown."""
     rows = np.flatnonzero(np.isfinite(points[:, 0]) & np.isfinite(pixel[:, 0]))
     rows = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST)).astype(int)]
     found = resect(camera, points[rows], pixel[rows])

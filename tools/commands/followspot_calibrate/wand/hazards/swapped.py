@@ -34,7 +34,7 @@ def lens_of_another(
 ) -> tuple[int, int] | None:
     """The camera without a place, and another one, that both fit better with the lens of the other.
 
-    lenses: what the room says of each camera; points: (N, 3), NaN where unknown; pixel: (N, C, 2) px.
+    lenses: what the room says of each camera; points: (N, 3), NaN if unknown; pixel: (N, C, 2) px.
     """
     own, seen = misfit(lenses[number], points, pixel[:, number]), pixel[:, number]
     errors = [misfit(lens, points, seen) for lens in lenses]
@@ -70,7 +70,7 @@ def exchanged_lenses(settled: Watermark, pixel: Array) -> tuple[int, int] | None
 
 
 def _exchange(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:
-    """The cameras where they are, two of them with the lens of the other."""
+    """The cameras in place, two of them with the lens of the other."""
     found = list(cameras)
     for one, other in (pair, pair[::-1]):
         lens = cameras[other]
@@ -79,9 +79,9 @@ def _exchange(cameras: Sequence[Camera], pair: tuple[int, int]) -> list[Camera]:
 
 
 def exchanged_places(found: Array, known: Array) -> tuple[int, int] | None:
-    """Two of the centres, (C, 3) m each, that fit where they are known to be once they are exchanged.
+    """Two of the centres, (C, 3) m each, that fit their known places once they are exchanged.
 
-    None where they fit as they are, or no exchange makes them fit.
+    None if they fit as they are, or no exchange makes them fit.
     """
     as_is = _apart(found, known) if len(found) >= 4 and not on_a_line(found) else 0.0
     if as_is < NEAR * spread(known):

@@ -15,7 +15,7 @@ def resampled(sightings: Sightings, late: Array) -> Array:
     """Pixels as if all cameras had taken their pictures at the moments of the frames: (N, C, 2) px.
 
     late: (C,) frames by which a camera's pictures were taken later. Between two sightings the track is
-    straight; NaN where it has a gap or ends.
+    straight; NaN if it has a gap or ends.
     """
     pixel, step = sightings.pixel.copy(), frame_step(sightings)
     for label in np.unique(sightings.label):
