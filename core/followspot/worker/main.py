@@ -162,7 +162,7 @@ class WorkerMain:
             self.published = published(self.worker, self.links)
         self.change = WorkerChange(self.worker, self._tell_change)
         self.worker.watch(self.channel.fileno(), self._listen)
-        self.worker.pace.hear(self.channel.fileno(), self._listen)
+        self.worker.pace.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
         if not self._in_process:
             signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
