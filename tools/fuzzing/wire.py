@@ -12,7 +12,7 @@ import numpy as np
 from followspot import people, tracking
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.transport.codec import codec_of, pack
-from followspot.transport.ring.notification import DOORBELL, INLINE, SLOT, WATERMARK
+from followspot.transport.ring.notification import INLINE, NOTIFICATION, SLOT, WATERMARK
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Invalid, Watermark
@@ -96,21 +96,21 @@ class Ring:
         self._writer.send(sample(tracking.Blobs, rng, 1000))
         self._reader.poll()
         self._valid = [self._datagram(kind, message) for message in self._blobs for kind in (INLINE, SLOT)]
-        self._valid.append(DOORBELL.pack(WATERMARK, 0, 0, 0, 5))
+        self._valid.append(NOTIFICATION.pack(WATERMARK, 0, 0, 0, 5))
 
     def _datagram(self, kind: int, message: Message) -> bytes:
         codec = codec_of(type(message))
         arrays = codec.arrays(message)
         body = pack(message)[len(codec.head(message, arrays)) :]
         rest = body if kind == INLINE else codec.places.pack(*range(0, ALIGN * len(arrays), ALIGN))
-        return DOORBELL.pack(kind, 0, 1, len(body), 1) + codec.head(message, arrays) + rest
+        return NOTIFICATION.pack(kind, 0, 1, len(body), 1) + codec.head(message, arrays) + rest
 
     def make(self, rng: random.Random) -> bytes:
         """A broken datagram, of no more bytes than fit."""
         datagram = bytearray(broken_bytes(rng.choice(self._valid), rng, self._valid)[:60_000])
-        if len(datagram) >= DOORBELL.size and rng.random() < 0.5:
+        if len(datagram) >= NOTIFICATION.size and rng.random() < 0.5:
             numbers = [rng.choice((0, 1, 2, 3, 4, 5, 255)) for _ in range(2)]
-            DOORBELL.pack_into(datagram, 0, *numbers, rng.randrange(9), rng.choice((0, 64, 1 << 20)), 2)
+            NOTIFICATION.pack_into(datagram, 0, *numbers, rng.randrange(9), rng.choice((0, 64, 1 << 20)), 2)
         return bytes(datagram) or b"\0"
 
     def take(self, datagram: bytes) -> object:

@@ -10,7 +10,7 @@ from tests.core.transport.rings import DEPTH, SHAPE, Ring, frame, messages
 
 from followspot.messages import identical
 from followspot.tracking import Blobs, Frame
-from followspot.transport.ring.notification import DOORBELL, INLINE, SLOT
+from followspot.transport.ring.notification import INLINE, NOTIFICATION, SLOT
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Invalid, Watermark
@@ -143,11 +143,11 @@ def test_broken_datagrams_are_invalid_with_a_reason() -> None:
     writer.send(frame(0))
     assert len(messages(reader.poll())) == 1
     for datagram in (
-        DOORBELL.pack(INLINE, 0, 0, 10**6, 1),
-        DOORBELL.pack(SLOT, 0, 999, 10, 2),
-        DOORBELL.pack(SLOT, 7, 0, 10, 3),
-        DOORBELL.pack(SLOT, 0, 0, 2**31, 4),
-        DOORBELL.pack(SLOT, 0, 0, 10, 5) + b"odd",
+        NOTIFICATION.pack(INLINE, 0, 0, 10**6, 1),
+        NOTIFICATION.pack(SLOT, 0, 999, 10, 2),
+        NOTIFICATION.pack(SLOT, 7, 0, 10, 3),
+        NOTIFICATION.pack(SLOT, 0, 0, 2**31, 4),
+        NOTIFICATION.pack(SLOT, 0, 0, 10, 5) + b"odd",
     ):
         ours.send(datagram)
         (token,) = reader.poll()

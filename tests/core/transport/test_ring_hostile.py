@@ -22,11 +22,11 @@ from followspot.transport.ring.control import ARENAS, Control
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import (
     ARENA,
-    DOORBELL,
     HELLO,
     INLINE,
     MAX_SLOT,
     MAX_SLOTS,
+    NOTIFICATION,
     SLOT,
     WATERMARK,
 )
@@ -47,7 +47,7 @@ class Hostile:
 
     def say(self, *words: int, rest: bytes = b"", memory: int | None = None) -> None:
         """Send one datagram, perhaps with a descriptor; the reader gets it and gives nothing out."""
-        datagram = DOORBELL.pack(*words) + rest
+        datagram = NOTIFICATION.pack(*words) + rest
         if memory is None:
             self.socket.send(datagram)
         else:
@@ -143,7 +143,7 @@ def test_a_greeting_that_no_writer_gives_is_refused(slots: int, quota: int, sequ
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     reader = RingReader(theirs, Frame)
     memory = Memory.create("hostile", Control.size(8))
-    socket.send_fds(ours, [DOORBELL.pack(HELLO, 0, quota, slots, sequence)], [memory.fd])
+    socket.send_fds(ours, [NOTIFICATION.pack(HELLO, 0, quota, slots, sequence)], [memory.fd])
     assert reader.poll() == []
     assert reader.strangers == 1
     writer = RingWriter([ours], DEPTH)
@@ -163,7 +163,7 @@ def test_descriptors_that_are_no_sealed_memory_are_refused_and_let_go_of(tmp_pat
     pipe = os.pipe()
     before = descriptors()
     for count, fd in enumerate((file.fileno(), unsealed, pipe[0], ours.fileno()), 1):
-        socket.send_fds(ours, [DOORBELL.pack(HELLO, 0, 1, 8, 0)], [fd])
+        socket.send_fds(ours, [NOTIFICATION.pack(HELLO, 0, 1, 8, 0)], [fd])
         assert reader.poll() == []
         assert reader.strangers == count
     assert descriptors() == before

@@ -11,7 +11,7 @@ from followspot.transport.ring.memory import Memory
 
 ARENAS = 20
 """Most arenas in a ring's life: each at least doubles the slots, from a page to the largest message."""
-_CONSUMED, _POSTED, _WAITING, _RELEASED = range(4)
+_CONSUMED, _SENT, _WAITING, _RELEASED = range(4)
 _FENCE = Lock()
 
 
@@ -48,13 +48,13 @@ class Control:
         self._words[_CONSUMED] = count
 
     @property
-    def posted(self) -> int:
+    def sent(self) -> int:
         """Datagrams sent so far: a hint that saves the reader a look. Stored by the writer."""
-        return self._words[_POSTED]
+        return self._words[_SENT]
 
-    @posted.setter
-    def posted(self, count: int) -> None:
-        self._words[_POSTED] = count
+    @sent.setter
+    def sent(self, count: int) -> None:
+        self._words[_SENT] = count
 
     def released(self, arena: int) -> Array:
         """(slots,) uint64: stamp of the last message of each slot that the reader let go; it stores them."""

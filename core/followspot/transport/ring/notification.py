@@ -1,6 +1,6 @@
 """The datagrams of a ring, and the writer's end of the socket that carries them to one reader.
 
-Datagram: `DOORBELL` (kind, arena, slot, size, value), then for a message its packed head, then its
+Datagram: `NOTIFICATION` (kind, arena, slot, size, value), then for a message its packed head, then its
 arrays (INLINE) or where in the slot each begins, 8 bytes each (SLOT).
 """
 
@@ -16,12 +16,12 @@ from followspot.transport.ring.control import ARENAS, Control, fence
 from followspot.transport.ring.memory import Memory
 from followspot.transport.token import END
 
-DOORBELL = Struct("<BBHIq")
+NOTIFICATION = Struct("<BBHIq")
 HELLO, ARENA, INLINE, SLOT, WATERMARK = range(1, 6)
 """HELLO: slot = most leases, size = number of slots, value = first sequence number; with the control memory.
 ARENA: value = capacity of a slot, bytes; with the memory of the slots. INLINE, SLOT: value = sequence number,
 size = bytes of arrays. SETTLED: value = bound, ns."""
-OVER = DOORBELL.pack(WATERMARK, 0, 0, 0, END)
+OVER = NOTIFICATION.pack(WATERMARK, 0, 0, 0, END)
 MAX_SLOTS = 1 << 16
 """Most slots of an arena: as many as a datagram can number."""
 MAX_SLOT = 2 * MAX_BYTES
@@ -45,10 +45,10 @@ class Link:
         self.expelled = False
         """Whether it was cut off, for it said or did what no reader does."""
         self._most = 2 * (depth + ARENAS)
-        self._posted = 0
+        self._sent = 0
         self._pending: deque[tuple[bytes, Memory | None]] = deque()
 
-    def post(self, datagram: bytes, memory: Memory | None = None) -> None:
+    def send(self, datagram: bytes, memory: Memory | None = None) -> None:
         """Send the datagram, with the memory's descriptor, in order; now, or when there is room."""
         if self._pending:
             if datagram[0] == WATERMARK == self._pending[-1][0][0]:
@@ -56,7 +56,7 @@ class Link:
             self._pending.append((datagram, memory))
             if len(self._pending) > self._most:  # it gives credit for what it cannot have read
                 self.expel()
-        elif not self._sent(datagram, memory):
+        elif not self._try_send(datagram, memory):
             self._pending.append((datagram, memory))
             self.flush()
 
@@ -64,7 +64,7 @@ class Link:
         """Send what waits. True when nothing waits; else the reader is asked to wake the writer."""
         if self._pending:
             self.ask()
-        while self.alive and self._pending and self._sent(*self._pending[0]):
+        while self.alive and self._pending and self._try_send(*self._pending[0]):
             self._pending.popleft()
         return not (self.alive and self._pending)
 
@@ -93,7 +93,7 @@ class Link:
             pass
         self.alive = False
 
-    def _sent(self, datagram: bytes, memory: Memory | None) -> bool:
+    def _try_send(self, datagram: bytes, memory: Memory | None) -> bool:
         try:
             if memory is None:
                 self.socket.send(datagram)
@@ -104,6 +104,6 @@ class Link:
         except OSError:
             return True  # the reader died; `drain` will find out, and until then this counts as under way
         self.ended = datagram == OVER
-        self._posted += 1
-        self.control.posted = self._posted
+        self._sent += 1
+        self.control.sent = self._sent
         return True

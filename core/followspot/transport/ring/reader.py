@@ -19,12 +19,12 @@ from followspot.transport.ring.control import ARENAS, Control, fence
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import (
     ARENA,
-    DOORBELL,
     HELLO,
     INLINE,
     INLINE_BYTES,
     MAX_SLOT,
     MAX_SLOTS,
+    NOTIFICATION,
     SLOT,
     WATERMARK,
 )
@@ -32,8 +32,8 @@ from followspot.transport.ring.slots import Arena, Lease
 from followspot.transport.token import END, MAX_COUNT, Invalid, Token, Watermark, is_watermark
 from followspot.transport.wire import MAX_HEAD, aligned, unpack_head
 
-_LARGEST = DOORBELL.size + MAX_HEAD + 2 * INLINE_BYTES
-_ROOM, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
+_LARGEST = NOTIFICATION.size + MAX_HEAD + 2 * INLINE_BYTES
+_ANCILLARY, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
 """A datagram may bring one file descriptor."""
 _NONE = (0, 0, 0, 0, 0)
 _BATCH = 256
@@ -60,7 +60,7 @@ class RingReader:
         self._interfaces: list[dict[str, Any]] = []
         self._slots = 0
         self._quota = 0
-        self._held: set[tuple[int, int]] = set()
+        self._leased: set[tuple[int, int]] = set()
         self._sequence = 0
         self._received = 0
         self._consumed = 0
@@ -99,7 +99,7 @@ class RingReader:
         tokens: list[Token] = []
         for _ in range(_BATCH):
             try:
-                size, extra, _, _ = self._socket.recvmsg_into([self._buffer], _ROOM, _FLAGS)
+                size, extra, _, _ = self._socket.recvmsg_into([self._buffer], _ANCILLARY, _FLAGS)
             except BlockingIOError:
                 break
             except ConnectionResetError:
@@ -111,7 +111,7 @@ class RingReader:
                 break
             self._received += 1
             self._accept(self._buffer[:size], extra, tokens)
-            if self._control is not None and self._received >= self._control.posted:
+            if self._control is not None and self._received >= self._control.sent:
                 break
         self._wake()
         return tokens
@@ -130,8 +130,8 @@ class RingReader:
 
     def _accept(self, data: memoryview, extra: Sequence[tuple[int, int, bytes]], tokens: list[Token]) -> None:
         """Append what one datagram says, which brought `extra` (a file descriptor)."""
-        whole = len(data) >= DOORBELL.size
-        kind, number, slot, size, value = DOORBELL.unpack_from(data) if whole else _NONE
+        whole = len(data) >= NOTIFICATION.size
+        kind, number, slot, size, value = NOTIFICATION.unpack_from(data) if whole else _NONE
         if kind in (INLINE, SLOT) and not extra and 0 <= value - self._sequence <= _MOST_MISSING:
             missing = range(self._sequence, value)
             tokens += [Invalid(f"gap: message {n} of the port never came", missing=True) for n in missing]
@@ -148,8 +148,8 @@ class RingReader:
             self._refused += 1
 
     def _inline(self, data: memoryview, size: int) -> Message:
-        head, start = unpack_head(data[DOORBELL.size :])
-        start += DOORBELL.size
+        head, start = unpack_head(data[NOTIFICATION.size :])
+        start += NOTIFICATION.size
         if len(data) != start + size:
             raise InvalidMessage(f"{size} bytes of arrays announced, {len(data) - start} came")
         body = aligned(size)
@@ -158,8 +158,8 @@ class RingReader:
 
     def _placed(self, data: memoryview, number: int, slot: int, size: int) -> Message:
         body = self._body(number, slot, size)
-        head, start = unpack_head(data[DOORBELL.size :])
-        return self._codec.decode(head, body, data[DOORBELL.size + start :])
+        head, start = unpack_head(data[NOTIFICATION.size :])
+        return self._codec.decode(head, body, data[NOTIFICATION.size + start :])
 
     def _body(self, number: int, slot: int, size: int) -> Array:
         """The slot, leased, as bytes; a copy of its first `size` where this reader holds its share."""
@@ -167,8 +167,8 @@ class RingReader:
         if arena is None or number != arena.number or slot >= len(self._interfaces) or size > arena.capacity:
             raise InvalidMessage(f"{size} bytes in slot {slot} of arena {number}, which does not exist")
         lease = Lease(arena, slot, self._sequence, self._interfaces[slot], self._release)
-        if len(self._held) < self._quota:
-            self._held.add((number, slot))
+        if len(self._leased) < self._quota:
+            self._leased.add((number, slot))
             return np.asarray(lease)
         body = aligned(size)
         body[:] = arena.bytes[slot, :size]
@@ -178,7 +178,7 @@ class RingReader:
         """Let go of the message in a slot. Its stamp is its sequence number + 1."""
         if self._control is not None:
             self._control.released(lease.arena.number)[lease.slot] = lease.stamp
-        self._held.discard((lease.arena.number, lease.slot))
+        self._leased.discard((lease.arena.number, lease.slot))
         fence()
         self._wake()
 

@@ -14,11 +14,11 @@ from followspot.transport.ring.control import Control
 from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import (
     ARENA,
-    DOORBELL,
     HELLO,
     INLINE,
     INLINE_BYTES,
     MAX_SLOTS,
+    NOTIFICATION,
     OVER,
     SLOT,
     WATERMARK,
@@ -79,7 +79,7 @@ class RingWriter:
         self._links[index].socket.close()
         self._links[index] = self._linked(sock)
         if self._over:
-            self._links[index].post(OVER)
+            self._links[index].send(OVER)
 
     def credit(self) -> int:
         """How many messages may be sent now."""
@@ -100,7 +100,7 @@ class RingWriter:
         """Ring the readers' doorbells; see `PortWriter.send`."""
         if isinstance(token, Watermark):
             self._over |= token.time == END
-            self._post(DOORBELL.pack(WATERMARK, 0, 0, 0, token.time))
+            self._send_all(NOTIFICATION.pack(WATERMARK, 0, 0, 0, token.time))
             return
         if not self._controls():
             return
@@ -111,7 +111,7 @@ class RingWriter:
         head = codec.head(token, arrays)
         size = sum([padded(array.nbytes) for array in arrays])
         if size <= INLINE_BYTES:
-            parts = [DOORBELL.pack(INLINE, 0, 0, size, self._sequence), head]
+            parts = [NOTIFICATION.pack(INLINE, 0, 0, size, self._sequence), head]
             for array in arrays:
                 parts += array.tobytes(), bytes(-array.nbytes % ALIGN)
             datagram = b"".join(parts)
@@ -119,7 +119,7 @@ class RingWriter:
             datagram = self._placed(codec, head, arrays, size)
         self._sequence += 1
         self._granted -= 1
-        self._post(datagram)
+        self._send_all(datagram)
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
         """A writable array in a free slot; None where there is no slot to spare, or the array is small."""
@@ -173,10 +173,10 @@ class RingWriter:
         control = Control(Memory.create("followspot-control", Control.size(self._slots)), self._slots)
         control.consumed = self._sequence
         link = Link(sock, control, self._depth)
-        link.post(DOORBELL.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
+        link.send(NOTIFICATION.pack(HELLO, 0, self._quota, self._slots, self._sequence), control.memory)
         if self._pool is not None:
             control.released(self._pool.arena.number)[:] = self._pool.stamps
-            link.post(_announced(self._pool), self._pool.arena.memory)
+            link.send(_announced(self._pool), self._pool.arena.memory)
         return link
 
     def _expel(self) -> None:
@@ -188,10 +188,10 @@ class RingWriter:
     def _controls(self) -> list[Control]:
         return [link.control for link in self._links if link.alive]
 
-    def _post(self, datagram: bytes) -> None:
+    def _send_all(self, datagram: bytes) -> None:
         for link in self._links:
             if link.alive:
-                link.post(datagram)
+                link.send(datagram)
 
     def _pool_for(self, size: int) -> Slots:
         """The slots, or larger ones; the old ones live on as long as somebody looks at them."""
@@ -200,7 +200,7 @@ class RingWriter:
             pool = self._pool = Slots(0 if pool is None else pool.arena.number + 1, self._slots, size)
             for link in self._links:
                 if link.alive:
-                    link.post(_announced(pool), pool.arena.memory)
+                    link.send(_announced(pool), pool.arena.memory)
         return pool
 
     def _placed(self, codec: Codec, head: bytes, arrays: Sequence[Array], size: int) -> bytes:
@@ -217,9 +217,9 @@ class RingWriter:
             pool.arena.bytes[slot, end : end + array.nbytes] = array.reshape(-1).view(np.uint8)
             end += padded(array.nbytes)
         pool.fill(slot, stamp)
-        doorbell = DOORBELL.pack(SLOT, pool.arena.number, slot, end, self._sequence)
-        return doorbell + head + codec.places.pack(*places)
+        notification = NOTIFICATION.pack(SLOT, pool.arena.number, slot, end, self._sequence)
+        return notification + head + codec.places.pack(*places)
 
 
 def _announced(pool: Slots) -> bytes:
-    return DOORBELL.pack(ARENA, pool.arena.number, 0, 0, pool.arena.capacity)
+    return NOTIFICATION.pack(ARENA, pool.arena.number, 0, 0, pool.arena.capacity)
