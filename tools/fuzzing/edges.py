@@ -20,7 +20,7 @@ from followspot.messages import InvalidMessage, Message, identical
 from followspot.transport.codec import pack
 from followspot.transport.ring.control import ARENAS
 from followspot.transport.ring.memory import Memory
-from followspot.transport.ring.notification import ARENA, DOORBELL, HELLO, INLINE, SLOT, WATERMARK
+from followspot.transport.ring.notification import ARENA, HELLO, INLINE, NOTIFICATION, SLOT, WATERMARK
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Invalid, Token, Watermark
@@ -148,16 +148,19 @@ class Pair:
         if self.reader._writer != 0:  # another writer, which never comes
             self.end()
             self.begin(self.kind)
-        elif self.reader._tokens != self.writer._tokens or self.reader._messages != self.writer._messages:
-            self.writer._tokens, self.writer._messages = self.reader._tokens, self.reader._messages
+        elif (
+            self.reader._tokens != self.writer._flow.tokens
+            or self.reader._messages != self.writer._flow.messages
+        ):
+            self.writer._flow.tokens, self.writer._flow.messages = self.reader._tokens, self.reader._messages
             self.reader.consumed(0)
 
     def put(self, hostile: Hostile) -> list[Token]:
         """The tokens that the reader gives out when it has seen it."""
         looked, reported = self.reader.looked, self.writer.looked
-        numbers = b"" if hostile.numbers is None else hostile.numbers.packed(self.writer._tokens)
+        numbers = b"" if hostile.numbers is None else hostile.numbers.packed(self.writer._flow.tokens)
         if hostile.way == "token":
-            self.writer._messages += hostile.token[4:6] != _SETTLED
+            self.writer._flow.messages += hostile.token[4:6] != _SETTLED
             self.writer._put(hostile.token)
         elif hostile.way == "number":
             self.intruders["number"].put(hostile.token, attachment=numbers)
@@ -268,7 +271,7 @@ class RingEdge:
 
         def send() -> None:
             value = self.writer._sequence + ahead if near else far
-            datagram = DOORBELL.pack(kind, number, slot, size, value) + rest
+            datagram = NOTIFICATION.pack(kind, number, slot, size, value) + rest
             if brings:
                 socket.send_fds(self._sending, [datagram], [self._memory.fd])
             else:

@@ -122,7 +122,7 @@ def test_only_a_drain_finds_readers_gone_or_back_for_who_counts_asks_after_it(pa
             pair.reader.close()
         else:
             pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
-        until(lambda: bool(pair.writer._news))
+        until(lambda: bool(pair.writer._flow._changes))
         pair.writer.flush()
         pair.writer.credit()
         assert pair.writer.lost == known
@@ -149,16 +149,16 @@ def test_what_was_on_its_way_to_a_reader_is_lost_when_another_one_comes_and_not_
 def test_what_was_on_its_way_to_a_reader_that_was_only_cut_off_is_not_lost(pair: Pair) -> None:
     """It finds a gap when it is back."""
     pair.writer.send(frame(0))
-    pair.writer._on_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
+    pair.writer._flow.take_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
     assert drained(pair.writer).lost == frozenset({0})
-    pair.writer._on_presence(Presence(zenoh.SampleKind.PUT))  # type: ignore[arg-type]
+    pair.writer._flow.take_presence(Presence(zenoh.SampleKind.PUT))  # type: ignore[arg-type]
     assert drained(pair.writer).lost == frozenset()
     assert pair.writer.perished() == []
 
 
 def test_what_was_on_its_way_to_a_reader_that_was_cut_off_to_the_end_is_lost(pair: Pair) -> None:
     pair.writer.send(frame(0))
-    pair.writer._on_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
+    pair.writer._flow.take_presence(Presence(zenoh.SampleKind.DELETE))  # type: ignore[arg-type]
     assert drained(pair.writer).lost == frozenset({0})
     pair.writer.close()
     assert pair.writer.perished() == [(0, 1)]
@@ -254,21 +254,22 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
     elsewhere = reader_key(KEY, "pc-left")
     pair.intruder(f"{elsewhere}/credit/{QUOTED}").put(CREDIT.pack(0, 0, DEPTH, DEPTH))
     tokens = [
-        pair.stranger.liveliness().declare_token(f"{elsewhere}/{role}/{QUOTED}/{incarnation}")
-        for role in ("alive", "done")
-        for incarnation in (0, 1)
+        pair.stranger.liveliness().declare_token(f"{elsewhere}/{words.format(QUOTED)}")
+        for words in ("alive/{0}/0", "alive/{0}/1", "done/{0}/0/0", "done/{0}/1/0")
     ]
     until(lambda: pair.writer.strangers == 1 + len(tokens))
     for token in tokens:
         token.undeclare()  # type: ignore[no-untyped-call]
-    own = pair.stranger.liveliness().declare_token(f"{SAID}/done/{QUOTED}/0")
-    until(lambda: bool(pair.writer._news))
+    own = pair.stranger.liveliness().declare_token(f"{SAID}/done/{QUOTED}/0/0")
+    until(lambda: bool(pair.writer._flow._changes))
     own.undeclare()  # type: ignore[no-untyped-call]
     assert pair.writer.credit() == 0
     pair.writer.drain()
     assert pair.writer.lost == frozenset()
-    assert pair.writer._done == {0}, "it was its own host that said so"
-    assert pair.writer._present == {0: 0}
+    (reader,) = pair.writer._flow.readers
+    assert reader.done, "it was its own host that said so"
+    assert reader.present
+    assert reader.incarnation == 0
     assert pair.writer.strangers == 1 + len(tokens)
 
 
@@ -281,6 +282,10 @@ def test_a_writer_believes_of_a_reader_only_what_its_own_host_says(pair: Pair) -
         "alive/{0}/٣",
         "alive/{0}/" + "9" * 5000,
         "dead/{0}/1",
+        "done/{0}/1",
+        "done/{0}/1/x",
+        "done/{0}/x/0",
+        "done/nobody/1/0",
         "alive/nobody/1",
     ],
 )
@@ -290,7 +295,7 @@ def test_a_token_that_tells_nothing_is_refused_and_counted(pair: Pair, words: st
     token.undeclare()  # type: ignore[no-untyped-call]
     pair.writer.send(frame(0))
     assert arrived(pair.reader, 1)
-    assert not pair.writer._news
+    assert not pair.writer._flow._changes
     assert pair.writer.strangers == 1
     assert not pair.writer.lost
 

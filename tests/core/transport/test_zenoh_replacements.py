@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any, cast
 
 import pytest
+import zenoh
 from tests.core.transport.test_zenoh_edge import DEPTH, KEY, NAME, QUOTED, SAID, Pair, arrived, frame, until
 
 from followspot.messages import identical
 from followspot.tracking import Frame
 from followspot.transport.codec import pack
 from followspot.transport.token import ABSENT, END, Invalid, Watermark
-from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, open_session
 from followspot.transport.zenoh.terms import CREDIT, NUMBER, START
 
 
@@ -57,7 +59,7 @@ def test_a_writer_that_is_gone_is_lost_though_one_before_it_is_still_there(pair:
 def test_a_writer_whose_place_was_taken_is_not_listened_to(pair: Pair) -> None:
     new = successor(pair)
     until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
-    pair.writer._tell_start(0)
+    pair.writer._tell_start(pair.writer._flow.readers[0])
     pair.writer.send(frame(1))
     new.send(frame(2))
     (message,) = arrived(pair.reader, 1)
@@ -80,11 +82,11 @@ def test_a_reader_whose_place_was_taken_is_not_believed(pair: Pair) -> None:
     assert len(arrived(pair.reader, DEPTH)) == DEPTH
     ghost = pair.session.liveliness().declare_token(f"{SAID}/alive/{QUOTED}/0")
     pair.session.put(f"{SAID}/credit/{QUOTED}", CREDIT.pack(0, 0, DEPTH, DEPTH))
-    until(lambda: bool(pair.writer._news))
+    until(lambda: bool(pair.writer._flow._changes))
     pair.writer.drain()
     assert pair.writer.credit() == 0
     ghost.undeclare()  # type: ignore[no-untyped-call]
-    until(lambda: bool(pair.writer._news))
+    until(lambda: bool(pair.writer._flow._changes))
     pair.writer.drain()
     assert not pair.writer.lost
     pair.reader.consumed(DEPTH)
@@ -122,7 +124,7 @@ def test_whoever_comes_in_the_place_of_a_reader_that_took_the_end_takes_it_too(p
     until(pair.finished)
     pair.reader.close()
     pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
-    until(lambda: len(pair.writer._news) >= 2)
+    until(lambda: len(pair.writer._flow._changes) >= 2)
     assert not pair.finished()
     assert arrived(pair.reader, 1) == [Watermark(END)]
     until(pair.finished)
@@ -160,7 +162,7 @@ def test_who_comes_later_is_told_what_was_settled_last(pair: Pair, time: int) ->
     arrived(pair.reader, 1)
     pair.reader.close()
     pair.reader = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
-    until(lambda: len(pair.writer._news) >= 2)
+    until(lambda: len(pair.writer._flow._changes) >= 2)
     pair.writer.drain()
     assert arrived(pair.reader, 1) == [Watermark(time)]
 
@@ -194,10 +196,72 @@ def test_what_a_writer_tells_a_reader_is_not_for_the_one_that_takes_its_place(pa
     """Told again where to start, for nobody knew of its death, it was the next one that missed messages."""
     pair.writer.send(frame(0))
     late = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
-    until(lambda: bool(pair.writer._news))
-    pair.writer._tell_start(0)
+    until(lambda: bool(pair.writer._flow._changes))
+    pair.writer._tell_start(pair.writer._flow.readers[0])
     pair.writer.drain()
     pair.writer.send(frame(1))
     (message,) = arrived(late, 1)
     assert identical(message, frame(1))  # type: ignore[arg-type]
     late.close()
+
+
+def test_the_end_that_a_replaced_reader_takes_late_does_not_count_for_the_present_one(pair: Pair) -> None:
+    """The writer left then, although the present reader had not taken the end."""
+    pair.writer.send(Watermark(END))
+    present = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
+
+    def told() -> bool:
+        pair.writer.drain()
+        return bool(present._arrived)
+
+    until(told)
+    until(lambda: Watermark(END) in pair.reader.poll())
+    until(lambda: bool(pair.writer._flow._changes))
+    assert not pair.finished()
+    until(lambda: Watermark(END) in present.poll())
+    until(pair.finished)
+    present.close()
+
+
+class Answered:
+    """A session through which a writer speaks, and whose put returns when the readers have answered."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._session = session
+        self.readers: list[ZenohReader] = []
+        self.heard: set[str] = set()
+        self._declared = session.declare_subscriber(f"{SAID}/credit/*", self._on_report)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._session, name)
+
+    def put(self, key: str, payload: bytes, **options: Any) -> None:
+        self._session.put(key, payload, **options)
+        if self.readers:
+            answers = [reader.matched() for reader in self.readers]
+            assert all(answers)
+            until(lambda: len(self.heard) == len(self.readers))
+
+    def _on_report(self, sample: zenoh.Sample) -> None:
+        self.heard.add(str(sample.key_expr))
+
+
+def test_readers_may_answer_while_a_writer_tells_all_of_them_again_where_they_start() -> None:
+    """It raised, for their answers came from a thread of Zenoh into the set that it went through."""
+    with open_session() as session:
+        answered = Answered(session)
+        names = ("left", "right")
+        writer = ZenohWriter(cast(zenoh.Session, answered), KEY, dict.fromkeys(names, ""), DEPTH)
+        readers = [ZenohReader(session, KEY, name, Frame, DEPTH) for name in names]
+
+        def joined() -> bool:
+            writer.drain()
+            return all(reader._arrived for reader in readers)
+
+        until(joined)
+        answered.readers = readers
+        until(writer.matched)
+        assert answered.heard
+        for end in (writer, *readers):
+            end.close()
+        answered._declared.undeclare()  # type: ignore[no-untyped-call]

@@ -88,7 +88,7 @@ class ZenohReader:
         self._session = session
         self._start_key = f"{key}/start/{name}/{incarnation}"
         said = reader_key(key, host)
-        self._done_key = f"{said}/done/{name}"
+        self._done_key = f"{said}/done/{name}/{incarnation}"
         self._report = publisher(session, f"{said}/credit/{name}")
         self._declared = [
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),

@@ -1,17 +1,14 @@
 """The writing end of an edge over Zenoh (docs/wire.md).
 
-Zenoh loses nothing between living peers as long as nobody floods it, so credit bounds what is under way.
-Its threads only note reports and ring a bell; all else happens in the worker's thread.
+Zenoh loses nothing between connected peers as long as its buffers do not overflow, so credit bounds what is
+under way. Zenoh's threads only take notes and set the wake-up event; the worker's thread does all else.
 """
 
 from __future__ import annotations
 
 import contextlib
 import time
-from collections import deque
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
-from urllib.parse import quote
+from collections.abc import Callable, Mapping, Sequence
 
 import zenoh
 from zenoh.handlers import Callback
@@ -19,19 +16,15 @@ from zenoh.handlers import Callback
 from followspot.graph.plan import EdgeCodec
 from followspot.messages import Array, Message
 from followspot.transport.codec import pack
-from followspot.transport.keys import OPERATOR, reader_key
+from followspot.transport.keys import reader_key
 from followspot.transport.token import END, Watermark
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.codec import pack_as
+from followspot.transport.zenoh.flow_control import FlowControl, ReaderRecord
 from followspot.transport.zenoh.terms import (
-    CREDIT,
     NUMBER,
     START,
-    WINDOW,
-    chunks,
     codec_key,
-    is_incarnation,
-    numbers,
     presence,
     publisher,
     reached,
@@ -42,20 +35,11 @@ _REPEAT = 0.5
 """Seconds after which a reader that does not report is told again where to start."""
 
 
-class _News(NamedTuple):
-    """A liveliness token of a reader came or went; incarnation: its own, or of the writer that is done."""
-
-    role: str
-    reader: int
-    incarnation: int
-    there: bool
-
-
 class ZenohWriter:
-    """`PortWriter` for readers anywhere that a session reaches.
+    """`PortWriter` for readers on any host that a session reaches.
 
-    A reader that comes, comes back, or comes as another incarnation joins at the next token: it is told
-    which that is, and how many messages were meant for it before.
+    A reader that comes, comes back, or comes as another incarnation joins at the next token: the writer tells
+    it which that is, and how many messages it has put for this reader before.
     """
 
     def __init__(
@@ -68,102 +52,76 @@ class ZenohWriter:
         codec: EdgeCodec = "raw",
         incarnation: int = 0,
     ) -> None:
-        """key: of the port, for example ``followspot/RUN/pc-left/color/cam0/out``; readers: the host of
-        each, by its name, "" for the operator's own: nobody else may speak for it.
+        """Declare the port on its key.
 
-        incarnation: how many writers this port had before; a later one waits for nobody.
+        key: of the port, for example ``followspot/RUN/pc-left/color/cam0/out``; readers: the host of each,
+        by its name, "" for the operator's own: the writer believes no other host; depth: messages in flight;
+        incarnation: how many writers this port had before; a later one waits for no reader.
         """
         self._key = key = codec_key(key, codec)
         self._codec = codec
         self._incarnation = incarnation
-        self._depth = depth
-        self._names = [quote(name, safe="") for name in readers]
-        self._hosts = [host or OPERATOR for host in readers.values()]
-        self._index = {name: index for index, name in enumerate(self._names)}
-        self._reports = [(0, 0)] * len(readers)
-        self._given = [0] * len(readers)
-        """Messages put for each reader's present incarnation."""
-        self._news: deque[_News] = deque()
-        self._present: dict[int, int] = {}
-        """Incarnation of each reader that is there."""
-        self._known: dict[int, int] = {}
-        """Latest incarnation of each reader that was ever there."""
-        self._left: dict[int, int] = {}
-        """Messages that had been put when a reader went."""
-        self._perished: list[tuple[int, int]] = []
-        self._silent: set[int] = set()
-        """Readers that have not reported since they were told where to start."""
+        self._flow = flow = FlowControl(readers, depth, incarnation)
         self._told_at = 0.0
-        self._done: set[int] = set()
-        """Readers that have taken the end of this writer."""
-        self._gone: set[int] = set(range(len(readers))) if incarnation else set()
-        self._tokens = 0
-        self._messages = 0
-        self._held: Watermark | None = None
-        self._settled: Watermark | None = None
-        """What was put last, where that was a watermark: whoever joins is told it again."""
+        self._pending: Watermark | None = None
+        """A watermark that waits for room."""
+        self._last: Watermark | None = None
+        """What was put last, if that was a watermark: every reader that joins is told it again."""
         self._ending = False
-        self._waiting = False
-        self._refused = 0
+        self._wants_credit = False
         self._wakeup = WakeupEvent()
         self._session = session
         self._publisher = publisher(session, key)
-        said = reader_key(key, "*")
+        readers_key = reader_key(key, "*")
+        on_report = Callback(self._on_report, indirect=False)
         self._declared = [
-            session.declare_subscriber(f"{said}/credit/*", Callback(self._on_report, indirect=False)),
-            presence(session, f"{said}/*/*/*", self._on_presence),
+            session.declare_subscriber(f"{readers_key}/credit/*", on_report),
+            presence(session, f"{readers_key}/*/*/*", self._waking(flow.take_presence)),
+            presence(session, f"{readers_key}/done/*/*/*", self._waking(flow.take_end)),
             session.liveliness().declare_token(f"{key}/alive/writer/{incarnation}"),
         ]
 
     @property
     def lost(self) -> frozenset[int]:
         """Indices of the readers that `drain` found gone before the end."""
-        return frozenset(self._gone)
+        return self._flow.lost
 
     def perished(self) -> list[tuple[int, int]]:
-        """Readers in whose place others came since the last call; see `PortWriter.perished`.
+        """Readers that other incarnations have replaced since the last call; see `PortWriter.perished`.
 
-        One that went may just be cut off, and is told when it is back how many messages it has missed.
+        A reader that left may just be cut off; when it is back, it is told how many messages it missed.
         """
-        perished, self._perished = self._perished, []
-        return perished
+        return self._flow.deaths()
 
     @property
     def strangers(self) -> int:
         """How much came that was malformed, or not from the host of the reader of whom it spoke."""
-        return self._refused
+        return self._flow.refused
 
     def matched(self) -> bool:
         """Whether every reader is there, knows where to start, and would get what is sent."""
         self._notice()
         self._tell_again()
-        present = len(self._present) == len(self._reports)
-        return present and not self._silent and reached(self._publisher)
+        joined = all(reader.present and not reader.silent for reader in self._flow.readers)
+        return joined and reached(self._publisher)
 
     def credit(self) -> int:
         """How many messages may be sent now."""
-        reports = self._living()
-        if not reports:
-            return self._depth
-        if self._full(reports):
-            return 0
-        return max(0, self._depth - self._messages + min(consumed for consumed, _ in reports))
+        return self._flow.credit()
 
     def send(self, token: Message | Watermark) -> None:
         """Put the token on the key; see `PortWriter.send`."""
         if isinstance(token, Watermark):
-            self._held = token
+            self._pending = token
             self._ending |= token.time == END
-            self._send_held()
+            self._send_pending()
             return
         payload = pack_as(token, self._codec)
         if self.credit() <= 0:
             raise RuntimeError("a message was sent without credit")
-        self._send_held()
-        self._settled = None
-        self._messages += 1
-        for index in self._present:
-            self._given[index] += 1
+        self._send_pending()
+        self._last = None
+        self._flow.count_message()
         self._put(payload)
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
@@ -171,148 +129,87 @@ class ZenohWriter:
         return None
 
     def flush(self) -> bool:
-        """Send the watermark that had to wait. True when nothing waits; the end must have arrived.
+        """Send the watermark that had to wait. True when nothing waits, and the end, if sent, has arrived.
 
-        What became of the readers is left to `drain`, whose caller takes note of it.
+        Changes of readers are left to `drain`, whose caller takes note of them.
         """
-        self._waiting = True
+        self._wants_credit = True
         self._tell_again()
-        self._send_held()
-        arrived = len(self._done | self._gone) == len(self._reports)
-        return self._held is None and (arrived or not self._ending)
+        self._send_pending()
+        return self._pending is None and (self._flow.ended or not self._ending)
 
     def filenos(self) -> list[int]:
-        """The bell."""
+        """The wake-up event."""
         return [self._wakeup.fileno()]
 
     def want_credit(self) -> None:
-        """Ring the bell at the next report."""
-        self._waiting = True
+        """Set the wake-up event at the next report."""
+        self._wants_credit = True
 
     def drain(self) -> None:
-        """Hush the bell, notice who came and who died, send what waited."""
+        """Clear the wake-up event, notice which readers came and left, send what waited."""
         self._wakeup.clear()
         self._notice()
-        self._send_held()
+        self._send_pending()
 
     def close(self) -> None:
         """Undeclare everything; the session stays open."""
         undeclare([*reversed(self._declared), self._publisher])
-        for index in list(self._left):
-            self._note_death(index)
+        self._flow.close()
         self._wakeup.close()
 
     def _notice(self) -> None:
-        """Take over what Zenoh's threads saw."""
-        while self._news:
-            role, index, incarnation, there = self._news.popleft()
-            if role == "done":
-                self._done |= {index} if incarnation == self._incarnation else set()
-            elif incarnation < self._known.get(index, 0):
-                continue  # another one has taken its place
-            elif there:
-                self._welcome(index, incarnation)
-            elif self._present.get(index) == incarnation:
-                del self._present[index]
-                self._left[index] = self._messages
-                self._silent.discard(index)
-                self._gone |= {index} - self._done
-
-    def _welcome(self, index: int, incarnation: int) -> None:
-        """A reader is there: from now on it counts, and what it missed before does not."""
-        if self._known.get(index, incarnation) != incarnation:
-            self._note_death(index)
-        self._left.pop(index, None)
-        if self._known.get(index) != incarnation:
-            self._given[index] = 0
-            self._done.discard(index)
-        self._present[index] = self._known[index] = incarnation
-        self._gone.discard(index)
-        self._reports[index] = self._messages, self._tokens
-        self._silent.add(index)
-        self._tell_start(index)
-
-    def _note_death(self, index: int) -> None:
-        """What a reader has not reported of all that was put until it went."""
-        left = self._left.pop(index, self._messages)
-        self._perished.append((index, max(0, left - self._reports[index][0])))
+        for reader in self._flow.changes():
+            self._tell_start(reader)
 
     def _tell_again(self) -> None:
-        """A new link may have swallowed the first words; who does not report is told them again."""
-        if self._silent and time.monotonic() > self._told_at + _REPEAT:
-            for index in self._silent:
-                self._tell_start(index)
+        """Repeat the start to readers that do not report: a new link may have swallowed it."""
+        if time.monotonic() > self._told_at + _REPEAT:
+            for reader in self._flow.readers:
+                if reader.silent:
+                    self._tell_start(reader)
 
-    def _tell_start(self, index: int) -> None:
-        """Tell a reader which token comes next, and what was meant for it before."""
+    def _tell_start(self, reader: ReaderRecord) -> None:
+        """Tell a reader which token comes next, and how many messages it was given before."""
         self._told_at = time.monotonic()
-        start = START.pack(self._incarnation, self._tokens, self._messages, self._given[index])
+        start = START.pack(self._incarnation, self._flow.tokens, self._flow.messages, reader.given)
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._session.put(
-                f"{self._key}/start/{self._names[index]}/{self._present[index]}",
+                f"{self._key}/start/{reader.name}/{reader.incarnation}",
                 start,
                 congestion_control=zenoh.CongestionControl.BLOCK,
             )
-        if self._settled is not None:
-            self._put(pack(self._settled))
+        if self._last is not None:
+            self._put(pack(self._last))
 
-    def _living(self) -> list[tuple[int, int]]:
-        """What those report who are there and have not taken the end."""
-        over = self._gone | self._done
-        return [report for index, report in enumerate(self._reports) if index not in over]
-
-    def _full(self, reports: Sequence[tuple[int, int]]) -> bool:
-        """Whether as many tokens are under way as may be."""
-        return self._tokens - min(taken for _, taken in reports) >= WINDOW
-
-    def _send_held(self) -> None:
-        held = self._held
-        reports = self._living()
-        if held is not None and not (reports and self._full(reports)):
-            self._held, self._settled = None, held
-            self._put(pack(held))
+    def _send_pending(self) -> None:
+        """Send the watermark that waits, unless the window of tokens is full."""
+        pending = self._pending
+        if pending is not None and not self._flow.window_is_full():
+            self._pending, self._last = None, pending
+            self._put(pack(pending))
 
     def _put(self, payload: bytes) -> None:
-        number = NUMBER.pack(self._incarnation, self._tokens, self._messages)
-        self._tokens += 1
+        flow = self._flow
+        number = NUMBER.pack(self._incarnation, flow.tokens, flow.messages)
+        flow.tokens += 1
         try:
             if reached(self._publisher):  # a put that nobody gets is still copied
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
-            self._present.clear()
-            self._gone = set(range(len(self._reports))) - self._done
+            flow.lose_all()
             self._wakeup.set()
 
     def _on_report(self, sample: zenoh.Sample) -> None:
-        host, _, name = chunks(sample, 3)
-        index = self._reader(host, name)
-        report = numbers(CREDIT, sample.payload)
-        if index is None or report is None:
-            self._refused += 1
-            return
-        writer, reader, consumed, taken = report
-        if (writer, reader) != (self._incarnation, self._known.get(index)):
-            return  # it is not the present one that speaks, or not to this one
-        if consumed > min(taken, self._messages) or taken > self._tokens:
-            self._refused += 1
-            return
-        self._reports[index] = consumed, taken
-        self._silent.discard(index)
-        if self._waiting:
-            self._waiting = False
+        if self._flow.take_report(sample) and self._wants_credit:
+            self._wants_credit = False
             self._wakeup.set()
 
-    def _on_presence(self, sample: zenoh.Sample) -> None:
-        host, role, name, incarnation = chunks(sample, 4)
-        index = self._reader(host, name)
-        there = sample.kind == zenoh.SampleKind.PUT
-        if index is None or role not in ("alive", "done") or not is_incarnation(incarnation):
-            self._refused += there
-        elif there or role != "done":
-            self._news.append(_News(role, index, int(incarnation), there))
-            self._wakeup.set()
+    def _waking(self, take: Callable[[zenoh.Sample], bool]) -> Callable[[zenoh.Sample], None]:
+        """Let Zenoh's threads take a note, and wake the worker if there is anything to notice."""
 
-    def _reader(self, host: str, name: str) -> int | None:
-        """Index of the reader of this name, None where it is not that host which may speak for it."""
-        index = self._index.get(name)
-        return index if index is not None and self._hosts[index] == host else None
+        def on_presence(sample: zenoh.Sample) -> None:
+            if take(sample):
+                self._wakeup.set()
+
+        return on_presence

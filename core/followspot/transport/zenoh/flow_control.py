@@ -1,0 +1,212 @@
+"""Flow control of an edge over Zenoh: the readers that a writer knows, and the credit that they give.
+
+Zenoh's threads call `take_report`, `take_presence` and `take_end`, which only take notes. The worker's thread
+does the rest.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+from urllib.parse import quote
+
+import zenoh
+
+from followspot.transport.keys import OPERATOR
+from followspot.transport.zenoh.terms import CREDIT, WINDOW, chunks, is_incarnation, numbers
+
+
+@dataclass(eq=False)
+class ReaderRecord:
+    """What a writer knows of one reader; name: percent-encoded; host: the only one that may speak for it."""
+
+    name: str
+    host: str
+    lost: bool
+    """Whether it is away before the end; it holds up nothing then."""
+    incarnation: int = -1
+    """Latest incarnation that was ever there; -1 before the first."""
+    present: bool = False
+    silent: bool = False
+    """Whether it has not reported since it was told where to start."""
+    done_incarnation: int = -1
+    """Latest incarnation that has taken the end of this writer's stream; -1 before the first."""
+    given: int = 0
+    """Messages put since its present incarnation came."""
+    consumed: int = 0
+    """Messages consumed, as it reported."""
+    taken: int = 0
+    """Tokens taken, as it reported."""
+    messages_before_it_left: int | None = None
+    """Messages that had been put when it left; None while it is present."""
+
+    @property
+    def done(self) -> bool:
+        """Whether its present incarnation has taken the end of this writer's stream."""
+        return 0 <= self.done_incarnation == self.incarnation
+
+
+class _Change(NamedTuple):
+    """What became of an incarnation of a reader, as its liveliness tokens say."""
+
+    reader: ReaderRecord
+    incarnation: int
+    kind: Literal["came", "left", "done"]
+
+
+class FlowControl:
+    """The readers of one port, and how much may be sent to them."""
+
+    def __init__(self, readers: Mapping[str, str], depth: int, incarnation: int) -> None:
+        """readers: the host of each, by its name; depth: messages in flight; incarnation: the writer's."""
+        self.readers = tuple(
+            ReaderRecord(quote(name, safe=""), host or OPERATOR, lost=incarnation > 0)
+            for name, host in readers.items()
+        )
+        self.tokens = 0
+        """Tokens put so far."""
+        self.messages = 0
+        """Messages put so far."""
+        self.refused = 0
+        """Reports and liveliness tokens that were malformed, or not from the reader's host."""
+        self._depth = depth
+        self._incarnation = incarnation
+        self._by_name = {reader.name: reader for reader in self.readers}
+        self._changes: deque[_Change] = deque()
+        self._deaths: list[tuple[int, int]] = []
+
+    @property
+    def lost(self) -> frozenset[int]:
+        """Indices of the readers that are away before the end."""
+        return frozenset(index for index, reader in enumerate(self.readers) if reader.lost)
+
+    @property
+    def ended(self) -> bool:
+        """Whether every reader that is not lost has taken the end."""
+        return all(reader.done or reader.lost for reader in self.readers)
+
+    def deaths(self) -> list[tuple[int, int]]:
+        """See `PortWriter.perished`."""
+        deaths, self._deaths = self._deaths, []
+        return deaths
+
+    def credit(self) -> int:
+        """How many messages may be sent now; the depth if no reader is left."""
+        readers = self._living()
+        if not readers:
+            return self._depth
+        if self._window_is_full(readers):
+            return 0
+        return max(0, self._depth - self.messages + min([reader.consumed for reader in readers]))
+
+    def window_is_full(self) -> bool:
+        """Whether as many tokens are on their way to the slowest reader as may be."""
+        readers = self._living()
+        return bool(readers) and self._window_is_full(readers)
+
+    def count_message(self) -> None:
+        """The next token is a message, for every reader that is present."""
+        self.messages += 1
+        for reader in self.readers:
+            reader.given += reader.present
+
+    def lose_all(self) -> None:
+        """The session is closed: no reader can be reached."""
+        for reader in self.readers:
+            reader.present = False
+            reader.lost = not reader.done
+
+    def changes(self) -> Iterator[ReaderRecord]:
+        """Take over what Zenoh's threads noted; yields each reader that joins: tell it where it starts."""
+        while self._changes:
+            reader, incarnation, kind = self._changes.popleft()
+            if kind == "done":
+                reader.done_incarnation = max(reader.done_incarnation, incarnation)
+            elif incarnation < reader.incarnation:
+                continue  # another incarnation has taken its place
+            elif kind == "came":
+                self._join(reader, incarnation)
+                yield reader
+            elif reader.present and reader.incarnation == incarnation:
+                reader.present = reader.silent = False
+                reader.messages_before_it_left = self.messages
+                reader.lost = not reader.done
+
+    def close(self) -> None:
+        """Readers that were cut off and did not come back count as dead."""
+        for reader in self.readers:
+            if reader.messages_before_it_left is not None:
+                self._note_death(reader)
+
+    def take_report(self, sample: zenoh.Sample) -> bool:
+        """Note what a reader reported; whether there may be more credit now."""
+        host, _, name = chunks(sample, 3)
+        reader = self._reader(host, name)
+        report = numbers(CREDIT, sample.payload)
+        if reader is None or report is None:
+            self.refused += 1
+            return False
+        writer, incarnation, consumed, taken = report
+        if (writer, incarnation) != (self._incarnation, reader.incarnation):
+            return False  # it is not the present one that speaks, or not to this one
+        if consumed > min(taken, self.messages) or taken > self.tokens:
+            self.refused += 1
+            return False
+        reader.consumed, reader.taken = consumed, taken
+        reader.silent = False
+        return True
+
+    def take_presence(self, sample: zenoh.Sample) -> bool:
+        """Note that a reader came or left; whether there is anything to notice."""
+        host, role, name, incarnation = chunks(sample, 4)
+        there = sample.kind == zenoh.SampleKind.PUT
+        reader = self._reader(host, name)
+        if reader is None or role != "alive" or not is_incarnation(incarnation):
+            self.refused += there
+            return False
+        self._changes.append(_Change(reader, int(incarnation), "came" if there else "left"))
+        return True
+
+    def take_end(self, sample: zenoh.Sample) -> bool:
+        """Note that a reader has taken the end of this stream; whether there is anything to notice."""
+        host, _, name, incarnation, writer = chunks(sample, 5)
+        there = sample.kind == zenoh.SampleKind.PUT
+        reader = self._reader(host, name)
+        if reader is None or not (is_incarnation(incarnation) and is_incarnation(writer)):
+            self.refused += there
+            return False
+        if not there or int(writer) != self._incarnation:
+            return False
+        self._changes.append(_Change(reader, int(incarnation), "done"))
+        return True
+
+    def _join(self, reader: ReaderRecord, incarnation: int) -> None:
+        """A reader is there: from now on it counts, and what it missed before does not."""
+        if reader.incarnation not in (-1, incarnation):
+            self._note_death(reader)
+        if reader.incarnation != incarnation:
+            reader.given = 0
+        reader.messages_before_it_left = None
+        reader.consumed, reader.taken = self.messages, self.tokens
+        reader.present, reader.incarnation = True, incarnation
+        reader.lost, reader.silent = False, True
+
+    def _note_death(self, reader: ReaderRecord) -> None:
+        """Count what the reader has not reported of all that was put until it left."""
+        left, reader.messages_before_it_left = reader.messages_before_it_left, None
+        sent = self.messages if left is None else left
+        self._deaths.append((self.readers.index(reader), max(0, sent - reader.consumed)))
+
+    def _living(self) -> list[ReaderRecord]:
+        """Readers that are not lost and have not taken the end."""
+        return [reader for reader in self.readers if not (reader.lost or reader.done)]
+
+    def _window_is_full(self, readers: list[ReaderRecord]) -> bool:
+        return self.tokens - min([reader.taken for reader in readers]) >= WINDOW
+
+    def _reader(self, host: str, name: str) -> ReaderRecord | None:
+        """The reader of this name; None if it is another host that speaks for it."""
+        reader = self._by_name.get(name)
+        return reader if reader is not None and reader.host == host else None
