@@ -8,7 +8,7 @@ them. Messages that are on their way when a link is cut come as invalid, in thei
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import takewhile
 from typing import NamedTuple
@@ -27,7 +27,7 @@ class Spoken(NamedTuple):
     slot: bool = False
 
 
-class Settles(NamedTuple):
+class Advance(NamedTuple):
     """Nothing earlier than this will come, ns."""
 
     watermark: int
@@ -39,14 +39,14 @@ class Missing(NamedTuple):
     reason: str
 
 
-Word = Spoken | Settles | Missing
+Word = Spoken | Advance | Missing
 
 
 @dataclass
 class Owed:
     """What one reader is owed by the writer that it knows."""
 
-    due: deque[Spoken | Settles] = field(default_factory=deque)
+    due: deque[Spoken | Advance] = field(default_factory=deque)
     """Said and not yet received."""
     given: int = 0
     """Messages that were sent to this reader."""
@@ -61,15 +61,17 @@ class Owed:
     joins: bool = False
     """Whether nothing came yet, and the writer may not have known of this reader at first."""
     vague: bool = False
-    """Whether absence that comes first may have been taken for that of a writer before."""
-    settled: set[int] = field(default_factory=set)
-    """All times that the writer ever settled: any reader may be told so, also again, once it is true."""
+    """Whether absence or end that come first may have been taken for those of a writer before."""
+    spare: int = 0
+    """Messages that came as missing, and count for the writer before, but may have been this one's."""
+    announced: set[int] = field(default_factory=set)
+    """All times that the writer announced: any reader may be told so, also again, once it is true."""
     watermark: int = -END
     """The latest watermark that it received, unless absence was said."""
-    _heard: Settles | None = None
+    _heard: Advance | None = None
     """The last that it received, where that was a watermark."""
 
-    def say(self, word: Spoken | Settles) -> None:
+    def say(self, word: Spoken | Advance) -> None:
         """The writer sends something, and this reader is there."""
         self.given += isinstance(word, Spoken)
         self.due.append(word)
@@ -77,10 +79,13 @@ class Owed:
     def receive(self, word: Word) -> Spoken | None:
         """The reader got something; the message that was due. AssertionError if it is not what comes next."""
         self._join(word)
-        if isinstance(word, Settles):
-            self._settle(word)
+        if isinstance(word, Advance):
+            self._advance(word)
             return None
-        self._skip_settled()
+        self._skip_watermarks()
+        if isinstance(word, Spoken):
+            self._skip_spare(lambda due: not self._is(due, word))
+            self.spare = 0
         assert self.due, f"{word} came, and nothing is due"
         due = self.due.popleft()
         assert isinstance(due, Spoken), f"{word} came before {due}"
@@ -91,7 +96,7 @@ class Owed:
             assert self.leaks, f"{due} came as {word}, and no link was cut"
             return due
         assert self._is(due, word), f"{word} came in the place of {due}"
-        assert word.time >= self.watermark, f"{word} came after {self.watermark} was settled"
+        assert word.time >= self.watermark, f"{word} came after {self.watermark} was announced"
         return due
 
     def consume(self, count: int = 1) -> None:
@@ -120,21 +125,29 @@ class Owed:
         """Whether this writer said that, and it did not come yet or may be said again."""
         if isinstance(word, Missing):
             return self.leaks and any(isinstance(due, Spoken) for due in self.due)
-        if isinstance(word, Settles) and word.watermark in self.settled:
+        if isinstance(word, Advance) and word.watermark in self.announced:
             return True
         return self._is_due(word)
 
     @property
     def satisfied(self) -> bool:
         """Whether nothing is due any more that must come."""
-        if self.joins and Settles(END) not in self.due:
+        if self.joins and Advance(END) not in self.due:
             return True
-        self._skip_settled()
-        return not self.due
+        self._skip_watermarks()
+        return sum(isinstance(due, Spoken) for due in self.due) <= self.spare
+
+    def rest(self) -> None:
+        """Nothing is on its way: what did not come was missing, and a cut before now takes nothing more."""
+        if not self.joins:
+            self.due.clear()
+            self.leaks = False
+            self.spare = 0
+            self.given = self.got = self.consumed = 0
 
     def _join(self, word: Word) -> None:
-        """The first that comes says where this reader was let in."""
-        if self.joins and self._is_due(word):
+        """The first that comes says where this reader was let in; absence alone, or the end, may be any."""
+        if self.joins and self._is_due(word) and not (isinstance(word, Advance) and word.watermark >= ABSENT):
             while not self._is(self.due[0], word):
                 self.given -= isinstance(self.due.popleft(), Spoken)
             self.joins = False
@@ -143,19 +156,25 @@ class Owed:
         return any(self._is(due, word) for due in self.due)
 
     @staticmethod
-    def _is(due: Spoken | Settles, word: Word) -> bool:
+    def _is(due: Spoken | Advance, word: Word) -> bool:
         return word == (due._replace(slot=False) if isinstance(due, Spoken) else due)
 
-    def _settle(self, word: Settles) -> None:
+    def _advance(self, word: Advance) -> None:
         if word.watermark == END and self.ended:
             return
-        row = self._settled_next()
-        if word in row:
+        if word.watermark != ABSENT:
+            self._skip_spare(lambda due: due.time < word.watermark)
+            self.spare = 0
+        row = self._next_watermarks()
+        if self.joins:
+            if word.watermark == END:  # what was said before was not for this reader
+                self.due.clear()
+        elif word in row:
             for _ in range(row.index(word) + 1):
                 self.due.popleft()
         else:
-            assert word.watermark in self.settled, f"{word} came, and was never said"
-            due = next((word for word in self.due if isinstance(word, Spoken)), None)
+            assert word.watermark in self.announced, f"{word} came, and was never said"
+            due = self._next_spoken()
             assert due is None or due.time >= word.watermark or word.watermark == ABSENT, (
                 f"{word} came before {due}"
             )
@@ -164,19 +183,30 @@ class Owed:
         if word.watermark < ABSENT:
             self.watermark = word.watermark
 
-    def _settled_next(self) -> list[Settles]:
+    def _skip_spare(self, passed: Callable[[Spoken], bool]) -> None:
+        """Messages that this writer passed over came as missing before, and count for another writer."""
+        while self.spare and (due := self._next_spoken()) is not None and passed(due):
+            while self.due.popleft() != due:
+                pass
+            self.spare -= 1
+            self.given -= 1
+
+    def _next_spoken(self) -> Spoken | None:
+        return next((word for word in self.due if isinstance(word, Spoken)), None)
+
+    def _next_watermarks(self) -> list[Advance]:
         """Those before the next message."""
         return [
             word
-            for word in takewhile(lambda word: isinstance(word, Settles), self.due)
-            if isinstance(word, Settles)
+            for word in takewhile(lambda word: isinstance(word, Advance), self.due)
+            if isinstance(word, Advance)
         ]
 
-    def _skip_settled(self) -> None:
+    def _skip_watermarks(self) -> None:
         """Watermarks in a row may have become the last of them; where a link was cut, all may be gone."""
-        row = self._settled_next()
-        gone = self.leaks and row[-1:] != [Settles(END)]
-        told_before = self.vague and all(word.watermark == ABSENT for word in row)
+        row = self._next_watermarks()
+        gone = self.leaks and row[-1:] != [Advance(END)]
+        told_before = self.vague and all(word.watermark >= ABSENT for word in row)
         if row and (row[-1] == self._heard or gone or told_before):
             for _ in row:
                 self.due.popleft()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from tests.promises.edge_model import Missing, Settles, Spoken, Word
+from tests.promises.edge_model import Advance, Missing, Spoken, Word
 
 from followspot.messages import Array, Header, Message, column, seal, stamped
 from followspot.transport.token import Invalid, Token, Watermark
@@ -40,7 +40,7 @@ def intact(message: Message) -> bool:
 def word(token: Token) -> Word:
     """What a token says. Raises AssertionError where its content is damaged."""
     if isinstance(token, Watermark):
-        return Settles(token.time)
+        return Advance(token.time)
     if isinstance(token, Invalid):
         return Missing(token.reason)
     assert intact(token), f"message {token.header.seq} is damaged"

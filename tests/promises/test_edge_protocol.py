@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
-from tests.promises.edge_model import ABSENT, END, Owed, Port, Settles, Spoken
+from tests.promises.edge_model import ABSENT, END, Advance, Owed, Port, Spoken
 from tests.promises.edge_words import SMALL, Picture, intact, picture, word
 
 from followspot.messages import Array
@@ -106,7 +106,7 @@ class RingEdge(RuleBasedStateMachine):
         for _ in range(times):
             self.time += 10
             self.writer.send(Watermark(self.time))
-            self.say(Settles(self.time))
+            self.say(Advance(self.time))
 
     @precondition(lambda self: self.speaks)
     @rule(messages=st.integers(0, 2))
@@ -124,7 +124,7 @@ class RingEdge(RuleBasedStateMachine):
     def be_absent(self) -> None:
         assert self.writer is not None
         self.writer.send(Watermark(ABSENT))
-        self.say(Settles(ABSENT))
+        self.say(Advance(ABSENT))
 
     @precondition(lambda self: self.speaks)
     @rule(really=st.integers(0, 3))
@@ -132,7 +132,7 @@ class RingEdge(RuleBasedStateMachine):
         if really == 3:
             assert self.writer is not None
             self.writer.send(Watermark(END))
-            self.say(Settles(END))
+            self.say(Advance(END))
             self.over = True
 
     @precondition(lambda self: self.writer)
@@ -424,8 +424,8 @@ class RingEdge(RuleBasedStateMachine):
     def speaks(self) -> bool:
         return self.writer is not None and not self.over
 
-    def say(self, spoken: Spoken | Settles) -> None:
-        self.silent = spoken == Settles(ABSENT)
+    def say(self, spoken: Spoken | Advance) -> None:
+        self.silent = spoken == Advance(ABSENT)
         self.asleep = False
         for owed in self.port.readers:
             if owed is not None:
@@ -456,7 +456,7 @@ class RingEdge(RuleBasedStateMachine):
         self.unsure.discard(index)
         self.port.readers[index] = owed = Owed()
         if self.over:
-            owed.say(Settles(END))
+            owed.say(Advance(END))
         assert self.writer is not None
         assert index not in self.writer.lost
 

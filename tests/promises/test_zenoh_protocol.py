@@ -1,0 +1,474 @@
+"""Edges over Zenoh keep what an edge promises, in whatever order ends send, die, return and are cut off."""
+
+from __future__ import annotations
+
+import itertools
+import select
+import sys
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+
+import pytest
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from tests.promises.edge_model import ABSENT, END, Advance, Missing, Owed, Spoken
+from tests.promises.edge_words import SMALL, Picture, picture, word
+from tests.promises.zenoh_hosts import READERS, Hosts
+
+from followspot.transport.token import Token, Watermark
+from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter
+
+TIMEOUT = 60.0
+"""Seconds for what must happen; nothing takes that long."""
+LONGEST_SLEEP_MS = 100
+"""Of a worker."""
+NUMBERS = itertools.count()
+
+
+class ZenohEdge(RuleBasedStateMachine):
+    """A port with two readers, over the sessions of hosts that examples share."""
+
+    shared_hosts: Hosts | None = None
+
+    @initialize(depth=st.sampled_from([1, 3]))
+    def begin(self, depth: int) -> None:
+        self.depth = depth
+        self.key = f"test/{next(NUMBERS)}/port"
+        self.hosts = ZenohEdge.shared_hosts = ZenohEdge.shared_hosts or Hosts()
+        self.readers: list[ZenohReader | None] = [None] * READERS
+        self.eras: list[list[Owed]] = [[Owed()] for _ in range(READERS)]
+        """For each reader, what is owed by one writer after the other, from the one that was heard last."""
+        self.taken: list[deque[Owed]] = [deque() for _ in range(READERS)]
+        """For each message that a reader took and did not consume, by whom it was owed."""
+        self.readers_before = [0] * READERS
+        self.writers_before = self.writer_host = 0
+        self.writer: ZenohWriter | None = None
+        self.replaced: list[ZenohWriter | ZenohReader] = []
+        """Ends in whose place others came, who do not know it."""
+        self.announced: set[int] = set()
+        self.number = self.time = 0
+        self.over = self.silent = self.asleep = self.apart = False
+        self.writer_returns(0)
+        for index in range(READERS):
+            self.reader_returns(index)
+        self.until(self.matched)
+        for owed in self.owed:
+            owed.joins = False
+
+    # What the writer does.
+
+    @precondition(lambda self: self.speaks)
+    @rule(size=st.sampled_from([SMALL, 40_000]), count=st.integers(1, 3))
+    def send(self, size: int, count: int) -> None:
+        assert self.writer is not None
+        for _ in range(count):
+            if self.writer.credit():
+                self.time += 10
+                spoken = Spoken(self.number, self.time)
+                self.number += 1
+                self.say(spoken)
+                self.writer.send(picture(spoken, size))
+
+    @precondition(lambda self: self.speaks)
+    @rule(times=st.sampled_from([1, 1, 2, 300]))
+    def advance(self, times: int) -> None:
+        """More than may be under way, or a few."""
+        assert self.writer is not None
+        for _ in range(times):
+            self.time += 10
+            self.say(Advance(self.time))
+            self.writer.send(Watermark(self.time))
+
+    @precondition(lambda self: self.speaks)
+    @rule()
+    def be_absent(self) -> None:
+        assert self.writer is not None
+        if not self.silent:
+            self.say(Advance(ABSENT))
+            self.writer.send(Watermark(ABSENT))
+
+    @precondition(lambda self: self.speaks)
+    @rule(really=st.integers(0, 7))
+    def end(self, really: int) -> None:
+        assert self.writer is not None
+        if really == 7:
+            self.over = True
+            self.announced.add(END)
+            for owed in self.owed:  # whoever is there or comes back is told
+                owed.say(Advance(END))
+            self.writer.send(Watermark(END))
+
+    def drain(self) -> None:
+        assert self.writer is not None
+        self.writer.drain()
+        self.asleep = False
+
+    def flush(self) -> None:
+        assert self.writer is not None
+        self.writer.flush()
+
+    @precondition(lambda self: self.speaks)
+    @rule()
+    def sleep(self) -> None:
+        assert self.writer is not None
+        self.drain()
+        self.writer.want_credit()
+        self.asleep = not self.writer.credit()
+
+    @rule(index=st.integers(0, 1), count=st.integers(1, 4), what=st.sampled_from(["read", "consume", "look"]))
+    def act(self, index: int, count: int, what: str) -> None:
+        """Somebody does something, whether or not there is a reason."""
+        if what == "read":
+            self.read(index)
+        elif what == "consume":
+            self.consume(index, count)
+        elif self.writer is not None:
+            self.drain()
+            self.flush()
+            self.replaced_ends_act()
+
+    # What readers do.
+
+    def read(self, index: int) -> None:
+        reader = self.readers[index]
+        if reader is not None:
+            for owed in self.eras[index]:  # what came while it did not read may have been too much
+                owed.leaks |= reader.strangers > 0
+            for token in reader.poll():
+                self.take(index, token)
+
+    def consume(self, index: int, count: int) -> None:
+        reader = self.readers[index]
+        for _ in range(min(count, len(self.taken[index]))):
+            self.taken[index].popleft().consume()
+            if reader is not None:
+                reader.consumed()
+
+    @precondition(lambda self: self.writer and not self.apart and not self.replaced)
+    @rule(index=st.integers(0, 1))
+    def catch_up(self, index: int) -> None:
+        """Everything that was said arrives, whatever else is going on."""
+        if self.readers[index] is not None:
+            self.until(lambda: self.satisfied(index))
+
+    @precondition(lambda self: self.speaks and not self.apart)
+    @rule(count=st.integers(4, 12), size=st.sampled_from([SMALL, 40_000]))
+    def flow(self, count: int, size: int) -> None:
+        """As in a run: who waits for credit sleeps, who reads gives it."""
+        for _ in range(count):
+            self.until(lambda: self.credit_after_reading() > 0)
+            self.credit_is_no_more_than_readers_have_given()
+            self.send(size, 1)
+
+    @precondition(lambda self: self.writer and not self.replaced)
+    @rule(index=st.integers(0, 1), with_host=st.booleans(), noticed=st.booleans())
+    def reader_is_started_again(self, index: int, with_host: bool, noticed: bool) -> None:
+        self.reader_dies(index, with_host)
+        if noticed and not self.over and not self.apart:
+            self.until(lambda: index in self.writer_lost)
+        self.reader_returns(index)
+
+    @precondition(lambda self: self.speaks and not self.apart)
+    @rule(held=st.booleans(), lost=st.booleans(), count=st.integers(0, 3))
+    def link_blinks(self, held: bool, lost: bool, count: int) -> None:
+        self.cut(held)
+        self.send(SMALL, count)
+        self.mend(lost)
+
+    # Deaths, returns, cables.
+
+    @rule(index=st.integers(0, 1), with_host=st.booleans())
+    def reader_dies(self, index: int, with_host: bool) -> None:
+        reader = self.readers[index]
+        if reader is not None:
+            if with_host:
+                self.hosts.reader_host_dies(index)
+            reader.close()
+            self.readers[index] = None
+            self.taken[index].clear()
+
+    @rule(index=st.integers(0, 1))
+    def reader_returns(self, index: int) -> None:
+        """As another incarnation, on the host of the one before or on another."""
+        if self.readers[index] is not None:
+            return
+        self.readers[index] = ZenohReader(
+            self.hosts.of_reader(index),
+            self.key,
+            f"reader {index}",
+            Picture,
+            self.depth,
+            incarnation=self.readers_before[index],
+        )
+        self.readers_before[index] += 1
+        self.eras[index] = [Owed(joins=True, leaks=self.apart, announced=self.announced)]
+        if self.over:
+            self.owed[index].say(Advance(END))
+
+    @precondition(lambda self: not self.replaced)
+    @rule(index=st.integers(0, 1))
+    def reader_is_replaced(self, index: int) -> None:
+        """Nobody hears from it, so another one comes; then it is heard again, and leaves."""
+        reader = self.readers[index]
+        if reader is not None:
+            self.replaced.append(reader)
+            self.readers[index] = None
+            self.taken[index].clear()
+            self.reader_returns(index)
+
+    @precondition(lambda self: self.writer and not self.replaced)
+    @rule(with_host=st.booleans())
+    def writer_dies(self, with_host: bool) -> None:
+        assert self.writer is not None
+        if with_host:
+            self.hosts.writer_host_dies(self.writer_host)
+            self.apart &= self.writer_host != 0
+        self.writer.close()
+        self.writer = None
+
+    @precondition(lambda self: not self.writer)
+    @rule(host=st.integers(0, 1))
+    def writer_returns(self, host: int) -> None:
+        """On the host of the one before, or on another."""
+        self.writer = ZenohWriter(
+            self.hosts.of_writer[host],
+            self.key,
+            {f"reader {index}": "" for index in range(READERS)},
+            self.depth,
+            incarnation=self.writers_before,
+        )
+        self.writers_before += 1
+        self.writer_host = host
+        self.over = self.asleep = False
+        self.announced = set()
+        for eras in self.eras:
+            eras.append(Owed(leaks=self.apart, vague=True, announced=self.announced))
+
+    @precondition(lambda self: self.speaks and not self.replaced and not self.apart)
+    @rule()
+    def writer_is_replaced(self) -> None:
+        """Nobody hears from it, so another one comes; then it is heard again, and leaves."""
+        assert self.writer is not None
+        self.replaced.append(self.writer)
+        self.writer = None
+        self.writer_returns(1 - self.writer_host)
+
+    def replaced_ends_act(self) -> None:
+        for end in self.replaced:
+            if isinstance(end, ZenohWriter):
+                end.drain()
+                end.flush()
+            else:
+                end.consumed(sum(not isinstance(token, Watermark) for token in end.poll()))
+
+    @precondition(lambda self: self.replaced)
+    @rule()
+    def replaced_end_leaves(self) -> None:
+        self.replaced.pop(0).close()
+
+    @precondition(lambda self: not self.apart)
+    @rule(held=st.booleans())
+    def cut(self, held: bool) -> None:
+        self.apart = True
+        self.hosts.cable.hold() if held else self.hosts.cable.cut()
+        self.owed[0].leaks = True
+
+    @precondition(lambda self: self.apart)
+    @rule(lost=st.booleans())
+    def mend(self, lost: bool) -> None:
+        """What was held arrives, or is lost."""
+        self.apart = False
+        if lost:
+            self.hosts.cable.cut()
+        self.hosts.cable.mend()
+        self.hosts.cable.release()
+
+    # What must hold at any time.
+
+    @invariant()
+    def credit_is_no_more_than_readers_have_given(self) -> None:
+        if self.writer is not None and self.speaks:
+            strict = [
+                owed.waiting
+                for index, owed in enumerate(self.owed)
+                if not (index in self.writer.lost or owed.joins or owed.leaks)
+            ]
+            assert self.writer.credit() <= max(0, self.depth - max(strict, default=0))
+
+    @invariant()
+    def who_sleeps_is_woken_by_credit(self) -> None:
+        if self.asleep and self.writer is not None and self.writer.credit():
+            assert readable(self.writer.filenos(), TIMEOUT), "there is credit, and nobody is woken"
+            self.asleep = False
+
+    def teardown(self) -> None:
+        try:
+            if sys.exception() is None:
+                self.come_to_rest()
+                self.end_it()
+                self.reader_is_started_again(0, with_host=False, noticed=False)
+                self.end_it()
+        finally:
+            self.close()
+            if sys.exception() is not None:  # the next example must not suffer from this one
+                self.hosts.close()
+                ZenohEdge.shared_hosts = None
+
+    @rule()
+    def come_to_rest(self) -> None:
+        """Cables are mended, whoever is away returns: all comes, and all credit is there again."""
+        while self.replaced:
+            self.replaced_end_leaves()
+        if self.apart:
+            self.mend(lost=False)
+        if self.writer is None:
+            self.writer_returns(self.writer_host)
+        for index in range(READERS):
+            self.reader_returns(index)
+        self.until(lambda: self.all_joined)
+        self.until(lambda: all(map(self.satisfied, range(READERS))))
+        self.until(lambda: self.credit_after_reading() == self.depth)
+        self.until(lambda: not any(reader.lost for reader in self.readers if reader is not None))
+        for owed in self.owed:
+            owed.rest()
+
+    def end_it(self) -> None:
+        """The end comes to everybody, and the writer knows."""
+        if not self.over:
+            self.end(7)
+        self.until(lambda: self.all_joined)
+        self.until(lambda: self.writer is not None and self.writer.flush() and not self.writer_lost)
+        assert all(eras[0].ended for eras in self.eras), "the writer believes that they have the end"
+
+    def close(self) -> None:
+        for end in (self.writer, *self.readers, *self.replaced):
+            if end is not None:
+                end.close()
+
+    # The pieces.
+
+    @property
+    def speaks(self) -> bool:
+        return self.writer is not None and not self.over
+
+    @property
+    def owed(self) -> list[Owed]:
+        """What the present writer owes each reader."""
+        return [eras[-1] for eras in self.eras]
+
+    @property
+    def all_joined(self) -> bool:
+        """Whether each reader knows the writer, and the writer none to be away."""
+        found = [reader is not None and reader.matched() for reader in self.readers]
+        return all(found) and not self.writer_lost
+
+    @property
+    def writer_lost(self) -> frozenset[int]:
+        assert self.writer is not None
+        return self.writer.lost
+
+    def credit_after_reading(self) -> int:
+        assert self.writer is not None
+        for index in range(READERS):
+            self.consume(index, len(self.taken[index]))
+        self.who_sleeps_is_woken_by_credit()
+        self.writer.want_credit()
+        self.asleep = not self.writer.credit()
+        return self.writer.credit()
+
+    def satisfied(self, index: int) -> bool:
+        return self.owed[index].satisfied
+
+    def matched(self) -> bool:
+        """Whether all ends know of each other; asked of each, as a worker does at the start."""
+        ends = (self.writer, *self.readers)
+        found = [end is not None and end.matched() for end in ends]
+        return all(found)
+
+    def say(self, spoken: Spoken | Advance) -> None:
+        """To the readers that the writer believes to be there."""
+        self.silent = spoken == Advance(ABSENT)
+        if isinstance(spoken, Advance):
+            self.announced.add(spoken.watermark)
+        for index, owed in enumerate(self.owed):
+            if index not in self.writer_lost:
+                owed.say(spoken)
+
+    def take(self, index: int, token: Token) -> None:
+        """Nothing of a writer is heard any more when one that came later was."""
+        heard, eras = word(token), self.eras[index]
+        while len(eras) > 1 and not eras[0].expects(heard):
+            eras.pop(0)
+        try:
+            eras[0].receive(heard)
+        except AssertionError as error:
+            raise AssertionError(f"reader {index}, of {len(eras)} eras: {error}; {self.state()}") from None
+        for later in eras[1:]:  # nothing tells of which writer a missing message was
+            later.spare = later.spare + 1 if isinstance(heard, Missing) else 0
+        if not isinstance(heard, Advance):
+            self.taken[index].append(eras[0])
+
+    def until(self, condition: Callable[[], bool]) -> None:
+        """Let everybody act when woken, as workers do, until it is so."""
+        limit = time.monotonic() + TIMEOUT
+        while not condition():
+            assert time.monotonic() < limit, f"it never happened within {TIMEOUT:.0f} s; {self.state()}"
+            self.turn()
+
+    def turn(self) -> None:
+        """Sleep until an end is woken, or as long as a worker does at most."""
+        assert self.writer is not None
+        ends = {reader.fileno(): index for index, reader in enumerate(self.readers) if reader}
+        woken = readable([*self.writer.filenos(), *ends], LONGEST_SLEEP_MS / 1000)
+        for fd in woken:
+            if fd in ends:
+                self.read(ends[fd])
+            else:
+                self.drain()
+        self.replaced_ends_act()
+        if not woken:
+            self.writer.flush()
+
+    def state(self) -> str:
+        """For a test that failed."""
+        ends = [self.writer, *self.readers]
+        shown = [
+            {name: value for name, value in vars(end).items() if isinstance(value, (int, dict, set, list))}
+            for end in ends
+            if end is not None
+        ]
+        owed = [f"reader {index} is owed {owed}" for index, owed in enumerate(self.owed)]
+        return "\n".join([*owed, *map(str, shown)])
+
+
+def readable(filenos: Iterable[int], seconds: float) -> list[int]:
+    ready = select.poll()
+    for fileno in filenos:
+        ready.register(fileno, select.POLLIN)
+    return [fileno for fileno, _ in ready.poll(1000 * seconds)]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def hosts() -> Iterator[None]:
+    """A process whose sessions are open does not exit."""
+    yield
+    if ZenohEdge.shared_hosts is not None:
+        ZenohEdge.shared_hosts.close()
+
+
+class TestZenoh(ZenohEdge.TestCase):
+    settings = settings(
+        max_examples=12,
+        stateful_step_count=20,
+        deadline=None,
+        phases=[Phase.generate],  # the network is not the same twice, and a failure takes its time
+        suppress_health_check=list(HealthCheck),
+        report_multiple_bugs=False,
+    )
+
+
+@pytest.mark.thorough
+class TestZenohManyTimes(ZenohEdge.TestCase):
+    settings = settings(TestZenoh.settings, max_examples=400, stateful_step_count=40)
