@@ -131,18 +131,19 @@ class OwnRun(ScriptHandle):
         self._whole: Report | None = None
         self._error: BaseException | None = None
         self._begun = threading.Event()
+        self._ended = threading.Event()
+        """Not the thread's own end: `Thread.join` takes a thread for ended when Ctrl-C interrupts it."""
         subscribed.failure = self._failure
-        self._thread = threading.Thread(target=self._live, args=(ready,), name="run", daemon=True)
-        self._thread.start()
+        threading.Thread(target=self._live, args=(ready,), name="run", daemon=True).start()
         self._begun.wait(_BEGIN)
 
     def close(self) -> None:
         """End the run, and wait until its outputs are complete."""
         self._subscribed.close()
         super().close()
-        if self._thread.is_alive() and self._dispatcher is not None:
+        if not self._ended.is_set() and self._dispatcher is not None:
             self.stop()
-        self._thread.join()
+        self._ended.wait()
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
         self.close()
@@ -155,7 +156,7 @@ class OwnRun(ScriptHandle):
         port: STAGE.PORT, or a shorter name as `ports=` takes it. Raises FollowspotError.
         """
         found = self._subscribed.found(port)
-        if found is not None and not (found.closed and self._thread.is_alive()):
+        if found is not None and (self._ended.is_set() or not found.closed):
             return found
         return super().__getitem__(port)
 
@@ -164,8 +165,7 @@ class OwnRun(ScriptHandle):
 
         Raises RunFailed if it failed, and FollowspotError if it waits for a subscription that nobody reads.
         """
-        while self._thread.is_alive():
-            self._thread.join(_LOOK)
+        while not self._ended.wait(_LOOK):
             self._subscribed.check_read()
         self._raise()
         return self.report
@@ -175,7 +175,7 @@ class OwnRun(ScriptHandle):
         """What the run did, after its end. Raises FollowspotError before it, RunFailed if it never began."""
         if self._whole is not None:
             return self._whole
-        if self._thread.is_alive():
+        if not self._ended.is_set():
             raise FollowspotError("the run goes on; leave its block, or wait() for its end")
         if self._report is None:
             raise RunFailed(str(self._error)) from self._error
@@ -197,15 +197,16 @@ class OwnRun(ScriptHandle):
             self._begun.set()
             self._subscribed.end()
             self._tapped.end()
+            self._ended.set()
 
     def _asked(self, request: Request, timeout: float) -> Any:
-        if self._dispatcher is None or not self._thread.is_alive():
+        if self._dispatcher is None or self._ended.is_set():
             raise FollowspotError("the run has ended")
         return self._dispatcher.dispatch(request)
 
     def _failure(self) -> Exception | None:
         """What the run failed with, once it is over."""
-        self._thread.join()
+        self._ended.wait()
         if isinstance(self._error, FollowspotError):
             return self._error
         if self._error is not None:

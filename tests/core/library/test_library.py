@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import inspect
+import signal
 import threading
 from pathlib import Path
 
@@ -136,6 +137,23 @@ def test_an_exception_in_the_block_ends_the_run_and_is_the_one_that_is_raised(tm
     with pytest.raises(KeyboardInterrupt):
         interrupted()
     assert run.over()
+
+
+def test_ctrl_c_while_waiting_leaves_the_run_to_its_handle(tmp_path: Path) -> None:
+    (tmp_path / "endless.yaml").write_text(ENDLESS)
+    main = threading.main_thread().ident
+    assert main is not None
+    with fs.run(tmp_path / "endless.yaml", plugin_files=[TICKS], out=tmp_path / "out") as run:
+
+        def interrupted() -> None:
+            threading.Timer(0.3, signal.pthread_kill, [main, signal.SIGINT]).start()
+            run.wait()
+
+        with pytest.raises(KeyboardInterrupt):
+            interrupted()
+        assert not run.over()
+        assert run.set("b.term", 5).stages[0].params == {"term": 5}
+    assert run.report.stopped
 
 
 def test_a_stage_that_fails_ends_the_loop_with_its_error(tmp_path: Path) -> None:
