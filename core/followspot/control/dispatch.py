@@ -6,7 +6,7 @@ Carriers (an in-process call, a pipe, a unix socket, Zenoh) move a request as JS
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cache
 from typing import Any, ClassVar, Literal
 
@@ -41,8 +41,8 @@ class RunRequest(Request):
     run: str = ""
 
 
-class UnknownRequest(FollowspotError):
-    """No handler is registered here for a request of this name."""
+class UnknownRequest(FollowspotError, ValueError):
+    """No request of this name is understood here."""
 
 
 def verb(kind: type[Request]) -> str:
@@ -58,6 +58,24 @@ def to_wire(request: Request) -> dict[str, Any]:
 def fields(request: Request) -> dict[str, Any]:
     """The fields of a request in JSON types."""
     return request.model_dump(mode="json")
+
+
+def from_wire(kinds: Mapping[str, type[Request]], data: Any) -> Request:
+    """The request from JSON types. kinds: types that are understood, by verb.
+
+    Raises UnknownRequest, ValueError.
+    """
+    if not isinstance(data, Mapping):
+        raise ValueError("a request is a JSON object")
+    kind = kinds.get(str(data.get("verb")))
+    if kind is None:
+        raise UnknownRequest(_unknown(str(data.get("verb"))[:80], kinds))
+    return kind.model_validate({name: value for name, value in data.items() if name != "verb"})
+
+
+def by_verb(kinds: Iterable[type[Request]]) -> Mapping[str, type[Request]]:
+    """The types by their names on the wire."""
+    return {verb(kind): kind for kind in kinds}
 
 
 def answer_from_wire(kind: type[Request], data: Any) -> Any:
@@ -76,41 +94,32 @@ class Dispatcher:
     role: of this process; handlers: get the request, return its answer, raise FollowspotError to refuse it.
     """
 
-    def __init__(self, role: Role, handlers: Mapping[type[Request], Callable[[Any], Any]]) -> None:
+    def __init__(self, role: Role, handlers: Mapping[type[Request], Callable[..., Any]]) -> None:
         """Raises TypeError if a request is for another role."""
         if foreign := [kind.__name__ for kind in handlers if role not in kind.roles]:
             raise TypeError(f"requests that no {role} handles: {', '.join(foreign)}")
         self._handlers = dict(handlers)
-        self._kinds = {verb(kind): kind for kind in handlers}
-
-    @property
-    def kinds(self) -> Mapping[str, type[Request]]:
+        self.kinds = by_verb(handlers)
         """Types of the requests that are handled, by their names on the wire."""
-        return self._kinds
 
-    def dispatch(self, request: Request) -> Any:
-        """The answer, or what the handler raises. Raises UnknownRequest."""
+    def dispatch(self, request: Request, *beside: Any) -> Any:
+        """The answer, or what the handler raises. Raises UnknownRequest.
+
+        beside: what travelled beside the request, for its handler.
+        """
         handler = self._handlers.get(type(request))
         if handler is None:
-            raise UnknownRequest(self._unknown(verb(type(request))))
-        return handler(request)
+            raise UnknownRequest(_unknown(verb(type(request)), self.kinds))
+        return handler(request, *beside)
 
     def dispatch_wire(self, data: Any) -> Any:
         """The same for a request in JSON types, and the answer in JSON types. Raises ValueError as well."""
-        request = self.from_wire(data)
+        request = from_wire(self.kinds, data)
         return answer_to_wire(type(request), self.dispatch(request))
 
-    def from_wire(self, data: Any) -> Request:
-        """The request from JSON types. Raises UnknownRequest, ValueError."""
-        if not isinstance(data, Mapping):
-            raise ValueError("a request is a JSON object")
-        kind = self._kinds.get(str(data.get("verb")))
-        if kind is None:
-            raise UnknownRequest(self._unknown(str(data.get("verb"))[:80]))
-        return kind.model_validate({name: value for name, value in data.items() if name != "verb"})
 
-    def _unknown(self, name: str) -> str:
-        return f"there is no request {name!r}; known: {', '.join(sorted(self._kinds))}"
+def _unknown(name: str, kinds: Iterable[str]) -> str:
+    return f"there is no request {name!r}; known: {', '.join(sorted(kinds))}"
 
 
 class _Answer(pydantic.RootModel[Any]):

@@ -13,9 +13,9 @@ from typing import Any, Literal, Protocol
 from followspot.control.clock_status import ClockStatus
 from followspot.control.move import MoveOrder
 from followspot.control.origin import Origin
+from followspot.control.relay import Relayed
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.tapping import Tapping
 from followspot.control.worker_report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.log.run_log import RunLog
@@ -134,8 +134,8 @@ class Host(Protocol):
     def states(self) -> dict[str, Any]:
         """What the stages here last told of their state, by stage. Raises FollowspotError."""
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports of the workers that are there; what is seen on another machine travels as posts."""
+    def relay(self, order: Relayed) -> None:
+        """Tell the workers that are there, and those that begin later."""
 
     def attend(self, timeout: float) -> None:
         """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""

@@ -42,20 +42,20 @@ class PrepareRun(Request):
 class StartRun(RunRequest):
     """All hosts are ready: begin."""
 
-    roles: ClassVar[tuple[Role, ...]] = ("host",)
+    roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 class StopRun(RunRequest):
     """End the sources; what is in flight is finished."""
 
-    roles: ClassVar[tuple[Role, ...]] = ("operator", "host")
+    roles: ClassVar[tuple[Role, ...]] = ("operator", "host", "worker")
 
 
 class EndWorkers(RunRequest):
     """These workers, on whichever host, have ended: no worker waits for them any more."""
 
     workers: tuple[str, ...]
-    roles: ClassVar[tuple[Role, ...]] = ("host",)
+    roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 class CloseRun(RunRequest):

@@ -1,6 +1,6 @@
-"""The control channel between an agent and a worker: JSON lines over a socket pair, and file descriptors.
+"""Carrier between a host and a worker: requests as JSON lines over a socket pair, and file descriptors.
 
-It has no name and no port; only the two processes that were given its ends can speak on it.
+The channel has no name and no port; only the two processes that were given its ends can speak on it.
 """
 
 from __future__ import annotations
@@ -11,9 +11,11 @@ import select
 import socket
 import threading
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from typing import Any
+from typing import NamedTuple
+
+from followspot.control.dispatch import Request, from_wire, to_wire
 
 MAX_LINE = 64 << 20
 """Longest message, bytes; a plan with a room of a thousand cameras is smaller."""
@@ -27,12 +29,25 @@ class ChannelClosed(ConnectionError):
     """The other process has ended."""
 
 
+class Received(NamedTuple):
+    """A request, and the descriptors that came beside it, in their order."""
+
+    request: Request
+    descriptors: Sequence[int]
+
+
 class Channel:
     """One end. Sending is safe from any thread; receiving is for one."""
 
-    def __init__(self, end: socket.socket, *, takes_descriptors: bool = True) -> None:
-        """takes_descriptors: whether the other process may send any; else they are closed unseen."""
+    def __init__(
+        self, end: socket.socket, kinds: Mapping[str, type[Request]], *, takes_descriptors: bool = True
+    ) -> None:
+        """kinds: types of what the other process may send, by verb.
+
+        takes_descriptors: whether it may send descriptors beside them; else they are closed unseen.
+        """
         self.socket = end
+        self._kinds = kinds
         self._most = MAX_DESCRIPTORS if takes_descriptors else 0
         self._lock = threading.Lock()
         self._pending = bytearray()
@@ -44,9 +59,9 @@ class Channel:
         """Readable when something arrived or the other process has ended."""
         return self.socket.fileno()
 
-    def send(self, kind: str, descriptors: Sequence[int] = (), **data: Any) -> None:
-        """Send one message; copies of the descriptors belong to the other process. Raises ChannelClosed."""
-        line = json.dumps({"kind": kind, "descriptors": len(descriptors), **data}).encode() + b"\n"
+    def send(self, request: Request, descriptors: Sequence[int] = ()) -> None:
+        """Send one request; copies of the descriptors belong to the other process. Raises ChannelClosed."""
+        line = json.dumps({"descriptors": len(descriptors), **to_wire(request)}).encode() + b"\n"
         try:
             with self._lock:
                 sent = socket.send_fds(self.socket, [line], list(descriptors)) if descriptors else 0
@@ -54,8 +69,8 @@ class Channel:
         except OSError as error:
             raise ChannelClosed(str(error)) from error
 
-    def receive(self) -> dict[str, Any]:
-        """The next message; waits for it. Raises ChannelClosed, ValueError."""
+    def receive(self) -> Received:
+        """The next request; waits for it. Raises ChannelClosed, ValueError."""
         while not self._has_line():
             self._pending += self._more()
         return self._cut()
@@ -66,17 +81,17 @@ class Channel:
         poll.register(self.socket, select.POLLIN)
         return self._has_line() or bool(poll.poll(seconds * 1e3))
 
-    def arrived(self) -> list[dict[str, Any]]:
+    def arrived(self) -> list[Received]:
         """Call when readable: what is complete by now. Raises ChannelClosed, ValueError."""
         self._pending += self._more()
         return self.buffered()
 
-    def buffered(self) -> list[dict[str, Any]]:
-        """What came along with messages received before; `fileno` does not tell of it. Raises ValueError."""
-        messages = []
+    def buffered(self) -> list[Received]:
+        """What came along with requests received before; `fileno` does not tell of it. Raises ValueError."""
+        received = []
         while self._has_line():
-            messages.append(self._cut())
-        return messages
+            received.append(self._cut())
+        return received
 
     def close(self) -> None:
         """Close this end; the other process sees it at once."""
@@ -105,8 +120,8 @@ class Channel:
             raise ValueError(f"a control message is longer than {MAX_LINE} bytes")
         return data
 
-    def _cut(self) -> dict[str, Any]:
-        """The first message; its `descriptors` are those that came with it, in their order."""
+    def _cut(self) -> Received:
+        """The first request. Raises ValueError."""
         end = self._pending.index(b"\n", self._searched)
         line = bytes(self._pending[:end])
         del self._pending[: end + 1]
@@ -115,13 +130,13 @@ class Channel:
             message = json.loads(line)
         except RecursionError:
             raise ValueError("a control message is nested too deeply") from None
-        if not isinstance(message, dict) or not isinstance(message.get("kind"), str):
-            raise ValueError("a control message is not an object with a kind")
-        count = message.get("descriptors", 0)
+        if not isinstance(message, dict):
+            raise ValueError("a control message is not an object")
+        count = message.pop("descriptors", 0)
         if type(count) is not int or not 0 <= count <= len(self._descriptors):
             raise ValueError(f"a control message without its {str(count)[:80]} descriptors")
-        message["descriptors"] = [self._descriptors.popleft() for _ in range(count)]
-        return message
+        descriptors = [self._descriptors.popleft() for _ in range(count)]
+        return Received(from_wire(self._kinds, message), descriptors)
 
     def _has_line(self) -> bool:
         """Whether a message is complete; looks only at what came since it was not."""

@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from followspot.control.tapping import Tapping, check_taps
 from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan, PlannedStage
@@ -65,16 +64,6 @@ def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedS
 def unpacked_stages(stages: Sequence[PlannedStage], grants: Grants) -> tuple[PlannedStage, ...]:
     """Stages as the host's workers get them. Raises FollowspotError; see `unpacked`."""
     return tuple(_granted(stage, grants) for stage in stages)
-
-
-def check_remote_taps(tappings: Sequence[Tapping]) -> None:
-    """Check taps of an operator elsewhere, which have no files here. Raises FollowspotError."""
-    check_taps(tappings)
-    for tapping in tappings:
-        kind = load_stage(tapping.uses)
-        for mark in (PathIn, PathOut):
-            if any(tapping.params.get(name) is not None for name in path_parameters(kind.Params, mark)):
-                raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
 
 
 def _granted(stage: PlannedStage, grants: Grants) -> PlannedStage:

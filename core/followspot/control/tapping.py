@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, Self
 
-from followspot.control.dispatch import Role, RunRequest
+from followspot.control.relay import Relayed
 from followspot.errors import FollowspotError
+from followspot.graph.parameters import path_parameters
+from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
+from followspot.stage import PathIn, PathOut, Stage
 
 
 @dataclass(frozen=True)
@@ -21,19 +24,36 @@ class Tapping:
     params: Mapping[str, Any]
 
 
-class PlaceTaps(RunRequest):
+class PlaceTaps(Relayed):
     """Put sinks at ports."""
 
     taps: tuple[Tapping, ...]
-    roles: ClassVar[tuple[Role, ...]] = ("operator", "host", "worker")
+
+    def check(self, plan: Plan, *, remote: bool) -> None:
+        """Raises FollowspotError if a stage is no tap, or has files and the order came from elsewhere."""
+        for tapping in self.taps:
+            kind = _tap_class(tapping)
+            files = (*path_parameters(kind.Params, PathIn), *path_parameters(kind.Params, PathOut))
+            if remote and any(tapping.params.get(name) is not None for name in files):
+                raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
+
+    def part_for(self, stages: Collection[str]) -> Self:
+        """The taps at these stages."""
+        mine = (tapping for tapping in self.taps if tapping.port.rpartition(".")[0] in stages)
+        return self.model_copy(update={"taps": tuple(mine)})
 
 
 def check_taps(tappings: Iterable[Tapping]) -> None:
-    """Raises FollowspotError where a stage does not say of itself that it may be put at a port so."""
+    """Raises FollowspotError if a stage does not declare itself a tap."""
     for tapping in tappings:
-        kind = load_stage(tapping.uses)
-        if not kind.tap or ports(kind).outputs:
-            raise FollowspotError(
-                f"{tapping.uses} cannot look at {tapping.port} while the graph runs: it is no tap; "
-                "a sink that other programs need stands in the graph"
-            )
+        _tap_class(tapping)
+
+
+def _tap_class(tapping: Tapping) -> type[Stage]:
+    kind = load_stage(tapping.uses)
+    if not kind.tap or ports(kind).outputs:
+        raise FollowspotError(
+            f"{tapping.uses} cannot look at {tapping.port} while the graph runs: it is no tap; "
+            "a sink that other programs need stands in the graph"
+        )
+    return kind

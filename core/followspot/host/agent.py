@@ -23,9 +23,10 @@ from followspot.control.lifecycle import (
 )
 from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates, ReadClock
-from followspot.control.plan_transfer import check_remote_taps, unpacked, unpacked_stages
+from followspot.control.plan_transfer import unpacked, unpacked_stages
+from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
-from followspot.control.tapping import PlaceTaps
+from followspot.control.worker_orders import RELAYED
 from followspot.control.zenoh_rpc import RpcClient, RpcServer, agents
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -158,7 +159,7 @@ class Agent:
                 GetHostStatus: lambda request: local(request).status(),
                 ChangeOrder: self.change,
                 MoveOrder: self.move,
-                PlaceTaps: self.tap,
+                **dict.fromkeys(RELAYED, self.relay),
                 GetStates: lambda request: local(request).states(),
                 ReadClock: lambda _: read_clock(self.options.clock_offset),
                 CloseRun: lambda request: runs.close(request.run),
@@ -231,8 +232,8 @@ class Agent:
             self.tell(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
         agent_run.run.move(order)
 
-    def tap(self, request: PlaceTaps) -> None:
-        """Look at ports of stages that run here. Raises FollowspotError."""
-        agent_run = self.agent_runs.agent_run(request.run)
-        check_remote_taps(request.taps)
-        agent_run.run.tap(request.taps)
+    def relay(self, order: Relayed) -> None:
+        """Tell the workers that run here. Raises FollowspotError."""
+        run = self.agent_runs.agent_run(order.run).run
+        order.check(run.plan, remote=True)
+        run.relay(order)

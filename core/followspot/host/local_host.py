@@ -14,8 +14,9 @@ from typing import Any
 from followspot.control.clock_status import ClockWarnings
 from followspot.control.host import HostStatus, RunOrder
 from followspot.control.move import MoveOrder
+from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.tapping import Tapping
+from followspot.control.worker_orders import SetClock
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -125,7 +126,7 @@ class LocalHost:
                 raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
         self._change = change
         for name, part in change.parts.items():
-            self.workers[name].tell("change", order=part.model_dump(mode="json"))
+            self.workers[name].tell(part)
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move; done when the host is attended next."""
@@ -136,9 +137,9 @@ class LocalHost:
         """What the stages here last told of their state."""
         return dict(self.pool.states)
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports of the workers that are here and of those that will be; safe from any thread."""
-        self.pool.tap(tappings)
+    def relay(self, order: Relayed) -> None:
+        """Tell the workers that are here, and those that begin later; safe from any thread."""
+        self.pool.relay(order)
 
     def attend(self, timeout: float) -> None:
         """Hear what workers say, restart those that died, kill those that hang."""
@@ -188,7 +189,7 @@ class LocalHost:
     def _attend_clock(self) -> None:
         """Tell the workers what to add to their clocks, and the user where that is much."""
         if (correction := self.clock.news()) is not None:
-            self.pool.tell("clock", correction=correction)
+            self.pool.tell(SetClock(correction=correction))
         if warning := self._clock_warnings.news(self.clock.status()):
             self.tell("warning", warning)
 

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import socket
 from collections.abc import Collection
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
+from followspot.control.worker_orders import Side
 from followspot.graph.plan import Plan
 from followspot.worker.edge_links import ring_edges, socket_pair
-
-Side = Literal["sending", "receiving"]
 
 
 class RingEnd(NamedTuple):

@@ -6,7 +6,9 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from followspot.control.lifecycle import StopRun
 from followspot.control.move import MoveOrder
+from followspot.control.worker_orders import LeaveRun, SendStates
 from followspot.control.worker_report import WorkerReport
 from followspot.host.clocks.host import HostClock
 from followspot.host.heartbeat import Heartbeat, RestartPolicy, fed
@@ -21,7 +23,7 @@ _SNAPSHOT_PERIOD = 1.0
 
 
 class Supervisor:
-    """Decides what becomes of each worker of a crew.
+    """Decides what becomes of each worker of a worker pool.
 
     clock: what workers that are started are told of it; tell: gets news and errors, and whose they are.
     """
@@ -32,7 +34,7 @@ class Supervisor:
         self._tell = tell
         self._running = self._stopping = False
         self._left: set[str] = set()
-        """Workers that have left their place, or are about to, until the crew is rearranged."""
+        """Workers that have left their place, or are about to, until the pool is rearranged."""
         self._latest = 0
         """Highest incarnation that a move has given."""
         self._dead: set[str] = set()
@@ -65,7 +67,7 @@ class Supervisor:
         self._stopping = True
         self._missing = frozenset(self._dead)
         self._kill_at = time.monotonic() + _GRACE
-        self._pool.tell("stop")
+        self._pool.tell(StopRun())
         for name in self._restarts.waiting:
             self._give_up(self._pool.workers[name], error=_gone(name))
         for name in self._left:
@@ -94,7 +96,7 @@ class Supervisor:
         self._left.update(leaving)
         for name in leaving:
             self._restarts.call_off(name)
-            self._pool.workers[name].tell("leave")
+            self._pool.workers[name].tell(LeaveRun())
         if order.plan is None:
             return
         present = (worker.incarnation for worker in self._pool.workers.values())
@@ -162,7 +164,7 @@ class Supervisor:
     def _ask_for_states(self) -> None:
         for worker in self._pool.workers.values():
             if worker.phase == "running":
-                worker.tell("snapshot")
+                worker.tell(SendStates())
 
     def _spawn_again(self, name: str, incarnation: int) -> None:
         self._pool.spawn(name, incarnation, self._clock.correction(), again=True)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import selectors
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any
 
+from followspot.control.dispatch import Request
 from followspot.control.host import RunOrder
+from followspot.control.lifecycle import EndWorkers, StartRun
+from followspot.control.relay import Relayed, with_order
 from followspot.control.swap import ChangeStatus
-from followspot.control.tapping import Tapping
 from followspot.control.worker_messages import Change, Log, State
+from followspot.control.worker_orders import BuildWorker, TakeRing
 from followspot.graph.change import with_stages
 from followspot.graph.move import host_workers
 from followspot.graph.plan import Plan, PlannedStage
@@ -57,7 +59,8 @@ class WorkerPool:
         self._rings = Rings(self.plan, set(self.names()))
         for name in order.over:
             self._rings.give_up(name)
-        self._taps: list[dict[str, Any]] = []
+        self._standing: list[Relayed] = []
+        """Orders for workers that begin later."""
         self._answers: list[tuple[str, ChangeStatus]] = []
 
     def names(self) -> list[str]:
@@ -75,21 +78,20 @@ class WorkerPool:
             self._rings.renew(name)
         self._hand_over(self._rings.take(name))
         mine = [stage.name for stage in self.plan.stages if stage.worker == name]
-        worker.tell(
-            "plan",
-            (self._ledger,),
+        order = BuildWorker(
             worker=name,
             plan=self._plan_data,
-            out=self.order.out,
+            out=self.order.out or "",
             frames=self.order.frames,
             run=self.order.run,
-            network=asdict(self._network.for_worker(self._peers())),
+            network=self._network.for_worker(self._peers()),
             incarnation=incarnation,
             restart=self.order.restart,
-            over=sorted(self.over),
+            over=tuple(sorted(self.over)),
             states={stage: self.states[stage] for stage in mine if stage in self.states},
             clock=correction,
         )
+        worker.tell(order, (self._ledger,))
         if uses_zenoh(self.plan, name) and not (self._hub or self._network.router):
             while not worker.locators and worker.busy:  # each connects to those before it
                 self._listen(worker)
@@ -97,9 +99,9 @@ class WorkerPool:
     def begin(self, worker: WorkerProcess) -> None:
         """All others are ready as well: go."""
         worker.phase = "running"
-        worker.tell("start")
-        if self._taps:
-            worker.tell("tap", taps=self._taps)
+        for order in tuple(self._standing):
+            worker.tell(order)
+        worker.tell(StartRun())
 
     def join(self, worker: WorkerProcess) -> None:
         """Let a worker begin among others that are at work."""
@@ -114,23 +116,22 @@ class WorkerPool:
         answers, self._answers = self._answers, []
         return answers
 
-    def tell(self, kind: str, **data: Any) -> None:
-        """Say the same to everybody."""
+    def tell(self, order: Request) -> None:
+        """Say the same to all workers."""
         for worker in tuple(self.workers.values()):
-            worker.tell(kind, **data)
+            worker.tell(order)
 
     def ended(self, workers: Collection[str]) -> None:
         """These have come to their end, here or elsewhere: nobody need wait for them."""
         self.over.update(workers)
-        self.tell("over", workers=sorted(self.over))
+        self.tell(EndWorkers(workers=tuple(sorted(self.over))))
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports of the workers that are here and of those that will be; safe from any thread."""
-        taps = [asdict(tapping) for tapping in tappings]
-        self._taps += taps
+    def relay(self, order: Relayed) -> None:
+        """Tell the workers that are at work, and the others when they begin; safe from any thread."""
+        self._standing = with_order(self._standing, order)
         for worker in tuple(self.workers.values()):
-            if worker.phase == "running":  # the others are told when they begin
-                worker.tell("tap", taps=taps)
+            if worker.phase == "running":
+                worker.tell(order)
 
     def change(self, stages: Sequence[PlannedStage]) -> None:
         """Who is started from now on gets these stages in the place of those of the same names."""
@@ -169,20 +170,21 @@ class WorkerPool:
         """Give ends to their workers."""
         for end in ends:
             with end.socket:
-                self.workers[end.worker].tell("ring", (end.socket.fileno(),), edge=end.edge, side=end.side)
+                order = TakeRing(edge=end.edge, side=end.side)
+                self.workers[end.worker].tell(order, (end.socket.fileno(),))
 
     def _peers(self) -> list[str]:
         return [*self._hub, *(locator for worker in self.workers.values() for locator in worker.locators)]
 
     def _listen(self, worker: WorkerProcess) -> None:
         channel = worker.channel.fileno()
-        for word in worker.listen():
-            match word:
-                case State(stage, state):
-                    self.states[stage] = state
-                case Change(status):
-                    self._answers.append((worker.name, status))
-                case Log(records):
-                    self._log.add(*records)
+        for message in worker.listen():
+            match message:
+                case State():
+                    self.states[message.stage] = message.state
+                case Change():
+                    self._answers.append((worker.name, message.status))
+                case Log():
+                    self._log.add(*message.records)
         if not worker.open:
             self._selector.unregister(channel)

@@ -7,13 +7,14 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Protocol
 
+from followspot.control.dispatch import Request
 from followspot.control.host import WorkerPhase, WorkerStatus
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.stage_status import PathStatus, StageStatus
-from followspot.control.worker_messages import Done, Failed, Listening, Progress, Ready, Said, Stages, said
+from followspot.control.worker_messages import MESSAGES, Done, Failed, Listening, Progress, Ready, Stages
 from followspot.control.worker_report import WorkerReport
 from followspot.log.record import MAX_TEXT
 
@@ -64,7 +65,7 @@ class WorkerProcess:
             self.process = start(name, theirs)
         self.name = name
         self.incarnation = incarnation
-        self.channel = Channel(ours, takes_descriptors=False)
+        self.channel = Channel(ours, MESSAGES, takes_descriptors=False)
         self.open = True
         """Whether the channel still is."""
         self.phase: WorkerPhase = "starting"
@@ -84,20 +85,20 @@ class WorkerProcess:
         """Whether more is to be heard of it."""
         return self.open and self.report is None
 
-    def tell(self, kind: str, descriptors: tuple[int, ...] = (), **data: Any) -> None:
-        """Send an order; where the worker is gone, that is noticed where its answers are read."""
+    def tell(self, order: Request, descriptors: Sequence[int] = ()) -> None:
+        """Send an order; if the worker is gone, that is noticed when its answers are read."""
         try:
-            self.channel.send(kind, descriptors, **data)
+            self.channel.send(order, descriptors)
         except ChannelClosed:
             return
 
-    def listen(self) -> list[Said]:
+    def listen(self) -> list[Request]:
         """What has arrived; call when the channel is readable.
 
         Closes it where the worker is gone, or says what no worker says: then it is killed, too.
         """
         try:
-            words = [said(message) for message in self.channel.arrived()]
+            messages = [message for message, _ in self.channel.arrived()]
         except ChannelClosed:
             self._hang_up()
             return []
@@ -106,28 +107,28 @@ class WorkerProcess:
             self._hang_up()
             return []
         self.heard = time.monotonic()
-        for word in words:
-            self._hear(word)
-        return words
+        for message in messages:
+            self._hear(message)
+        return messages
 
     def _hang_up(self) -> None:
         self.open = False
         self.channel.close()
 
-    def _hear(self, word: Said) -> None:
-        match word:
-            case Progress(fired, moment):
-                self.fired, self.time = fired, moment
-            case Stages(stages, paths):
-                self.stages, self.paths = stages, paths
-            case Ready(expected):
-                self.phase, self.expected = "ready", expected
-            case Listening(locators):
-                self.locators = list(locators)
-            case Done(report):
-                self.report = report
-            case Failed(error):
-                self.report = WorkerReport(self.name, 0, error=error)
+    def _hear(self, message: Request) -> None:
+        match message:
+            case Progress():
+                self.fired, self.time = message.fired, message.time
+            case Stages():
+                self.stages, self.paths = message.stages, message.paths
+            case Ready():
+                self.phase, self.expected = "ready", message.expected
+            case Listening():
+                self.locators = list(message.locators)
+            case Done():
+                self.report = message.report
+            case Failed():
+                self.report = WorkerReport(self.name, 0, error=message.error)
 
     def status(self) -> WorkerStatus:
         """As data."""

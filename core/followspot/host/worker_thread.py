@@ -8,6 +8,7 @@ import subprocess
 import threading
 
 from followspot.control.pipe import Channel, ChannelClosed
+from followspot.control.worker_orders import ORDERS
 from followspot.log.collector import collecting
 from followspot.worker.main import WorkerMain
 
@@ -16,7 +17,7 @@ class WorkerThread:
     """`Process` that is a thread. It cannot be killed: it ends when its control channel is closed."""
 
     def __init__(self, name: str, end: socket.socket) -> None:
-        self.main = WorkerMain(Channel(end.dup()), in_process=True)
+        self.main = WorkerMain(Channel(end.dup(), ORDERS), in_process=True)
         self.pid = os.getpid()
         self._exit_code: int | None = None
         self._thread = threading.Thread(target=self._live, name=f"worker {name}", daemon=True)

@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Lock
 
 from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
-from followspot.control.tapping import Tapping
+from followspot.control.relay import Relayed, with_order
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
 from followspot.graph.move import moved
@@ -78,9 +78,9 @@ class Coordinator:
         self._one_change = Lock()
         self._begun = begun
         self._prepared = list(hosts) if begun else []
-        self._early: list[Tapping] = []
-        """What those want to look at who came before there was anything to see."""
-        self._one_tap = Lock()
+        self._early: list[Relayed] = []
+        """Orders that came before the hosts had their parts."""
+        self._one_relay = Lock()
 
     def stop(self) -> None:
         """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
@@ -106,7 +106,7 @@ class Coordinator:
         """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
         for host in self.hosts:
             host.prepare(self.order)
-            self._look_there(host)
+            self._relay_to(host)
         if not self._all_ready():
             self._end_early()
             return False
@@ -173,7 +173,7 @@ class Coordinator:
             over = tuple(sorted(self._ended))
             host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))
             host.start()
-            self._look_there(host)
+            self._relay_to(host)
             self.order = replace(self.order, reference=self.order.reference or name)
             self.hosts.append(host)
             self.log.join(host)
@@ -182,20 +182,24 @@ class Coordinator:
         if not self._begun:
             raise FollowspotError("the run has not begun yet; try again in a moment")
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports, as soon as they are there; safe from any thread."""
-        with self._one_tap:
-            if not self._begun:
-                self._early += tappings
-            for host in self._prepared:
-                host.tap(tappings)
+    def relay(self, order: Relayed) -> None:
+        """Tell all workers, as soon as their hosts have their parts; safe from any thread.
 
-    def _look_there(self, host: Host) -> None:
-        """The host has taken its part: look at its ports from now on."""
-        with self._one_tap:
+        Raises FollowspotError if a run of this plan refuses the order.
+        """
+        order.check(self.plan, remote=False)
+        with self._one_relay:
+            if not self._begun:
+                self._early = with_order(self._early, order)
+            for host in self._prepared:
+                host.relay(order)
+
+    def _relay_to(self, host: Host) -> None:
+        """The host has its part: tell it what came before."""
+        with self._one_relay:
             self._prepared.append(host)
-            if self._early:
-                host.tap(self._early)
+            for order in self._early:
+                host.relay(order)
 
     def records(self, after: int) -> LogPage:
         """What was logged on all hosts after the record of this number; safe from any thread."""

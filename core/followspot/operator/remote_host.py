@@ -21,8 +21,8 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.origin import own_origin
 from followspot.control.plan_transfer import packed, packed_stages
+from followspot.control.relay import Relayed, with_order
 from followspot.control.swap import ChangeOrder
-from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -81,7 +81,8 @@ class RemoteHost:
         self._over = threading.Event()
         self._unheard: deque[RunRequest] = deque()
         """Orders that were given while the host did not answer."""
-        self._taps: list[Tapping] = []
+        self._standing: list[Relayed] = []
+        """Orders for an agent that is started anew."""
         self._asking = threading.Thread(target=self._keep_asking, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
@@ -147,15 +148,15 @@ class RemoteHost:
         """What the stages there last told of their state."""
         return dict(self._ask(GetStates(run=self.run), _PREPARING))
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
-        """Look at ports there."""
+    def relay(self, order: Relayed) -> None:
+        """Tell the workers there."""
         assert self.order is not None
         plan = plan_from_data(self.order.plan)
         here = {worker.name for worker in plan.workers if worker.host == self.name}
         mine = {stage.name for stage in plan.stages if stage.worker in here}
-        taps = tuple(tapping for tapping in tappings if tapping.port.rpartition(".")[0] in mine)
-        self._taps += [tap for tap in taps if tap not in self._taps]
-        self._insist(PlaceTaps(run=self.run, taps=taps))
+        order = order.part_for(mine).model_copy(update={"run": self.run})
+        self._standing = with_order(self._standing, order)
+        self._insist(order)
 
     def attend(self, timeout: float) -> None:
         """Wait for news. Raises HostLost where none came for too long."""
@@ -269,8 +270,8 @@ class RemoteHost:
             return
         incarnations = {w.name: w.restarts + _MARGIN for w in self._status.workers}
         self._before = (*self._status.news, f"{lost}: its part of the run begins anew")[-_MOST_NEWS:]
-        after: list[RunRequest] = [PlaceTaps(run=self.run, taps=tuple(self._taps)), StartRun(run=self.run)]
-        self._unheard.extendleft(each for each in after if each not in self._unheard)
+        after: list[RunRequest] = [*self._standing, StartRun(run=self.run)]
+        self._unheard.extendleft(each for each in reversed(after) if each not in self._unheard)
         try:
             self._ask(PrepareRun(order=replace(order, incarnations=incarnations)), _PREPARING)
         except HostRefused as error:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 from followspot.control.dispatch import Dispatcher, Request, Role
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
-from followspot.control.tapping import PlaceTaps, check_taps
+from followspot.control.worker_orders import RELAYED
 from followspot.graph.ship import plan_to_data
 from followspot.operator.changed import Changed, Moved
 from followspot.operator.coordinator import Coordinator
@@ -84,10 +84,6 @@ def run_dispatcher(
         found = run.status()
         return replace(found, workers=tuple(replace(worker, report=None) for worker in found.workers))
 
-    def tap(request: PlaceTaps) -> None:
-        check_taps(request.taps)
-        run.tap(request.taps)
-
     return Dispatcher(
         "operator",
         {
@@ -97,7 +93,7 @@ def run_dispatcher(
             GetSurroundings: lambda _: surroundings,
             ChangeStages: lambda request: run.change(request.words, request.folder, fresh=request.fresh),
             MoveStages: lambda request: run.move(request.stages, request.place),
-            PlaceTaps: tap,
+            **dict.fromkeys(RELAYED, run.relay),
             StopRun: lambda _: end(),
         },
     )

@@ -1,7 +1,7 @@
 """A worker process: `python -m followspot.worker.main FD`, where FD is its control channel.
 
-The agent sends the plan; the worker builds its stages, says that it is ready, waits for the start, runs,
-and reports. When the agent dies, the worker ends its sources, completes its outputs and exits.
+The host sends the plan; the worker builds its stages, says that it is ready, waits for the start, runs,
+and reports. When the host dies, the worker ends its sources, completes its outputs and exits.
 """
 
 from __future__ import annotations
@@ -13,22 +13,44 @@ import sys
 import threading
 import time
 import traceback
+from collections.abc import Collection, Sequence
 from contextlib import suppress
-from dataclasses import asdict
 from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from followspot.control.checkpoint import state_from_data, state_to_data
-from followspot.control.pipe import Channel, ChannelClosed
+from followspot.control.dispatch import Dispatcher
+from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
+from followspot.control.pipe import Channel, ChannelClosed, Received
 from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.tapping import Tapping
+from followspot.control.tapping import PlaceTaps
+from followspot.control.worker_messages import (
+    Built,
+    Change,
+    Done,
+    Failed,
+    Listening,
+    Log,
+    Progress,
+    Ready,
+    Stages,
+    State,
+)
+from followspot.control.worker_orders import (
+    ORDERS,
+    BuildWorker,
+    LeaveRun,
+    SendStates,
+    SetClock,
+    Side,
+    TakeRing,
+)
 from followspot.errors import FollowspotError
 from followspot.graph.ship import plan_from_data
 from followspot.log.collector import LogCollector, collecting
 from followspot.plugins.registry import use_plugin_files
-from followspot.transport.zenoh.network import network_from_data
 from followspot.worker.build import build_worker
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
@@ -67,28 +89,32 @@ class WorkerMain:
         self.idleness = Idleness()
         self.restart = False
         self.over = threading.Event()
-        self._orders: list[dict[str, Any]] = []
+        self._orders: list[Received] = []
+        """Orders that came before the start."""
         self._telling = threading.Lock()
 
     def live(self) -> None:
-        """Build, start, run, report. Raises ChannelClosed when the agent ends before the start."""
-        sockets: dict[str, dict[int, socket.socket]] = {"sending": {}, "receiving": {}}
-        while (order := self.channel.receive())["kind"] != "plan":
-            sockets[order["side"]][order["edge"]] = socket.socket(fileno=order["descriptors"][0])
-        name, error, self.restart = order["worker"], "", order["restart"]
+        """Build, start, run, report. Raises ChannelClosed when the host ends before the start."""
+        rings: dict[Side, dict[int, socket.socket]] = {"sending": {}, "receiving": {}}
+        order, descriptors = self.channel.receive()
+        while isinstance(order, TakeRing):
+            rings[order.side][order.edge] = socket.socket(fileno=descriptors[0])
+            order, descriptors = self.channel.receive()
+        assert isinstance(order, BuildWorker)
+        name, error, self.restart = order.worker, "", order.restart
         self.log.worker = name
         try:
-            self.links = links = self._links(order, sockets["sending"], sockets["receiving"])
-            self.worker = self._build(order, links)
+            self.links = links = self._links(order, rings["sending"], rings["receiving"])
+            self.worker = self._build(order, descriptors[0], links)
             self.taps = WorkerTaps(name, self.worker, links, partial(self.warnings.add, "taps"))
-            self._give_up(order["over"])
-            self.channel.send("built")
-            if not order["incarnation"]:  # later ones find the others at work, and some perhaps not at all
+            self._give_up(order.over)
+            self.channel.send(Built())
+            if not order.incarnation:  # later ones find the others at work, and some perhaps not at all
                 links.wait_matched()
             self.worker.setup()
-            self._restore(order["states"])
+            self._restore(order.states)
             self._tell_log()
-            self.channel.send("ready", expected=self.worker.expected())
+            self.channel.send(Ready(expected=self.worker.expected()))
             if self._started():
                 self._run()
         except FollowspotError as failure:
@@ -108,39 +134,37 @@ class WorkerMain:
             self._tell_stages(self.worker)
             if not (error or self.restart or self.links is None or self.links.plan.live):
                 error = missing(self.worker)
-            report = worker_report(name, self.worker, self.warnings, error)
-            self.channel.send("done", report=report.to_data())
+            self.channel.send(Done(report=worker_report(name, self.worker, self.warnings, error)))
         else:
-            self.channel.send("failed", error=error)
+            self.channel.send(Failed(error=error))
 
     def _links(
         self,
-        order: dict[str, Any],
+        order: BuildWorker,
         sending: dict[int, socket.socket],
         receiving: dict[int, socket.socket],
     ) -> EdgeLinks:
         """Open the Zenoh session, if needed, and take the ends of the rings over."""
-        plan = plan_from_data(order["plan"])
+        plan = plan_from_data(order.plan)
         session = None
-        network = network_from_data(order["network"])
-        if uses_zenoh(plan, order["worker"]) or network.leads_somewhere:
+        network = order.network
+        if uses_zenoh(plan, order.worker) or network.leads_somewhere:
             from followspot.transport.zenoh.session import connected, locators, log_refusals
 
             if network.certificates:  # whoever started this process counts them
                 log_refusals()
             session = connected(network)
-            self.channel.send("listening", locators=locators(session))
-        return EdgeLinks(plan, sending, receiving, session, order["run"], order["incarnation"])
+            self.channel.send(Listening(locators=tuple(locators(session))))
+        return EdgeLinks(plan, sending, receiving, session, order.run, order.incarnation)
 
-    def _build(self, order: dict[str, Any], links: EdgeLinks) -> Worker:
+    def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Worker:
+        """Build the stages. memory: descriptor of that of the ledger."""
         use_plugin_files(links.plan.plugin_files)
         edges = len(links.plan.edges)
-        ledger = Ledger(edges, _shared_words(order["descriptors"][0], edges))
-        self.clock = Clock(*order["clock"])
-        options = RunOptions(
-            Path(order["out"]), order["frames"], self.warnings.add, order["restart"], self.clock
-        )
-        return build_worker(Wiring(links.plan), order["worker"], ledger, options, links)
+        ledger = Ledger(edges, _shared_words(memory, edges))
+        self.clock = Clock(*order.clock)
+        options = RunOptions(Path(order.out), order.frames, self.warnings.add, order.restart, self.clock)
+        return build_worker(Wiring(links.plan), order.worker, ledger, options, links)
 
     def _started(self) -> bool:
         """Wait at the barrier; False where the run is called off."""
@@ -148,10 +172,10 @@ class WorkerMain:
         while True:
             while not self.channel.waits(_REMINDER):
                 self.links.remind()
-            order = self.channel.receive()
-            if order["kind"] in ("start", "stop"):
-                return bool(order["kind"] == "start")
-            self._orders.append(order)
+            received = self.channel.receive()
+            if isinstance(received.request, StartRun | StopRun):
+                return isinstance(received.request, StartRun)
+            self._orders.append(received)
 
     def _run(self) -> None:
         assert self.worker is not None
@@ -161,6 +185,7 @@ class WorkerMain:
 
             self.published = published(self.worker, self.links)
         self.change = WorkerChange(self.worker, self._tell_change)
+        self._dispatcher = self._handlers(self.worker, self.links)
         self.worker.watch(self.channel.fileno(), self._listen)
         self.worker.pace.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
@@ -173,55 +198,59 @@ class WorkerMain:
             self.change.close()
 
     def _listen(self) -> bool:
-        """Something came from the agent, or it is gone: a stop at once, all else between two firings."""
+        """Something came from the host, or it is gone: a stop at once, all else between two firings."""
         assert self.worker is not None
         try:
-            orders = self.channel.arrived()
+            received = self.channel.arrived()
         except ChannelClosed:
             self._leave_soon()
             if self.restart:  # another one will take its place, so its streams are not over
                 self.worker.between_firings(_leave)
             self.worker.stop()
             return True
-        if any(order["kind"] == "stop" for order in orders):
+        if any(isinstance(order, StopRun) for order, _ in received):
             self.worker.stop()
-        self.worker.between_firings(partial(self._obey, orders))
+        self.worker.between_firings(partial(self._obey, received))
         return False
 
-    def _obey(self, orders: list[dict[str, Any]]) -> None:
+    def _obey(self, received: Sequence[Received]) -> None:
         """Orders to a running worker come between two firings."""
-        assert self.worker is not None
-        assert self.links is not None
-        assert self.taps is not None
-        for order in orders:
-            if order["kind"] == "stop":
-                self.worker.stop()
-            elif order["kind"] == "over":
-                self._give_up(order["workers"])
-            elif order["kind"] == "ring":
-                sock = socket.socket(fileno=order["descriptors"][0])
-                self.links.renew(self.worker, order["edge"], sock)
-            elif order["kind"] == "tap":
-                self.taps.place(Tapping(**tapping) for tapping in order["taps"])
-            elif order["kind"] == "snapshot":
-                self._tell_states()
-            elif order["kind"] == "clock":
-                self.clock.captured, self.clock.steady = order["correction"]
-            elif order["kind"] == "leave":
-                self._tell_states()
-                raise ChannelClosed("this worker's stages go elsewhere")
-            elif order["kind"] == "change":
-                self.change.obey(ChangeOrder.model_validate(order["order"]))
+        for order, descriptors in received:
+            self._dispatcher.dispatch(order, *descriptors)
 
-    def _give_up(self, workers: list[str]) -> None:
-        """These have come to their end: nothing is to be waited for at the other ends of their edges."""
+    def _handlers(self, worker: Worker, links: EdgeLinks) -> Dispatcher:
+        """What the host may order while the worker runs."""
+        return Dispatcher(
+            "worker",
+            {
+                StopRun: lambda _: worker.stop(),
+                EndWorkers: lambda order: self._give_up(order.workers),
+                TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
+                PlaceTaps: lambda order: self.taps.place(order.taps) if self.taps else None,
+                SendStates: lambda _: self._tell_states(),
+                SetClock: self._set_clock,
+                LeaveRun: self._leave_run,
+                ChangeOrder: self.change.obey,
+            },
+        )
+
+    def _set_clock(self, order: SetClock) -> None:
+        self.clock.captured, self.clock.steady = order.correction
+
+    def _leave_run(self, _: LeaveRun) -> None:
+        """Raises ChannelClosed."""
+        self._tell_states()
+        raise ChannelClosed("this worker's stages go elsewhere")
+
+    def _give_up(self, workers: Collection[str]) -> None:
+        """These workers have ended: nothing more comes from the other ends of their edges."""
         assert self.worker is not None
         assert self.links is not None
         self.worker.give_up(rows_of(self.links.plan, workers))
 
     def _tell_change(self, status: ChangeStatus) -> None:
         with suppress(ChannelClosed):  # it is noticed where orders are read
-            self.channel.send("change", status=asdict(status))
+            self.channel.send(Change(status=status))
 
     def _tell_states(self) -> None:
         """What successors of the stages would need to carry on."""
@@ -233,7 +262,7 @@ class WorkerMain:
                 self.warnings.add(runner.name, f"its state cannot be kept: {error}")
                 continue
             if state is not None:
-                self.channel.send("state", stage=runner.name, state=state)
+                self.channel.send(State(stage=runner.name, state=state))
 
     def _restore(self, states: dict[str, Any]) -> None:
         """Carry on from what the stages of the worker that died had told."""
@@ -254,7 +283,7 @@ class WorkerMain:
                 return
             progress = self.worker.progress()
             try:
-                self.channel.send("progress", fired=progress.fired, time=progress.time)
+                self.channel.send(Progress(fired=progress.fired, time=progress.time))
                 self._tell_log()
                 if turn % _STAGES_EVERY == 0:
                     self._tell_stages(self.worker)
@@ -277,12 +306,11 @@ class WorkerMain:
         """From any thread; on return, what another thread has taken is told, too: "done" comes after all."""
         with self._telling:
             if records := self.log.take():
-                self.channel.send("log", records=[record.to_data() for record in records])
+                self.channel.send(Log(records=tuple(records)))
 
     def _tell_stages(self, worker: Worker) -> None:
-        stages = [asdict(stage) for stage in self.idleness.noted(stages_now(worker, self.warnings.last))]
-        paths = [asdict(path) for path in paths_now(worker)]
-        self.channel.send("stages", stages=stages, paths=paths)
+        stages = tuple(self.idleness.noted(stages_now(worker, self.warnings.last)))
+        self.channel.send(Stages(stages=stages, paths=paths_now(worker)))
 
 
 def _leave() -> None:
@@ -305,7 +333,7 @@ def _shared_words(fd: int, edges: int) -> memoryview:
 def main() -> int:
     """Entry of the process."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the agent decides
-    channel = Channel(socket.socket(fileno=int(sys.argv[1])))
+    channel = Channel(socket.socket(fileno=int(sys.argv[1])), ORDERS)
     main = WorkerMain(channel)
     try:
         with collecting(main.log):

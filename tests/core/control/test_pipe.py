@@ -8,12 +8,14 @@ from collections.abc import Iterator
 
 import pytest
 
+from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.pipe import MAX_DESCRIPTORS, MAX_WAITING, Channel, ChannelClosed
+from followspot.control.worker_orders import ORDERS, TakeRing
 
 
 @pytest.fixture
 def ends() -> Iterator[tuple[Channel, Channel]]:
-    one, other = (Channel(end) for end in socket.socketpair())
+    one, other = (Channel(end, ORDERS) for end in socket.socketpair())
     yield one, other
     one.close()
     other.close()
@@ -22,12 +24,12 @@ def ends() -> Iterator[tuple[Channel, Channel]]:
 def test_what_came_along_with_a_message_is_waited_for_no_longer(ends: tuple[Channel, Channel]) -> None:
     one, other = ends
     assert not other.waits(0.0)
-    one.send("first")
-    one.send("second", value=2)
+    one.send(StartRun())
+    one.send(EndWorkers(workers=("a",)))
     assert other.waits(60.0)
-    assert other.receive()["kind"] == "first"
+    assert other.receive().request == StartRun()
     assert other.waits(0.0), "the second is here already"
-    assert [message["value"] for message in other.buffered()] == [2]
+    assert [request for request, _ in other.buffered()] == [EndWorkers(workers=("a",))]
     assert not other.waits(0.0)
 
 
@@ -50,8 +52,33 @@ def test_descriptors_without_a_message_are_taken_up_to_a_limit_that_all_rings_of
 
 def test_the_other_end_closes_the_channel(ends: tuple[Channel, Channel]) -> None:
     one, other = ends
-    one.send("last")
+    one.send(StopRun())
     one.close()
-    assert other.receive()["kind"] == "last"
+    assert other.receive().request == StopRun()
     with pytest.raises(ChannelClosed):
+        other.receive()
+
+
+def test_descriptors_travel_beside_the_request_they_were_sent_with(
+    ends: tuple[Channel, Channel],
+) -> None:
+    one, other = ends
+    read, write = os.pipe()
+    order = TakeRing(edge=3, side="sending")
+    one.send(order, (write,))
+    one.send(StartRun())
+    os.close(write)
+    found, (descriptor,) = other.receive()
+    assert found == order
+    assert other.receive() == (StartRun(), [])
+    os.write(descriptor, b"a")
+    assert os.read(read, 1) == b"a"
+    os.close(descriptor)
+    os.close(read)
+
+
+def test_what_a_channel_does_not_know_is_refused(ends: tuple[Channel, Channel]) -> None:
+    one, other = ends
+    one.socket.sendall(b'{"verb": "dance"}\n')
+    with pytest.raises(ValueError, match="there is no request 'dance'"):
         other.receive()

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from followspot.control.pipe import MAX_LINE, Channel
-from followspot.control.worker_messages import Progress, Ready
+from followspot.control.worker_messages import MESSAGES, Progress, Ready
 from followspot.host.worker_process import WorkerProcess
 
 
@@ -22,7 +22,7 @@ class Speaker:
         self.worker = WorkerProcess("left", 0)
         self.worker.channel.close()
         ours, self.socket = socket.socketpair()
-        self.worker.channel = Channel(ours, takes_descriptors=False)
+        self.worker.channel = Channel(ours, MESSAGES, takes_descriptors=False)
 
     def say(self, data: Any) -> list[Any]:
         """Send one message; what the host takes from it."""
@@ -39,8 +39,8 @@ def speaker() -> Iterator[Speaker]:
 
 
 def test_what_a_worker_says_is_taken(speaker: Speaker) -> None:
-    assert speaker.say({"kind": "ready", "expected": None}) == [Ready(None)]
-    assert speaker.say({"kind": "progress", "fired": 3, "time": -1}) == [Progress(3, -1)]
+    assert speaker.say({"verb": "ready", "expected": None}) == [Ready(expected=None)]
+    assert speaker.say({"verb": "progress", "fired": 3, "time": -1}) == [Progress(fired=3, time=-1)]
     assert (speaker.worker.phase, speaker.worker.fired) == ("ready", 3)
 
 
@@ -50,30 +50,30 @@ def test_what_a_worker_says_is_taken(speaker: Speaker) -> None:
         5,
         [],
         {},
-        {"kind": 5},
-        {"kind": []},
-        {"kind": "unheard of"},
-        {"kind": "progress"},
-        {"kind": "progress", "fired": 2**63, "time": 0},
-        {"kind": "progress", "fired": 0, "time": 2**63},
-        {"kind": "progress", "fired": float("nan"), "time": 0},
-        {"kind": "progress", "fired": -1, "time": 0},
-        {"kind": "ready", "expected": 10**400},
-        {"kind": "ready", "expected": "many"},
-        {"kind": "ready", "expected": 1, "descriptors": 1},
-        {"kind": "ready", "expected": 1, "descriptors": -1},
-        {"kind": "ready", "expected": 1, "descriptors": float("inf")},
-        {"kind": "ready", "expected": 1, "descriptors": []},
-        {"kind": "stages", "stages": [{"stage": "a", "state": "asleep"}], "paths": []},
-        {"kind": "stages", "stages": [{"stage": "a", "state": "over", "busy_ms": float("inf")}], "paths": []},
-        {"kind": "stages", "stages": 5, "paths": []},
-        {"kind": "log", "records": [{"time": 2**63, "level": "info", "text": "a"}]},
-        {"kind": "log", "records": [{"time": 0, "level": "info", "text": "a" * 5000}]},
-        {"kind": "change", "status": {"phase": "odd"}},
-        {"kind": "state", "state": 5},
-        {"kind": "done", "report": {"worker": "left", "frames": 2**63}},
-        {"kind": "failed"},
-        {"kind": "listening", "locators": 5},
+        {"verb": 5},
+        {"verb": []},
+        {"verb": "unheard of"},
+        {"verb": "progress"},
+        {"verb": "progress", "fired": 2**63, "time": 0},
+        {"verb": "progress", "fired": 0, "time": 2**63},
+        {"verb": "progress", "fired": float("nan"), "time": 0},
+        {"verb": "progress", "fired": -1, "time": 0},
+        {"verb": "ready", "expected": 10**400},
+        {"verb": "ready", "expected": "many"},
+        {"verb": "ready", "expected": 1, "descriptors": 1},
+        {"verb": "ready", "expected": 1, "descriptors": -1},
+        {"verb": "ready", "expected": 1, "descriptors": float("inf")},
+        {"verb": "ready", "expected": 1, "descriptors": []},
+        {"verb": "stages", "stages": [{"stage": "a", "state": "asleep"}], "paths": []},
+        {"verb": "stages", "stages": [{"stage": "a", "state": "over", "busy_ms": float("inf")}], "paths": []},
+        {"verb": "stages", "stages": 5, "paths": []},
+        {"verb": "log", "records": [{"time": 2**63, "level": "info", "text": "a"}]},
+        {"verb": "log", "records": [{"time": 0, "level": "info", "text": "a" * 5000}]},
+        {"verb": "change", "status": {"phase": "odd"}},
+        {"verb": "state", "state": 5},
+        {"verb": "done", "report": {"worker": "left", "frames": 2**63}},
+        {"verb": "failed"},
+        {"verb": "listening", "locators": 5},
     ],
     ids=lambda message: json.dumps(message)[:60],
 )
@@ -96,7 +96,7 @@ def test_lines_that_are_no_message_are_as_bad(speaker: Speaker, line: bytes) -> 
 def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> None:
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(100):
-        socket.send_fds(speaker.socket, [b'{"kind": "built"}\n'], [speaker.socket.fileno()] * 8)
+        socket.send_fds(speaker.socket, [b'{"verb": "built"}\n'], [speaker.socket.fileno()] * 8)
         assert len(speaker.worker.listen()) == 1
     assert len(list(Path("/proc/self/fd").iterdir())) == before
 
@@ -104,7 +104,7 @@ def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> Non
 def test_a_long_line_takes_time_in_proportion_and_has_an_end() -> None:
     """Each piece is looked at once: what was searched is not searched again."""
     ours, theirs = socket.socketpair()
-    channel = Channel(ours)
+    channel = Channel(ours, MESSAGES)
     piece = b"a" * (1 << 15)
     with pytest.raises(ValueError, match="longer than"):  # noqa: PT012  # somewhere on the way
         for _ in range(2 * MAX_LINE // len(piece)):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from followspot.control.dispatch import answer_from_wire
+from followspot.control.dispatch import Request, answer_from_wire, verb
 from followspot.control.observation import GetLog
 from followspot.errors import InputError
 from followspot.log.collector import BURST, PER_SECOND, LogCollector, collecting
@@ -74,10 +74,10 @@ def test_what_another_thread_has_taken_is_told_before_the_last_word() -> None:
     taken, ended = threading.Event(), threading.Event()
 
     class Channel:
-        def send(self, kind: str, **data: object) -> None:
+        def send(self, request: Request) -> None:
             taken.set()
             ended.wait(0.2)  # held up, while the worker comes to its end
-            told.append(kind)
+            told.append(verb(type(request)))
 
     main = WorkerMain(Channel())  # type: ignore[arg-type]
     main.log.say("error", "fuse", "broken")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from followspot.control.host import HostStatus, RunOrder, WorkerStatus
-from followspot.control.tapping import Tapping
+from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
@@ -53,22 +52,22 @@ class Ready:
     def start(self) -> None:
         """Begin."""
 
-    def tap(self, tappings: Sequence[Tapping]) -> None:
+    def relay(self, order: PlaceTaps) -> None:
         assert self.workers, "there is nothing to look at"
-        self.taps += tappings
+        self.taps += order.taps
 
     def status(self) -> HostStatus:
         return HostStatus(self.workers, ())
 
 
 def test_who_looks_before_there_is_anything_to_see_sees_it_as_soon_as_it_is_there(plan: Plan) -> None:
-    host, taps = Ready(), [Tapping(f"a.{name}", "seen", {}) for name in ("first", "second")]
+    host, taps = Ready(), [Tapping(f"a.{name}", "dashboard.tap", {}) for name in ("first", "second")]
     run = Coordinator(plan, [host], order(plan))  # type: ignore[list-item]
-    run.tap(taps[:1])
+    run.relay(PlaceTaps(taps=tuple(taps[:1])))
     assert host.taps == []
     assert run.begin()
     assert host.taps == taps[:1]
-    run.tap(taps[1:])
+    run.relay(PlaceTaps(taps=tuple(taps[1:])))
     assert host.taps == taps
 
 

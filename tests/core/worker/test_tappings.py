@@ -6,17 +6,20 @@ from typing import Any
 
 import pytest
 
-from followspot.control.plan_transfer import check_remote_taps
-from followspot.control.tapping import Tapping
+from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.room import Room
+
+PLAN = Plan("g", Room("room"), (), (), ())
 
 
-def asked(uses: str, **params: Any) -> list[Tapping]:
-    return [Tapping("camera/cam0.out", uses, params)]
+def asked(uses: str, **params: Any) -> PlaceTaps:
+    return PlaceTaps(taps=(Tapping("camera/cam0.out", uses, params),))
 
 
 def test_a_sink_without_files_is_taken() -> None:
-    check_remote_taps(asked("dashboard.tap", rate=5.0))
+    asked("dashboard.tap", rate=5.0).check(PLAN, remote=True)
 
 
 @pytest.mark.parametrize(
@@ -30,6 +33,12 @@ def test_a_sink_without_files_is_taken() -> None:
         (asked("nobody.knows"), "nobody.knows"),
     ],
 )
-def test_what_has_files_or_is_no_tap_is_refused(taps: list[Tapping], why: str) -> None:
+def test_what_has_files_or_is_no_tap_is_refused(taps: PlaceTaps, why: str) -> None:
     with pytest.raises(FollowspotError, match=why):
-        check_remote_taps(taps)
+        taps.check(PLAN, remote=True)
+
+
+def test_an_operator_of_this_host_may_use_files() -> None:
+    asked("dashboard.tap", folder="/tmp").check(PLAN, remote=False)
+    with pytest.raises(FollowspotError, match="no tap"):
+        asked("sinks.csv").check(PLAN, remote=False)

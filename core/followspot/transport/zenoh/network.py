@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from followspot.transport.host_registry import read_certificates
 from followspot.transport.keys import OPERATOR
@@ -101,11 +101,6 @@ def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
 def everywhere(certificates: str) -> tuple[str, ...]:
     """Listen on a free port of all addresses of this host, for those who discover it."""
     return ((_SECURE if certificates else "tcp/") + _EVERYWHERE,)
-
-
-def network_from_data(data: Mapping[str, Any]) -> Network:
-    """From JSON types, as `dataclasses.asdict` gave them."""
-    return Network(**{**data, "listen": tuple(data["listen"]), "connect": tuple(data["connect"])})
 
 
 def _near(endpoint: str) -> bool:

@@ -1,0 +1,83 @@
+"""Orders from a host to a worker, over the pipe between them. Descriptors travel beside an order."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar, Literal
+
+from followspot.control.dispatch import Request, Role, by_verb
+from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
+from followspot.control.relay import Relayed
+from followspot.control.swap import ChangeOrder
+from followspot.control.tapping import PlaceTaps
+from followspot.ranges import Count, Incarnation, Nanoseconds
+from followspot.transport.zenoh.network import Network
+
+Side = Literal["sending", "receiving"]
+Correction = tuple[Nanoseconds, Nanoseconds]
+"""What to add to capture times and to the monotonic clock of a host, ns."""
+
+
+class WorkerOrder(Request):
+    """Base of orders that only a worker handles."""
+
+    roles: ClassVar[tuple[Role, ...]] = ("worker",)
+
+
+class BuildWorker(WorkerOrder):
+    """Build the stages and wait for `StartRun`. Beside it: the memory of the ledger.
+
+    worker: name; plan: of the run, in JSON types; out: folder for outputs; frames: messages per source, None
+    for all; incarnation: how often the worker was started before; restart: whether workers that die are
+    started again; over: workers that have ended; states: checkpoints to carry on from, by stage.
+    """
+
+    worker: str
+    plan: dict[str, Any]
+    out: str
+    frames: Count | None
+    run: str
+    network: Network
+    incarnation: Incarnation
+    restart: bool
+    over: tuple[str, ...]
+    states: dict[str, Any]
+    clock: Correction
+
+
+class TakeRing(WorkerOrder):
+    """Take one end of the ring of an edge. edge: its number in the plan. Beside it: a socket."""
+
+    edge: int
+    side: Side
+
+
+class SendStates(WorkerOrder):
+    """Tell the host a checkpoint of every stage."""
+
+
+class SetClock(WorkerOrder):
+    """Correct the clocks from now on."""
+
+    correction: Correction
+
+
+class LeaveRun(WorkerOrder):
+    """Tell the host a checkpoint of every stage and exit, in the middle of the streams."""
+
+
+RELAYED: tuple[type[Relayed], ...] = (PlaceTaps,)
+"""Orders that come from the operator."""
+ORDERS = by_verb(
+    (
+        BuildWorker,
+        TakeRing,
+        StartRun,
+        StopRun,
+        EndWorkers,
+        SendStates,
+        SetClock,
+        LeaveRun,
+        ChangeOrder,
+        *RELAYED,
+    )
+)
