@@ -12,7 +12,7 @@ from followspot_cameras.images import Images
 from followspot_cameras.video import Video
 
 MOST_FRAMES = 300
-"""Of a target's clip; more teach nothing new and fill the memory."""
+"""Frames read of a target's clip; more do not improve the template and fill the memory."""
 
 
 def folders_of(folder: Path, noun: str) -> list[Path]:

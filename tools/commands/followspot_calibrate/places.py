@@ -1,4 +1,4 @@
-"""Where the cameras of a room see single targets in their clips: points for other calibrations."""
+"""Sightings of single targets in clips of a room's cameras: points for other calibrations."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from followspot_calibrate.clips import MOST_FRAMES, folders_of, read_frames
 from followspot_cameras.recordings import find_recordings
 
 OFF_MIDDLE = 0.03
-"""How far the middle of what glows may be from the middle of the target, one sigma over its width.
+"""Distance between the middle of the bright part and the middle of the target, one sigma over its width.
 
-Lamps and reflective patches sit if they sit, and infrared cameras see other ones than colour cameras do.
-That shifts all sightings of a camera alike, so that many of them do not help: it is counted for each.
+Lamps and reflective patches are not in the middle, and infrared cameras see other ones than colour cameras.
+That shifts all sightings of a camera alike, so averaging does not help: it counts for each sighting.
 """
 
 

@@ -1,4 +1,4 @@
-"""How far a calibration has come, on one line of the terminal; nothing if there is none."""
+"""Progress of a calibration on one line of the terminal; nothing without a terminal."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import sys
 
 
 def show_progress(what: str, share: float) -> None:
-    """What is being done and which share of it is done, 0 to 1."""
+    """The present step as text, and the completed share, 0 to 1."""
     if sys.stderr.isatty():
         print(f"\r\x1b[K{what}: {share:.0%}", end="", file=sys.stderr, flush=True)
 

@@ -1,4 +1,4 @@
-"""Where cameras saw the same points: what every calibration starts from."""
+"""Sightings of points by several cameras: the input of every calibration."""
 
 from __future__ import annotations
 

@@ -52,9 +52,9 @@ def similarity(source: Array, target: Array, *, scaled: bool = True) -> Similari
 
 
 def agreeing(source: Array, target: Array, *, scaled: bool = True) -> Array:
-    """Which points agree on one similarity, (N,) bool: those near the one with the least median error.
+    """Points that agree on one similarity, (N,) bool: those near the one with the least median error.
 
-    Each three points propose one. All agree if there are three only.
+    Each triple of points proposes one. All agree if there are only three.
     """
     limit = NEAR * spread(target)
     best, agree = np.inf, np.ones(len(source), bool)
@@ -75,7 +75,7 @@ def spread(points: Array | Sequence[Array]) -> float:
 
 
 def on_a_line(points: Array) -> bool:
-    """Whether points, (N, 3), leave a turn about a line open."""
+    """True if points, (N, 3), lie on a line, so that a rotation about it stays open."""
     if len(points) < 3:
         return True
     strength = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)

@@ -45,7 +45,7 @@ class BlobTable:
 
 @dataclass(frozen=True, eq=False)
 class Tracked:
-    """What a run gave. The targets of the tracks are numbered in the order of the room."""
+    """The outputs of a run. The targets of the tracks are numbered in the order of the room."""
 
     tracks: TrackTable
     blobs: BlobTable
@@ -71,7 +71,7 @@ def tracking_plan(
 
 
 def detectors(plan: Plan) -> tuple[str, ...]:
-    """The stages of the graph whose blobs another kind of stage makes something of, in their order."""
+    """The graph's stages with blobs that a stage of another kind reads, in their order."""
     spoken = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
     blobs = {name for name, each in spoken.items() if any(port.type is Blobs for port in each.outputs)}
     group = {stage.name: stage.group for stage in plan.stages}

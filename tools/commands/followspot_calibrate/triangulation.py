@@ -15,7 +15,7 @@ from followspot.room import Camera
 SHARE = 0.01
 """Largest reprojection error of a sighting that counts, over the longer side of the picture."""
 ROUNDS = 3
-"""Of solving for the points and choosing the views that agree with them; more change nothing."""
+"""Rounds of solving for the points and selecting the views that agree; more change nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def triangulate(cameras: Sequence[Camera], pixel: Array) -> Triangulated:
 
 
 def leave_one_out(cameras: Sequence[Camera], pixel: Array, found: Triangulated) -> Array:
-    """Residuals of each view where the point rests on the other views alone: (N, C, 2) px.
+    """Residuals of each view from the point that the other views give: (N, C, 2) px.
 
     A camera cannot pull the point towards its own sighting. NaN if fewer than two other views agree.
     """
@@ -89,9 +89,9 @@ def error(residual: Array) -> Array:
 
 
 def solved(views: Views, rays: Array, used: Array, near: Array) -> Array:
-    """Points nearest to the rays of the used views, equal errors in px assumed; NaN for fewer than two views.
+    """Points nearest to the rays of the used views, for equal errors in px; NaN for fewer than two views.
 
-    rays: (N, C, 3); used: (N, C) bool; near: (N, 3) m, about where the points are, which gives the depths.
+    rays: (N, C, 3); used: (N, C) bool; near: (N, 3) m, approximate points, which give the depths.
     """
     enough = (used.sum(axis=1) >= 2) & np.isfinite(near).all(axis=1)
     points = np.full(near.shape, np.nan)

@@ -1,6 +1,6 @@
 """Normal equations of an adjustment, solved by eliminating the points (the Schur complement).
 
-Points are independent of each other given the cameras, but for those that rods tie together; so only a
+Points are independent of each other given the cameras, except for those that rods connect. So only a
 system of the size of the cameras is dense (H&Z, appendix 6.3; Triggs et al. 2000, section 6).
 """
 

@@ -22,7 +22,7 @@ DAMPING = (1e-12, 1e-4, 1e8)
 """Smallest, first and largest."""
 
 Progress = Callable[[str, float], None]
-"""Told what is being done and which share of it is done, 0 to 1."""
+"""Receives the present step as text, and the completed share, 0 to 1."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,7 +25,7 @@ class Prior:
     sigma: Array
 
     def errors(self, number: int, camera: Camera, free: Free) -> Array:
-        """How far a camera is from what is believed, (P,) sigmas."""
+        """Deviation of a camera from its prior, (P,) sigmas."""
         given = self.cameras[number]
         parts = [rotation_vector(camera.rotation @ given.rotation.T), camera.center - given.center]
         if free.focal:

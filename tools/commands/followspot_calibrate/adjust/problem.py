@@ -1,4 +1,4 @@
-"""What an adjustment minimises: robust reprojection and length errors, and their normal equations."""
+"""The cost of an adjustment: robust reprojection and length errors, and their normal equations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from followspot_calibrate.adjust.rods import Group, Rods
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """What one camera saw. rows: (M,) of the points; pixel: (M, 2) px; free: parameters of this camera."""
+    """Sightings of one camera. rows: (M,) of the points; pixel: (M, 2) px; free: its parameters."""
 
     rows: Array
     pixel: Array
@@ -45,7 +45,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Middle:
-    """Where principal points are expected, (C, 2) px, and how far off they may be: sigma, (C,) px."""
+    """Expected principal points, (C, 2) px, with sigma, (C,) px."""
 
     center: Array
     sigma: Array
@@ -53,7 +53,7 @@ class Middle:
 
 @dataclass(frozen=True, eq=False)
 class Anchors:
-    """Where camera centres are known to be, (C, 3) m, and how well: sigma, (C,) m, infinite where unknown."""
+    """Known camera centres, (C, 3) m, with sigma, (C,) m, infinite if unknown."""
 
     center: Array
     sigma: Array

@@ -31,18 +31,18 @@ class Free:
 
     @property
     def center_at(self) -> slice:
-        """Where the principal point stands among the parameters."""
+        """Index of the principal point among the parameters."""
         first = 6 * self.poses + self.focal + self.aspect
         return slice(first, first + 2 * self.center)
 
     @property
     def intrinsics(self) -> bool:
-        """Whether anything but the poses may change."""
+        """True if anything but the poses is free."""
         return self.focal or self.aspect or self.center or self.distortion > 0
 
     @property
     def parameters(self) -> int:
-        """Of one camera, in this order: rotation 3, translation 3, log focal 1, aspect 1, center 2, lens."""
+        """Number, in this order: rotation 3, translation 3, log focal 1, aspect 1, center 2, lens."""
         return 6 * self.poses + self.focal + self.aspect + 2 * self.center + self.distortion
 
 

@@ -11,9 +11,9 @@ from followspot.messages import Array
 
 @dataclass(frozen=True, eq=False)
 class Rods:
-    """Pairs of rows whose distance is known: the bulbs of a wand, the corners of a board.
+    """Pairs of rows with a known distance: the bulbs of a wand, the corners of a board.
 
-    first, second: (S,) row numbers; length: (S,) or one for all, m; sigma: how well it is known, m.
+    first, second: (S,) row numbers; length: (S,) or one for all, m; sigma: of the length, m.
     """
 
     first: Array
@@ -25,7 +25,7 @@ class Rods:
         return len(self.first)
 
     def within(self, usable: Array) -> Rods:
-        """The rods whose ends are both usable, with the numbers the rows have among the usable; (N,) bool."""
+        """The rods with two usable ends, with row numbers among the usable rows; usable: (N,) bool."""
         chosen = usable[self.first] & usable[self.second]
         number = np.cumsum(usable) - 1
         length = np.broadcast_to(self.length, self.first.shape)[chosen]
@@ -44,9 +44,9 @@ NO_RODS = Rods(np.empty(0, int), np.empty(0, int), 0.0, 1.0)
 
 @dataclass(frozen=True, eq=False)
 class Group:
-    """Sets of g points each, tied by rods within a set and by none between sets.
+    """Sets of g points each, connected by rods within a set and by none between sets.
 
-    members: (G, g) rows; rods: (S,) which rods tie them; where: set, place of the first end and place of
+    members: (G, g) rows; rods: (S,) that connect them; where: set, index of the first end and index of
     the second end of each of these rods, (3, S).
     """
 

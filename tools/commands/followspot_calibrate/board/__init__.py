@@ -1,1 +1,1 @@
-"""`calibrate board`: where cameras stand, from a board that several of them see at once."""
+"""`calibrate board`: camera poses from a board that several cameras see at once."""

@@ -36,7 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look, solve, write, report."""
+    """Find the board, solve, write, report."""
     from followspot_calibrate.board.command import calibrate_board
 
     return calibrate_board(args)

@@ -1,4 +1,4 @@
-"""From pairs of cameras that share views to the poses of all of them: the strongest spanning tree."""
+"""From pairs of cameras with shared views to the poses of all: the strongest spanning tree."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.board.poses import STILL, BoardPose, Pose, Relation, relate
 
 LEAST_MOMENTS = 3
-"""That a pair of cameras must agree on to be linked."""
+"""Smallest number of agreeing views that links a pair of cameras."""
 
 Seen = Mapping[int, Sequence[BoardPose]]
 """Moment -> poses of the board in one camera."""

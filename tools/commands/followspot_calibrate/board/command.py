@@ -1,4 +1,4 @@
-"""What `followspot calibrate board` does."""
+"""`followspot calibrate board`."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def calibrate_board(args: argparse.Namespace) -> int:
 
 
 def _moments(args: argparse.Namespace, names: Sequence[str]) -> Mapping[str, Mapping[int, int]] | None:
-    """What belongs together; None if the same number is the same moment. Raises InputError."""
+    """The time stamps that match frames; None if equal numbers are equal moments. Raises InputError."""
     path = args.timestamps or (args.videos / TIMESTAMPS if args.videos else None)
     return read_timestamps(path, names) if path and (args.timestamps or path.is_file()) else None
 

@@ -20,7 +20,7 @@ PAIRS_NOTE = (
 def page_of(room: str, found: BoardCalibration, planes: Mapping[str, Array], warnings: Sequence[str]) -> Page:
     """The cameras, the pairs that link them, and the residuals of the board's corners in each camera.
 
-    planes: of the room, where its frame of reference stayed.
+    planes: of the room, if its frame of reference stayed.
     """
     apart, pixel = found.distances, found.sightings.pixel
     arrows = residuals(Views(found.cameras), found.points, pixel)

@@ -22,7 +22,7 @@ NEAR_SHIFT = 0.05
 """Their distance over the distance to the board."""
 
 MOST_MOMENTS = 300
-"""Of a pair of cameras that are compared with each other, evenly spread."""
+"""Largest number of shared views of a pair that are compared, evenly spread."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""How rigid the triangulated board is: distances between its corners against the printed ones."""
+"""Rigidity of the triangulated board: distances between its corners against the printed ones."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from followspot.messages import Array
 from followspot_calibrate.boards.board import Board
 
 MOST_PAIRS = 2000
-"""Of corners of one moment, evenly spread over all pairs."""
+"""Largest number of pairs of corners per moment, evenly spread over all pairs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Distances:
 
     @property
     def scale(self) -> float:
-        """By which measured lengths must be multiplied to be the printed ones: the median ratio."""
+        """Factor from measured to printed lengths: the median ratio."""
         return float(np.median(self.printed / self.measured))
 
     @property

@@ -15,7 +15,7 @@ MOST_LABELS = 100_000
 
 
 def sightings_of(cameras: Sequence[Camera], views: Mapping[str, Sequence[View]]) -> Sightings:
-    """A row for each corner and moment that any camera saw, in the order of moments and corners.
+    """A row for each corner and moment that a camera saw, in the order of moments and corners.
 
     views: camera -> its views, where frame is the number of the moment.
     """

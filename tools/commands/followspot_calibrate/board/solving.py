@@ -1,4 +1,4 @@
-"""From views of a board in all cameras to where the cameras stand."""
+"""From views of a board in all cameras to camera poses."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.triangulation import triangulate
 
 ROUNDS = 2
-"""Of adjusting and rejecting."""
+"""Rounds of adjusting and rejecting."""
 OUTLIER = 8.0
 """Reprojection error over its median from which a sighting is rejected..."""
 LEAST_OUTLIER = 1.0
 """... unless it is smaller than this, px."""
 FLOOR = np.diag([1.0, -1.0, -1.0])
-"""From the board's frame, y down and z into the board, to a room on it, z up."""
+"""From the board's frame, y down and z into the board, to a room with the board as floor, z up."""
 
 Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, eq=False)
 class BoardCalibration:
-    """Where the cameras stand, and how well that explains what they saw.
+    """The camera poses, and how well they explain the sightings.
 
     sightings: of corners that at least two cameras saw; points: (N, 3) m; residual: (N, C) px, NaN if not
-    seen or rejected; rejected: (C,) sightings that contradict the others; pairs: which cameras saw the board
-    together; distances: between corners of the board, measured against printed; scale: by which lengths from
-    the lenses alone differ from the board's.
+    seen or rejected; rejected: (C,) sightings that contradict the others; pairs: of cameras that saw the
+    board together; distances: between corners of the board, measured against printed; scale: ratio of
+    lengths from the lenses alone to the board's.
     """
 
     cameras: tuple[Camera, ...]
@@ -64,7 +64,7 @@ def solve(
     floor: int | None = None,
     progress: Progress | None = None,
 ) -> BoardCalibration:
-    """Poses of all cameras, whose lenses are known, in metres.
+    """Poses, m, of all cameras with known lenses.
 
     views: camera -> its views, where frame is the number of the moment; floor: the moment at which the board
     lies on the floor; without one the first camera keeps its pose. Raises FollowspotError.

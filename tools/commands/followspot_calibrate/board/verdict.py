@@ -1,4 +1,4 @@
-"""What a calibration with a board says to its user: a table, JSON, and what is in doubt."""
+"""The result of a calibration with a board: a table, JSON, and warnings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from followspot_calibrate.board.solving import BoardCalibration
 
 FEW_MOMENTS = 10
-"""That link a camera, below which the user is warned."""
+"""Number of views that link a camera below which there is a warning."""
 SCALE_DOUBT = 0.02
 """Deviation of the scale from 1 at which the focal lengths are in doubt."""
 ROUGH = 1.0
@@ -22,7 +22,7 @@ FLEXIBLE_MM = 5.0
 
 
 def warnings_of(found: BoardCalibration) -> list[str]:
-    """What is in doubt, each with its remedy."""
+    """Warnings, each with its remedy."""
     notes = []
     for number, camera in enumerate(found.cameras):
         links = [relation.moments for pair, relation in found.pairs.items() if number in pair]

@@ -1,1 +1,1 @@
-"""Calibration boards: what they are, where their corners are seen, and the pictures that show them."""
+"""Calibration boards, detection of their corners, and the pictures that show them."""

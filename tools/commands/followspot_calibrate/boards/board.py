@@ -13,7 +13,7 @@ from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.messages import Array
 
 USUAL_MARKER = 0.75
-"""Side of a marker over that of its square, where the user does not say."""
+"""Default side of a marker over that of its square."""
 MOST_SQUARES = 50
 FLAGS = ("inverted", "legacy")
 FORM = (
@@ -56,7 +56,7 @@ class Board:
 
     @property
     def symmetric(self) -> bool:
-        """Whether it looks the same after half a turn, so that nobody can tell its corners apart."""
+        """True if half a turn does not change its look, so that its corners cannot be told apart."""
         return self.pattern == "chessboard" and (self.columns + self.rows) % 2 == 0
 
 

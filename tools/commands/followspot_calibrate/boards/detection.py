@@ -65,7 +65,7 @@ class Detector:
         return ids.ravel().astype(np.int64), corners.reshape(-1, 2).astype(np.float64)
 
     def _chessboard(self, gray: Array) -> tuple[Array, Array] | None:
-        """All corners or none, as the pattern cannot tell which they are."""
+        """All corners or none, because single corners of this pattern have no identity."""
         shrink = min(1.0, SEARCHED / max(gray.shape))
         small = cv2.resize(gray, None, fx=shrink, fy=shrink, interpolation=cv2.INTER_AREA)
         flags = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
@@ -107,9 +107,9 @@ def edge_width(gray: Array, pixel: Array, distance: float) -> float:
 
 
 def _begins_dark(gray: Array, pixel: Array, board: Board) -> bool:
-    """Whether the square beside the first corner is darker than the one beside it.
+    """True if the square beside the first corner is darker than the one beside it.
 
-    That settles which end of a chessboard is its beginning, unless the board is symmetric.
+    That decides which end of a chessboard is its beginning, unless the board is symmetric.
     """
     across, down = board.inner
     grid = pixel.reshape(down, across, 2)

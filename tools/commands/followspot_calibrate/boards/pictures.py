@@ -24,9 +24,9 @@ Numbered = Iterator[tuple[int, Array]]
 
 
 def recordings(videos: Path | None, clips: list[str], cameras: list[str]) -> dict[str, Path]:
-    """Camera -> recording: those of the folder that are named like cameras, and CAMERA=PATH.
+    """Camera -> recording: those of the folder with names of cameras, and CAMERA=PATH.
 
-    cameras: only these; where empty, every recording of the folder names a camera. Raises InputError.
+    cameras: only these; if empty, every recording of the folder is a camera. Raises InputError.
     """
     found: dict[str, Path] = {}
     if videos is not None:
@@ -46,7 +46,7 @@ def recordings(videos: Path | None, clips: list[str], cameras: list[str]) -> dic
 
 
 def count(path: Path) -> int:
-    """How many pictures a recording has; of a video as its container says. Raises InputError."""
+    """Number of pictures of a recording; of a video as its container says. Raises InputError."""
     if path.is_dir():
         return len(natural_order(path, "*"))
     capture = open_video(path)
@@ -76,7 +76,7 @@ def live_pictures(camera: Camera) -> Numbered:
 
     def warn(text: str) -> None:
         if not number:
-            raise _Silent  # whoever stands there with a board need not wait for it
+            raise _Silent  # a person who holds a board there need not wait for it
         print(f"warning: {text}", file=sys.stderr)
 
     inside = use.params.keys() & set(path_parameters(stage_type.Params, PathIn))

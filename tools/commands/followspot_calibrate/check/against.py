@@ -53,7 +53,7 @@ class Comparison:
 
 
 def compare(mine: Sequence[Camera], other: Sequence[Camera]) -> Comparison:
-    """What differs between calibrations. Raises InputError if they share fewer than two cameras.
+    """The differences between calibrations. Raises InputError if they share fewer than two cameras.
 
     Cameras correspond by name, or by order if no two names agree.
     """
@@ -79,13 +79,13 @@ def compare(mine: Sequence[Camera], other: Sequence[Camera]) -> Comparison:
 
 
 def posed(cameras: Sequence[Camera]) -> bool:
-    """Whether the cameras stand anywhere: in a file without poses all of them stand in one place."""
+    """True if the cameras have poses: in a file without poses all are at the origin."""
     places = np.array([np.column_stack([c.rotation, c.translation]) for c in cameras])
     return bool(np.ptp(places, axis=0).max() > 1e-9)
 
 
 def common_points(cameras: Sequence[Camera]) -> Array:
-    """Points (N, 3) m where the cameras look: a cube around the middle of their axes, if two see it."""
+    """Points (N, 3) m in front of the cameras: a cube around the middle of their axes, if two see it."""
     middle = looked_at(cameras)
     centers = np.array([camera.center for camera in cameras])
     side = REACH * float(np.median(np.linalg.norm(centers - middle, axis=1)))

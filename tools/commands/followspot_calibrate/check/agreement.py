@@ -1,4 +1,4 @@
-"""Whether cameras agree about points, and which do not."""
+"""Agreement of cameras about points, and the cameras that disagree."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ LIMIT = 0.003
 """Error of a good camera over the longer side of its picture."""
 
 Measure = Callable[[Array], float]
-"""From residuals (N, 2) px to what is held against the limit, px."""
+"""From residuals (N, 2) px to the score, px, that is compared with the limit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """How C cameras agree about N points.
+    """Agreement of C cameras about N points.
 
     pixel: (N, C, 2) px, the sightings; points: (N, 3) m, from the trusted cameras; residual: (N, C, 2) px, of
-    each camera against the others that are trusted, NaN if unknown; score: (C,) px, what is held against
-    the limit, NaN if a camera shares too little; limit: (C,) px; suspects: numbers of the cameras that do
-    not fit the others; at_odds: the others do not agree either; epipolar: (C, C) px, median distance of
+    each camera against the other trusted ones, NaN if unknown; score: (C,) px, compared with
+    `limit`, NaN if a camera shares too few points; limit: (C,) px; suspects: numbers of the cameras that
+    do not fit the others; at_odds: the others do not agree either; epipolar: (C, C) px, median distance of
     sightings from each other's epipolar line; shared: (C, C), points that both saw.
     """
 
@@ -72,9 +72,9 @@ def typical_error(residual: Array) -> float:
 
 
 def bias(residual: Array) -> float:
-    """What sightings share: the length of their median, 0 if it does not stand out from their scatter.
+    """The common part of residuals: length of their median, 0 if it does not stand out from their scatter.
 
-    For targets, whose sightings are off one by one where people and light cover half of them.
+    For targets: single sightings are off if people or light cover half of the target.
     """
     middle = np.median(residual, axis=0)
     scatter = float(np.median(np.linalg.norm(residual - middle, axis=1)))

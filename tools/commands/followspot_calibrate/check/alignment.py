@@ -39,5 +39,5 @@ def landmarks(camera: Camera, size: float) -> Array:
 
 
 def _size(cameras: Sequence[Camera]) -> float:
-    """How far the cameras are apart, m; 1 if they stand in one place."""
+    """Distance between the cameras, m; 1 if all have one centre."""
     return spread([camera.center for camera in cameras]) or 1.0

@@ -1,4 +1,4 @@
-"""What `followspot calibrate check` does."""
+"""`followspot calibrate check`."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ ROOM_FILES = (".yaml", ".yml")
 
 
 def check_calibration(args: argparse.Namespace) -> int:
-    """Measure, judge, write the page, print; returns 1 where something is beyond its limit.
+    """Measure, judge, write the page, print; returns 1 if a figure is beyond its limit.
 
     Raises FollowspotError.
     """
@@ -61,7 +61,7 @@ def refuse_nonsense(args: argparse.Namespace) -> None:
 
 
 def findings(args: argparse.Namespace, room: Room) -> Findings:
-    """Everything that the evidence tells."""
+    """All findings that the evidence allows."""
     cameras = list(room.cameras.values())
     limit = usual_limits(cameras, args.limit)
     points = tracks = length = comparison = None

@@ -22,7 +22,7 @@ SURE = 4.0
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """How a camera's bias changed.
+    """Change of a camera's bias.
 
     at: s, of a step, None for a slope; by: (2,) px, size of the step or of the slope over the whole time;
     sigma: px.
@@ -70,7 +70,7 @@ def change(path: Course, time: Array, residual: Array) -> Change | None:
 
 
 def _sigma(residual: Array) -> float:
-    """Of the median of correlated sightings, px."""
+    """Standard deviation of the median of correlated sightings, px."""
     spread = 1.4826 * np.median(np.abs(residual - np.median(residual, axis=0)), axis=0)
     return float(1.2533 * np.linalg.norm(spread) / np.sqrt(len(residual) / CORRELATED))
 

@@ -1,4 +1,4 @@
-"""What a check found, and how to take it."""
+"""The findings of a check, and its verdict."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Findings:
 
     @property
     def failures(self) -> list[str]:
-        """What is beyond its limit, each with the camera, the figure and the remedy."""
+        """Figures beyond their limits, each with the camera and the remedy."""
         found = [] if self.points is None else at_fault(self.points, "sightings", {})
         found += [] if self.tracks is None else at_fault(self.tracks, "blobs", self.moved)
         if self.length is not None and not self.length.good:
@@ -68,7 +68,7 @@ class Findings:
 
     @property
     def warnings(self) -> list[str]:
-        """What is in doubt, or worth knowing."""
+        """Warnings and notes."""
         found = [] if self.comparison is None else list(self.comparison.notes)
         for agreement in (self.points, self.tracks):
             found += [] if agreement is None else doubts(agreement)
@@ -94,7 +94,7 @@ class Findings:
 
     @property
     def verdict(self) -> str:
-        """One line: "good: ...", or what to look at."""
+        """The verdict in one line: "good: ...", or the problem."""
         if self.blamed:
             names = ", ".join(self.blamed)
             return f"look at {names}: {self.failures[0].removeprefix(self.blamed[0] + ': ')}"
@@ -159,7 +159,7 @@ def told(drift: Drift) -> str:
 
 
 def summary(agreement: Agreement) -> str:
-    """How well the cameras agree, in a few words."""
+    """The agreement of the cameras in a few words."""
     judged = np.isfinite(agreement.score)
     middle = np.nanmedian(agreement.length[:, judged], axis=0)
     return (

@@ -32,7 +32,7 @@ class MeasuredLength:
 
     @property
     def good(self) -> bool:
-        """Whether the scale is right."""
+        """True if the scale is right."""
         return abs(self.ratio - 1) <= TOLERANCE
 
 

@@ -18,15 +18,15 @@ from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, moments_a
 REACH = 0.03
 """Largest distance of a blob from its target's image over the longer side of the picture."""
 FILES = ("blobs.csv", SIGHTINGS)
-"""What a run may call its blobs."""
+"""Names of files with blobs in a run's folder."""
 
 
 @dataclass(frozen=True, eq=False)
 class TargetSightings:
-    """Targets as the cameras saw them.
+    """Sightings of targets.
 
     time: (N,) s; target: (N,) numbers in the order of the room; pixel: (N, C, 2) px with distortion, NaN
-    where unseen.
+    if not seen.
     """
 
     time: Array
@@ -55,9 +55,9 @@ def read_run(folder: Path, room: Room) -> Tracked:
 
 
 def target_sightings(tracked: Tracked, room: Room) -> TargetSightings:
-    """For each moment of a tracked target its blob in each camera, where only one can be meant.
+    """For each moment of a tracked target its blob in each camera, if the match is unambiguous.
 
-    Two blobs near the target's image, such as a ball and the light that follows it, count as none.
+    Two blobs near the target's image, such as a ball and the light behind it, count as none.
     """
     cameras = list(room.cameras.values())
     time, target, xyz = in_order(tracked.tracks)

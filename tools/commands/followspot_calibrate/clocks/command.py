@@ -1,4 +1,4 @@
-"""What `followspot calibrate clocks` does."""
+"""`followspot calibrate clocks`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FEWEST = 30
 SETTLED = 1e-4
 """Change from one round to the next at which no other is needed, s."""
 DECIMALS = 6
-"""Of the offsets that are written, s."""
+"""Largest offset that is written, s."""
 
 
 def calibrate_clocks(args: argparse.Namespace) -> int:
@@ -59,7 +59,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
 
 
 def camera_number(room: Room, name: str | None) -> int | None:
-    """Of the camera of that name. Raises InputError if the room has none, or not two to compare."""
+    """Number of the camera of that name. Raises InputError if the room has none, or only one camera."""
     names = list(room.cameras)
     if len(names) < 2:
         text = f"room {room.name} has {len(names)} cameras"
@@ -102,7 +102,7 @@ def with_offsets(room: Room, offset: Array) -> Room:
 
 
 def check(room: Room, found: Offsets, limit: float) -> None:
-    """Raise FollowspotError that names every camera whose offset is not known well enough; limit: s."""
+    """Raise FollowspotError that names every camera with an uncertain offset; limit: s."""
     problems = []
     for name, count, sigma in zip(room.cameras, found.sightings, found.sigma, strict=True):
         if count < FEWEST:

@@ -20,13 +20,13 @@ from followspot.messages import Array
 from followspot_calibrate.clocks.moments import Moments, velocities
 
 PASSES = 3
-"""Of velocities from places, and places from velocities."""
+"""Rounds of velocities from places, and places from velocities."""
 STEPS = 10
-"""Of reweighted least squares."""
+"""Rounds of reweighted least squares."""
 CUTOFF = 2.0
 """Median errors at which a sighting keeps half its weight."""
 MOVING = 30.0
-"""Speed of an image from which a sighting tells about clocks, px/s: 0.03 px a millisecond."""
+"""Image speed from which a sighting has information on clocks, px/s: 0.03 px a millisecond."""
 STRETCH = 1.0
 """Errors within that time are taken as one, for a ball stays hidden for a while, s."""
 VAGUE = 1e-3
@@ -98,7 +98,7 @@ def estimated(found: Moments, P: Array, start: Array) -> Offsets:
 def linearised(found: Moments, P: Array, velocity: Array, offset: Array) -> Linear:
     """Errors and derivatives at these velocities (N, 3) m/s and offsets (C,) s.
 
-    Moments without a velocity, and those that only one camera saw, tell nothing.
+    Moments without a velocity, and those of one camera alone, have no information.
     """
     place = found.xyz[:, None] + velocity[:, None] * (found.late + offset)[..., None]
     image = np.einsum("cij,ncj->nci", P[:, :, :3], place) + P[:, :, 3]
@@ -134,7 +134,7 @@ def solved(linear: Linear, weight: Array) -> tuple[Array, Linear]:
 
 
 def inverse(normal: Array) -> Array:
-    """Of the normal matrix (C, C) among the offsets of zero mean, the only ones that it tells apart."""
+    """Inverse of the normal matrix (C, C) for offsets with zero mean; only differences are observable."""
     mean = np.full_like(normal, 1 / len(normal))
     scale = max(np.trace(normal) / len(normal), VAGUE)
     within = np.eye(len(normal)) - mean
@@ -142,7 +142,7 @@ def inverse(normal: Array) -> Array:
 
 
 def residuals(linear: Linear, weight: Array) -> Array:
-    """What is left of the errors when the places follow the views: (N, C, 2) px."""
+    """Remaining errors when the places follow the views: (N, C, 2) px."""
     return np.asarray(linear.error - np.einsum("ncij,nj->nci", linear.J, reduced(linear, weight).step))
 
 
@@ -154,7 +154,7 @@ def cauchy(residual: Array, seen: Array) -> Array:
 
 
 def covariance(linear: Linear, weight: Array, stretch: Array) -> Array:
-    """Of the offsets, (C, C) s^2: from the scatter over stretches of time, but no less than of white noise.
+    """Covariance of the offsets, (C, C) s^2: from the scatter over stretches, at least that of white noise.
 
     stretch: (N,) numbers, from 0. Errors within a stretch depend on each other, hence the sandwich form.
     """

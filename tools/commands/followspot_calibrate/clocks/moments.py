@@ -1,4 +1,4 @@
-"""Moments: where a tracked target was, how fast, and where the cameras saw it."""
+"""Moments: place and velocity of a tracked target, and its sightings."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Look, fit, write, report."""
+    """Find the board, fit, write, report."""
     from followspot_calibrate.intrinsics.command import calibrate_intrinsics
 
     return calibrate_intrinsics(args)

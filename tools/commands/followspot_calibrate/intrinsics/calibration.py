@@ -1,4 +1,4 @@
-"""From all views of a board to a camera's lens, and how much of it to believe."""
+"""From all views of a board to a camera's lens and its uncertainty."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot_calibrate.intrinsics.fitting import LEAST_VIEWS, Fit, Lens, fit
 from followspot_calibrate.intrinsics.selection import diverse, sharp
 
 ROUNDS = 5
-"""Of fitting and rejecting."""
+"""Rounds of fitting and rejecting."""
 OUTLIER = 3.0
 """Error of a view over the median of all views, from which it is rejected..."""
 LEAST_OUTLIER = 0.5
@@ -23,7 +23,7 @@ FEW_VIEWS = 10
 LEAST_COVERED = 0.6
 """Share of the picture."""
 LEAST_TILT = 20.0
-"""Of the boards against each other, degrees; below it focal length and distance look alike."""
+"""Largest angle between boards, degrees, below which focal length and distance cannot be separated."""
 UNSURE = 0.01
 """Sigma of the focal length over the focal length."""
 ROUGH = 1.0
@@ -32,7 +32,7 @@ ROUGH = 1.0
 
 @dataclass(frozen=True, eq=False)
 class LensCalibration:
-    """What the views of one camera say about its lens.
+    """The lens of one camera, and the views behind it.
 
     camera: its name; size: px; coverage: of all sharp views; seen: number of pictures with the board;
     blurred, rejected: pictures that were left out, the latter because they contradict the others;
@@ -76,7 +76,7 @@ def calibrate_lens(
 def agreeing(
     views: Sequence[View], board: Board, size: tuple[int, int], model: Lens
 ) -> tuple[Fit, tuple[int, ...]]:
-    """The fit to views without outliers, and the numbers of those that were rejected. Raises NoFit."""
+    """The fit to views without outliers, and the numbers of the rejected views. Raises NoFit."""
     found = fit(views, board, size, model)
     for _ in range(ROUNDS):
         error = found.per_view
@@ -95,7 +95,7 @@ def tilt_of(found: Fit) -> float:
 
 
 def warnings_of(found: Fit, covered: Coverage, tilt: float) -> list[str]:
-    """What the views leave open, each with its remedy."""
+    """Warnings about parameters that the views leave open, each with its remedy."""
     notes = []
     if len(found.views) < FEW_VIEWS:
         notes.append(

@@ -97,7 +97,7 @@ def _other_size(camera: str, number: int, found: tuple[int, ...], size: tuple[in
 
 
 def _is_new(view: View, views: list[View], size: tuple[int, int]) -> bool:
-    """Whether the board has moved since the last view that counts."""
+    """True if the board has moved since the last counted view."""
     if not views or len(views[-1].label) != len(view.label) or (views[-1].label != view.label).any():
         return True
     return bool(abs(view.pixel - views[-1].pixel).mean() > MOVED * max(size))

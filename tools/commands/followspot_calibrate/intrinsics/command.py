@@ -1,4 +1,4 @@
-"""What `followspot calibrate intrinsics` does."""
+"""`followspot calibrate intrinsics`."""
 
 from __future__ import annotations
 

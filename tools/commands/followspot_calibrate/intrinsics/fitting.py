@@ -25,7 +25,7 @@ _ILL = re.compile(r"input array (\d+)")
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A lens and where the board was in each view.
+    """A lens and the board's pose in each view.
 
     matrix: (3, 3) px; distortion: (5,) or (4,); rotation: (V, 3, 3) and translation: (V, 3) m of the board
     in camera coordinates; residual: per view (K, 2) px, seen minus expected;

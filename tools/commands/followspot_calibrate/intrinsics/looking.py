@@ -20,7 +20,7 @@ _SIZE = re.compile(r"(\d{1,5})x(\d{1,5})")
 
 
 def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[str, Camera]:
-    """The cameras to look at live: of --device, and with --live of the room. Raises InputError."""
+    """The live cameras: of --device, and with --live of the room. Raises InputError."""
     size = _SIZE.fullmatch(args.size)
     if size is None:
         raise InputError([Mistake(None, f"--size {args.size} is no WIDTHxHEIGHT", "for example 1280x720")])
@@ -43,7 +43,7 @@ def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[
 
 
 def blank(name: str, size: tuple[int, int], source: StageUse | None = None) -> Camera:
-    """A colour camera at the origin whose lens is not known."""
+    """A colour camera at the origin with an unknown lens."""
     return Camera(name, "color", size, np.eye(3), np.zeros(5), np.eye(3), np.zeros(3), source=source)
 
 

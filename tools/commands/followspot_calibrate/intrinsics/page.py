@@ -25,9 +25,9 @@ HEAD = (
 
 
 def page_of(room: str, done: Mapping[str, LensCalibration], notes: Mapping[str, Sequence[str]]) -> Page:
-    """The lenses, and for each camera where it saw corners of the board and how well the lens fits them.
+    """The lenses, and for each camera its sightings of the board's corners and their residuals.
 
-    notes: camera -> what is in doubt.
+    notes: camera -> warnings.
     """
     warnings = [f"{name}: {text}" for name, texts in notes.items() for text in texts]
     worst = max((lens.fit.rms for lens in done.values()), default=0.0)

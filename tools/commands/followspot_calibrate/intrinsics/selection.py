@@ -28,7 +28,7 @@ def sharp(views: Sequence[View]) -> list[View]:
 
 
 def diverse(views: Sequence[View], board: Board, size: tuple[int, int], most: int = MOST_VIEWS) -> list[View]:
-    """At most this many views, each as far from those before as possible; the first has most corners.
+    """At most this many views, each as different from the others as possible; the first has most corners.
 
     The distance is that of :func:`appearance`. size: of the picture, px.
     """
@@ -44,10 +44,10 @@ def diverse(views: Sequence[View], board: Board, size: tuple[int, int], most: in
 
 
 def appearance(view: View, board: Board, size: tuple[int, int]) -> Array:
-    """Where, how large and how tilted a board looks: (6,), each from about -1 to 1.
+    """Place, size and tilt of a board in a picture: (6,), each from about -1 to 1.
 
-    Centre over half the picture; logarithm of the size; tilt as the change of scale across the board
-    (the last row of its homography), and the turn about the line of sight enters with its cosine.
+    Centre over half the picture; logarithm of the size; tilt as the change of scale across the board (the
+    last row of its homography); the rotation about the line of sight enters with its cosine.
     """
     corners = board.corners[view.label, :2]
     corners = (corners - board.corners[:, :2].mean(axis=0)) / np.ptp(board.corners[:, :2], axis=0).max()

@@ -1,4 +1,4 @@
-"""What a lens calibration says to its user: lines with the coverage, and JSON."""
+"""The result of a lens calibration: lines with the coverage, and JSON."""
 
 from __future__ import annotations
 

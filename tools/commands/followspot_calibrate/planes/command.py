@@ -1,4 +1,4 @@
-"""What `followspot calibrate planes` does."""
+"""`followspot calibrate planes`."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def floor_of(planes: Mapping[str, Array], name: str) -> Array:
 
 
 def moved_truth(room: Room, motion: Similarity | None) -> list[str]:
-    """A warning where the room moves and its truth does not."""
+    """A warning if the room moves and its truth does not."""
     if motion is None or room.truth is None:
         return []
     return ["the room's truth is still given in the old frame; remove `truth:` or move it too"]

@@ -17,9 +17,9 @@ from followspot_calibrate.planes.marks import Marks, sightings
 from followspot_cameras.recordings import find_recordings
 
 MOST_FRAMES = 1000
-"""Of one clip, that is, dots on one plane."""
+"""Largest number of dots of one clip, that is, on one plane."""
 CONTRAST = 30.0
-"""How much brighter than the room without it a dot must be, grey levels."""
+"""Smallest brightness of a dot above the room without it, grey levels."""
 UNIQUE = 0.6
 """Brightness of the second spot over that of the first, above which it is not clear which is the dot."""
 REACH = 7
@@ -27,7 +27,7 @@ REACH = 7
 RIM = 0.25
 """Brightness of a dot's rim over that of its peak."""
 BLUR = 1.0
-"""Of the picture before the brightest pixel is sought, px: single hot pixels are no dots."""
+"""Blur before the search for the brightest pixel, px; it removes hot pixels."""
 
 
 def find_marks(clips: Path, cameras: Sequence[Camera]) -> Marks:
@@ -73,7 +73,7 @@ def _dot(risen: Array) -> Array | None:
         return None
     top, left = max(int(y) - REACH, 0), max(int(x) - REACH, 0)
     window = np.s_[top : int(y) + REACH + 1, left : int(x) + REACH + 1]
-    # Counted from the rim, where the weight ends without a step: whole pixels at the edge would shift it.
+    # Counted from the rim, at which the weight is 0: whole pixels at the edge would shift the centre.
     weight = np.maximum(smooth[window] - RIM * peak, 0)
     smooth[window] = 0
     if smooth.max() > UNIQUE * peak:

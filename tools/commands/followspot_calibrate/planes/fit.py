@@ -55,7 +55,7 @@ class FittedPlane:
 
     @property
     def warnings(self) -> list[str]:
-        """What the points leave in doubt, with the remedy."""
+        """Warnings about the plane, each with its remedy."""
         found = []
         known = int(np.isfinite(self.distance).sum())
         if self.width < NARROW:
@@ -94,7 +94,7 @@ def fit_plane(name: str, cameras: Sequence[Camera], marks: Sightings) -> FittedP
 
 
 def robust_plane(points: Array) -> tuple[Array, Array]:
-    """The plane that most points lie on, and which do: (N, 3) m -> (4,), (N,) bool.
+    """The plane through most points, and which are on it: (N, 3) m -> (4,), (N,) bool.
 
     Of the planes through random triples the one with the least median distance (Rousseeuw 1984) tells
     the noise and the points that lie within `NEAR` sigma; total least squares through these ends it.

@@ -14,8 +14,8 @@ STEEP = 0.9
 def onto_floor(plane: Array) -> Similarity:
     """The rigid motion that makes a plane z = 0, its normal z.
 
-    The new x axis is the old one laid onto the plane (the old y axis, where x stands upright on it), the new
-    origin the point of the plane below the old origin.
+    The new x axis is the projection of the old one on the plane (of the old y axis if x is perpendicular to
+    it), the new origin the point of the plane below the old origin.
     """
     up = plane[:3]
     along = np.eye(3)[0 if abs(up[0]) < STEEP else 1]

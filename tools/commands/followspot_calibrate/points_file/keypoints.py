@@ -17,7 +17,7 @@ from followspot_calibrate.points_file.naming import names_of, sizes_of
 from followspot_calibrate.sightings import Sightings
 
 MOST_BYTES = 1_000_000_000
-"""Of all arrays in the file, unpacked."""
+"""Bytes of all arrays in the file, unpacked."""
 KEY = "keypoints"
 _UNREADABLE = (
     *(OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error),
@@ -53,7 +53,7 @@ def read_keypoints(
 
 
 def _are_sizes(sizes: Array) -> bool:
-    """Whether these are numbers that a picture may have as width and height."""
+    """True if these numbers can be a picture's width and height."""
     return sizes.dtype.kind in "iuf" and bool(((sizes >= 1) & (sizes < 1 << 16)).all())
 
 

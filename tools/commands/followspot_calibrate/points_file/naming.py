@@ -25,7 +25,7 @@ def names_of(path: Path, count: int, cameras: Sequence[Camera]) -> tuple[str, ..
 def sizes_of(
     path: Path, names: Sequence[str], cameras: Sequence[Camera], size: tuple[int, int] | None
 ) -> Array:
-    """Width and height of the cameras' pictures, (C, 2) px. Raises InputError if nobody knows them."""
+    """Width and height of the cameras' pictures, (C, 2) px. Raises InputError if they are unknown."""
     known = {camera.name: camera.size for camera in cameras}
     sizes = [known.get(name, size) for name in names]
     if None in sizes:

@@ -32,10 +32,10 @@ def read_points(
     size: tuple[int, int] | None = None,
     confidence: float = 0.5,
 ) -> Sightings:
-    """Points as cameras saw them. Raises InputError with file and line.
+    """Sightings of points. Raises InputError with file and line.
 
-    cameras: of the room, in its order, if there is one already; else the file says which there are. size: px,
-    of all pictures, where neither room nor file knows; confidence: below it a keypoint was not seen.
+    cameras: of the room, in its order, if there is one already; else the file names them. size: px, of all
+    pictures, if neither room nor file has it; confidence: keypoints below it count as not seen.
     """
     if path.is_dir():
         found = read_svoboda(path, cameras)
@@ -75,7 +75,7 @@ def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightin
 
 
 def _require_own_pictures(path: Path, found: Sightings) -> None:
-    """Raises InputError for cameras that see beyond their pictures, but not beyond those of each other."""
+    """Raises InputError if points lie outside of some cameras' pictures, but inside of others' sizes."""
     beyond = np.array([np.any((found.pixel < -1) | (found.pixel > size), axis=2) for size in found.sizes])
     share = beyond.sum(axis=1) / np.maximum(1, found.seen.sum(axis=0))
     own = np.diagonal(share)

@@ -16,9 +16,9 @@ from followspot_calibrate.sightings import Sightings
 
 
 def read_svoboda(folder: Path, cameras: Sequence[Camera]) -> Sightings:
-    """points.dat: 3 rows u v 1 per camera, a column per frame; IdMat.dat: 1 where seen; Res.dat: sizes.
+    """points.dat: 3 rows u v 1 per camera, a column per frame; IdMat.dat: 1 if seen; Res.dat: sizes.
 
-    Without IdMat.dat a point was seen where its numbers are finite. Raises InputError with the file.
+    Without IdMat.dat a point with finite numbers was seen. Raises InputError with the file.
     """
     points, sizes = _matrix(folder / "points.dat"), _matrix(folder / "Res.dat")
     count = len(points) // 3

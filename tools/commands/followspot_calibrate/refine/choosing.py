@@ -1,4 +1,4 @@
-"""Which sightings of tracked targets tell about the cameras, and how much."""
+"""Selection and weights of sightings of tracked targets."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ CELL = 0.2
 """One sighting counts in each cube of that side, m: a target that lies still says one thing many times."""
 
 OFF_MIDDLE = 0.04
-"""How far a tracked sighting may be from the middle of its target, one sigma over its width; people hide
-parts of it, lamps sit if they sit, and that stays alike for a while."""
+"""Distance of a tracked sighting from the middle of its target, one sigma over its width. People hide
+parts of the target and lamps are not in its middle, and that stays alike for a while."""
 
 
 def telling(cameras: Sequence[Camera], pixel: Array, radius: Array, planes: Mapping[str, Array]) -> Places:

@@ -1,4 +1,4 @@
-"""What `followspot calibrate refine` does."""
+"""`followspot calibrate refine`."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def refine_room(args: argparse.Namespace) -> int:
 
 
 def require(room: Room, args: argparse.Namespace) -> None:
-    """Raises InputError for a room whose cameras cannot be held against each other."""
+    """Raises InputError if the room has cameras that cannot be compared with each other."""
     if len(room.cameras) < 3:
         text = f"{args.room} has {len(room.cameras)} cameras"
         remedy = "three or more are needed; calibrate `wand` or `board` instead"
@@ -58,7 +58,7 @@ def require(room: Room, args: argparse.Namespace) -> None:
 
 
 def refined(room: Room, tracked: Tracked, shown: Places | None) -> Refinement:
-    """What targets, tracked or shown alone in clips, tell about a room's cameras. Raises FollowspotError."""
+    """Cameras refined with targets, tracked or shown alone in clips. Raises FollowspotError."""
     seen = target_sightings(tracked, room)
     radius = np.array([target.radius for target in room.targets.values()])[seen.target]
     cameras = list(room.cameras.values())

@@ -13,7 +13,7 @@ NOTE = "Against the room file as it was, whose camera centres hold the frame of 
 
 
 def page_of(room: Room, found: Refinement) -> Page:
-    """What changed, and what is left of the errors."""
+    """The changes and the remaining errors."""
     after = found.after
     return calibration_page(
         f"Refinement of {room.name}",

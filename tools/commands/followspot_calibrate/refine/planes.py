@@ -1,4 +1,4 @@
-"""Planes that stay where cameras see them when the cameras change."""
+"""Planes that keep their places in the pictures when the cameras change."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def _as_seen(plane: Array, before: Sequence[Camera], after: Sequence[Camera], po
 
 
 def _pixels(camera: Camera, points: Array) -> Array:
-    """Where points are in the picture, (N, 2) px; NaN outside it."""
+    """Images of points, (N, 2) px; NaN outside the picture."""
     pixel = project(camera, points)
     outside = np.any((pixel < 0) | (pixel > np.array(camera.size) - 1), axis=1, keepdims=True)
     return np.where(outside, np.nan, pixel)

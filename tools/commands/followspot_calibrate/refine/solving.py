@@ -17,21 +17,21 @@ from followspot_calibrate.similarity import Similarity, on_a_line, similarity
 from followspot_calibrate.wand.rounds import SCALE, Watermark, chosen
 
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
-"""What is adjusted."""
+"""Free parameters."""
 CAUSES = 3
 """Place, direction and lens share what the cameras are off."""
 ROUNDS = 4
-"""Of adjusting and of choosing the sightings that fit."""
+"""Rounds of adjusting and of selecting the sightings that fit."""
 FEWEST = 20
 """Sightings that fit which each camera needs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
-    """What the targets tell.
+    """The refined cameras.
 
-    pixel: (N, C, 2) px, the sightings; before, after: how the cameras fit them, given and refined; planes:
-    as the refined cameras see them.
+    pixel: (N, C, 2) px, the sightings; before, after: agreement of the given and the refined cameras;
+    planes: for the refined cameras.
     """
 
     pixel: Array
@@ -46,9 +46,9 @@ def refine(
     planes: Mapping[str, Array],
     progress: Progress | None = None,
 ) -> Refinement:
-    """Cameras from what they saw of targets.
+    """Cameras from sightings of targets.
 
-    Each camera is believed to be about as far off as the sightings contradict each other; their common frame
+    Each camera's prior sigma is about what the contradictions between the sightings suggest; the frame
     of reference and scale are those of the given centres. Raises FollowspotError for too few sightings.
     """
     pixel = places.pixel
@@ -80,7 +80,7 @@ def require_sightings(settled: Watermark) -> None:
 
 
 def prior_of(settled: Watermark) -> Prior:
-    """How far off cameras may be that contradict each other by so much: each cause moves pixels alike."""
+    """Prior sigmas of cameras for a contradiction of so many px: each cause moves pixels alike."""
     pixels = SCALE * settled.sigma / np.sqrt(CAUSES)
     rows = []
     for camera in settled.cameras:

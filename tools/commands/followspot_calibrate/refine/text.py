@@ -1,4 +1,4 @@
-"""What a refinement changed, as a table and as JSON."""
+"""The result of a refinement as a table and as JSON."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ HEAD = ("camera", "moved mm", "turned deg", "focal %", "sightings", "px before",
 
 
 def rows(found: Refinement) -> Iterator[tuple[str, float, float, float, int, float, float]]:
-    """By how much each camera changed, and its median error before and after."""
+    """The change of each camera, and its median error before and after."""
     before, after = (np.nanmedian(one.distance, axis=0) for one in (found.before, found.after))
     count = found.after.used.sum(axis=0)
     for i, (old, new) in enumerate(zip(found.before.cameras, found.after.cameras, strict=True)):

@@ -1,7 +1,7 @@
-"""A page to look at for each calibration: one HTML file that needs nothing else, with or without scripts.
+"""The HTML page of a calibration: one file that needs nothing else, with or without scripts.
 
-A page is a title, a verdict, warnings and sections; the sections stand ready here. `calibration_page` puts
-the usual ones together.
+A page is a title, a verdict, warnings and sections; this package offers the sections.
+`calibration_page` puts the usual ones together.
 """
 
 from followspot_calibrate.report.bars import hue_bars, interval_chart

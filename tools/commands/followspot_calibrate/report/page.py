@@ -11,7 +11,7 @@ from typing import Literal
 from followspot_calibrate.report.elements import Element, element, html
 
 Verdict = Literal["good", "look", "bad"]
-"""Nothing to do; something to look at; not to be used as it is."""
+"""good: nothing to do; look: to be examined; bad: not to be used."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,9 +25,9 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What a person should see of a calibration.
+    """The content of a page.
 
-    title: which calibration of which room; verdict: how to take it; summary: the verdict in a sentence;
+    title: which calibration of which room; verdict: see `Verdict`; summary: the verdict in a sentence;
     warnings: each with its remedy.
     """
 

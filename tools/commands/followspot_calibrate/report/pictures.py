@@ -1,4 +1,4 @@
-"""Pictures of one camera: where it saw points, and how far these were from the expected ones."""
+"""Pictures of one camera: its sightings, and their distances from the expected ones."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from followspot_calibrate.report.elements import Element, element
 from followspot_calibrate.report.page import Section
 
 COLUMNS, ROWS = 8, 6
-"""Cells of the picture whose coverage is counted."""
+"""Cells of the picture for counting coverage."""
 MOST_DOTS = 800
 LENGTH = 0.06
-"""Of the arrow of a large residual, over the picture's width."""
+"""Length of the arrow of a large residual, over the picture's width."""
 SCALES = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 SHADE, DOT, ARROW, LEFT_OUT = "#2563c9", "#16407f", "#b3362b", "#9aa4ae"
 
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """What one camera saw: pixel (N, 2) px; residual (N, 2) px, NaN if the point was left out."""
+    """Sightings of one camera: pixel (N, 2) px; residual (N, 2) px, NaN if the point was left out."""
 
     size: tuple[int, int]
     pixel: Array
@@ -47,10 +47,10 @@ def cell_counts(size: tuple[int, int], pixel: Array) -> Array:
 
 
 def coverage(camera: str, size: tuple[int, int], pixel: Array, residual: Array) -> Section:
-    """Two pictures of one camera: where it saw points, and their residuals as arrows.
+    """Two pictures of one camera: its sightings, and their residuals as arrows.
 
     size: width and height, px; pixel: (N, 2) px, rows with NaN are not seen; residual: (N, 2) px, seen minus
-    expected, or (N,) px where only the length is known; NaN for points that were left out.
+    expected, or (N,) px if only the length is known; NaN for points that were left out.
     """
     arrows = residual.ndim == 2
     vector = residual if arrows else np.column_stack([residual, np.zeros(len(residual))])
@@ -133,7 +133,7 @@ def _path(parts: list[str], style: dict[str, str]) -> Element:
 
 
 def _scale(width: int, length: Array) -> int:
-    """How many times larger than life residuals are drawn."""
+    """Magnification of the drawn residuals."""
     large = float(np.percentile(length, 95)) if len(length) else 1.0
     fitting = [scale for scale in SCALES if scale * large <= LENGTH * width]
     return fitting[-1] if fitting else SCALES[0]

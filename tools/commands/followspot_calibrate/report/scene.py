@@ -17,7 +17,7 @@ WIDTH, HEIGHT = 1000, 560
 YAW, PITCH = radians(-35.0), radians(28.0)
 MOST_POINTS = 1200
 FILLED = 1.0
-"""Of the picture's half height that the scene's radius takes."""
+"""Radius of the scene over the picture's half height."""
 FRUSTUM = 0.12
 """Length of the frusta over the scene's radius."""
 INK = {"color": "#2563c9", "infrared": "#7b3fa0"}
@@ -35,7 +35,7 @@ def poses(
     points: Array | None = None,
     marked: Collection[str] = (),
 ) -> Section:
-    """Where the cameras stand and look.
+    """A drawing of the cameras and their viewing directions.
 
     planes: name -> (4,) m; points: (N, 3) m, of which some are drawn; marked: names of cameras to point out.
     """

@@ -21,7 +21,7 @@ def plain_table(
     note: str = "",
     marked: Collection[str] = (),
 ) -> Section:
-    """Any table; rows whose first cell is marked stand out."""
+    """A table; rows with a marked first cell stand out."""
     lines = [
         element("tr", *(element("td", cell) for cell in row), **_class(row[0] in marked)) for row in rows
     ]
@@ -33,7 +33,7 @@ def plain_table(
 def camera_table(
     cameras: Sequence[Camera], pixel: Array, residual: Array, marked: Collection[str] = ()
 ) -> Section:
-    """One line per camera: what it is, how many points it saw and where, and how well they fit.
+    """One line per camera: its model, the number and coverage of its sightings, and their residuals.
 
     pixel: (N, C, 2) px, NaN if not seen; residual: (N, C, 2) or (N, C) px, NaN if left out.
     """

@@ -8,7 +8,7 @@ from pathlib import Path
 from followspot.plugins.hooks import Command
 
 RADIUS = 0.0762
-"""Of the 6-inch balls of Jin & Qian 2008, m."""
+"""Radius of the 6-inch balls of Jin & Qian 2008, m."""
 
 HELP = """Learn the targets' templates from clips and write them into the room file.
 

@@ -1,4 +1,4 @@
-"""Whether the cameras agree about the targets in their clips, and what corrects them if they do not."""
+"""Agreement of the cameras about the targets in their clips, and the correction if they disagree."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ FEWEST = 3
 FITTING = 0.5
 """Share of a camera's sightings that must fit the others'; else it is not just slightly off."""
 AGREEING = 1.0
-"""Errors, over those that lamps and patches off the middle of a target explain, up to which cameras agree."""
+"""Largest error, beyond that of lamps and patches off the middle of a target, of cameras that agree."""
 
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """What the clips tell about the cameras: a correction, or why there is none. Neither if they agree."""
+    """Agreement of the clips with the cameras: a correction, or the reason why there is none."""
 
     correction: Refinement | None = None
     problem: str = ""
@@ -62,7 +62,7 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
 
 
 def elsewhere(settled: Watermark, places: Places) -> str:
-    """Names of the cameras that see most targets where the others do not, with commas."""
+    """Names of the cameras that see most targets at other places than the rest, with commas."""
     seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
     fitting = settled.used.sum(axis=0) >= FITTING * seen
     return ", ".join(c.name for c, fits in zip(settled.cameras, fitting, strict=True) if not fits)
@@ -74,7 +74,7 @@ def excess(settled: Watermark, places: Places) -> float:
 
 
 def contradiction(given: Watermark) -> str:
-    """By how much the cameras of the room file are off."""
+    """Errors of the cameras in the room file."""
     return f"cameras contradict each other about the targets by {median_px(given):.2f} px"
 
 

@@ -1,4 +1,4 @@
-"""What `followspot calibrate targets` does."""
+"""`followspot calibrate targets`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from followspot_calibrate.targets.text import as_json, summary
 def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     """Learn all targets, update the room file, write the page, report; returns the exit code.
 
-    usual: radius where neither the user nor the room file knows it, m. A clip that teaches nothing is a
+    usual: radius, m, if neither the user nor the room file gives it. A clip without a usable target is a
     warning, and so are two targets that look alike. Raises FollowspotError for targets that no camera saw;
     the others are written.
     """
@@ -84,7 +84,7 @@ def learn_aloud(folder: Path, room: Room) -> list[Lesson]:
 def told_apart(
     room: Room, targets: Mapping[str, Target], report: Mapping[str, Sequence[Lesson]]
 ) -> list[Separability]:
-    """How well each colour camera tells the targets apart, those of the clips and those known before."""
+    """Separability of all targets in each colour camera: those of the clips and those known before."""
     found = []
     for name, camera in room.cameras.items():
         seen = ((target, one) for target, lessons in report.items() for one in lessons)

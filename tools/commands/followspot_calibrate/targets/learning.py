@@ -18,9 +18,9 @@ from followspot_cameras.recordings import find_recordings
 
 @dataclass(frozen=True)
 class Lesson:
-    """What one clip taught: the template's parts for this camera, or why there are none.
+    """The result of one clip: the template's parts for this camera, or why there are none.
 
-    spots: the target in each frame, where the camera shows colour.
+    spots: the target in each frame, if the camera shows colour.
     """
 
     camera: Camera
@@ -43,7 +43,7 @@ def learn(clips: Path, room: Room) -> Iterator[Lesson]:
 
 
 def learn_from(recording: Path, camera: Camera) -> Lesson:
-    """What a clip teaches; the problem names the remedy where it teaches nothing."""
+    """Learn from a clip; the problem names the remedy if it has no usable target."""
     try:
         frames = read_frames(recording, camera, MOST_FRAMES)
     except FollowspotError as error:

@@ -1,4 +1,4 @@
-"""What the clips of targets taught, all together."""
+"""The results of all clips of targets."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from followspot_calibrate.targets.separability import Separability
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """Lessons by target, how well colour cameras tell targets apart, and what became of the cameras."""
+    """Lessons by target, separability in colour cameras, and corrections of the cameras."""
 
     lessons: Mapping[str, Sequence[Lesson]]
     apart: Sequence[Separability]
@@ -20,6 +20,6 @@ class Outcome:
 
     @property
     def warnings(self) -> list[str]:
-        """What the user should know, besides clips that taught nothing."""
+        """Warnings beyond those about single clips."""
         problem = self.agreement.problem
         return [text for one in self.apart for text in one.warnings] + ([problem] if problem else [])

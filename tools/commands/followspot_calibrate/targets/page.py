@@ -17,7 +17,7 @@ HUES = "Share of the hues of what glows, red at the left; each camera has its ow
 
 
 def page_of(room: str, outcome: Outcome) -> Page:
-    """What each camera learnt of each target, whether these can be told apart, and how cameras changed."""
+    """The templates of each camera, their separability, and corrections of the cameras."""
     report = outcome.lessons
     problems = [f"{t}, {o.camera.name}: {o.problem}" for t, some in report.items() for o in some if o.problem]
     warnings = outcome.warnings + problems

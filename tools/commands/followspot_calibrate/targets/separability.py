@@ -1,4 +1,4 @@
-"""Whether the targets' colours can be told apart: would the template of one accept what is another?"""
+"""Separability of the targets' colours: the share of a target's blobs that another's template accepts."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from followspot_balls.hue import bhattacharyya, normalised
 from followspot_balls.template import ColorSpots
 
 SIMILARITY, HUE_SHARE, SMALLEST, LARGEST = 0.8, 0.02, 0.3, 1.5
-"""As `balls.color_blobs` decides, unless a graph says otherwise."""
+"""The default of `balls.color_blobs`."""
 ALIKE = 0.8
-"""Similarity of two templates from which they are told to look alike."""
+"""Similarity of two templates from which there is a warning."""
 CONFUSED = 0.1
-"""Share of a target's blobs accepted as another target from which that is told."""
+"""Share of a target's blobs accepted as another target from which there is a warning."""
 
 
 @dataclass(frozen=True, eq=False)
 class Separability:
-    """How well one camera tells T targets apart.
+    """Separability of T targets in one camera.
 
     similarity: (T, T), Bhattacharyya coefficient of the templates; accepted: (T, T), share of the blobs of
     the row's target that the template of the column's target accepts.
@@ -53,9 +53,9 @@ class Separability:
 def separability(
     camera: str, targets: Mapping[str, Target], spots: Mapping[str, ColorSpots]
 ) -> Separability | None:
-    """How one colour camera tells the targets apart; None for fewer than two.
+    """Separability of the targets in one colour camera; None for fewer than two.
 
-    spots: of the targets whose clips were just seen; of others the template stands for a blob.
+    spots: of the targets with clips; for others a blob is made from the template.
     """
     names = tuple(name for name, target in targets.items() if camera in target.hue_histogram)
     if len(names) < 2:

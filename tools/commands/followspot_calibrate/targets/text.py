@@ -1,4 +1,4 @@
-"""What was learnt, as tables and as JSON."""
+"""The learnt templates as tables and as JSON."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ APART = "blobs of the target on the left that the template above accepts, in the
 
 
 def summary(outcome: Outcome) -> str:
-    """A line per target and camera, then how well the targets are told apart, and what became of cameras."""
+    """A line per target and camera, then the separability, and corrections of cameras."""
     lines = [HEAD, *(template_row(name, one) for name, all_ in outcome.lessons.items() for one in all_)]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     rows = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
@@ -66,7 +66,7 @@ def accepted_rows(one: Separability) -> list[tuple[str, ...]]:
 
 
 def template_row(name: str, one: Lesson) -> Sequence[str]:
-    """What a camera learnt of a target, in the order of `HEAD`."""
+    """The lesson of a camera about a target, in the order of `HEAD`."""
     area = f"{one.area[0]:.0f}-{one.area[1]:.0f} px" if one.area else "-"
     template = "nothing learnt"
     if one.hue_histogram is not None:

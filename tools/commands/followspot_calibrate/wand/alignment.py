@@ -1,4 +1,4 @@
-"""From a frame of its own to the room's: known camera centres, a marker of known points, or neither."""
+"""From an arbitrary frame to the room's: by known camera centres, a marker of known points, or neither."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from followspot_calibrate.triangulation import triangulate
 from followspot_calibrate.wand.hazards.swapped import exchanged_places
 
 WRONG_SCALE = 0.02
-"""Difference of a known wand from known places, over its length, that is told."""
+"""Difference of a known wand from known places, over its length, that gives a warning."""
 
 EXACT = 1e-5
 """Known centres are not taken to be more exact, m."""
@@ -35,10 +35,10 @@ class Marker:
 
 @dataclass(frozen=True, eq=False)
 class Alignment:
-    """How the frame of reference came about.
+    """The alignment of the frame of reference.
 
-    rms: m, of the known places, None without any; metric: whether the unit is the metre; anchors: known
-    centres of the cameras that agree, as exact as they were met.
+    rms: m, of the known places, None without any; metric: True if the unit is the metre; anchors: known
+    centres of the cameras that agree, with the accuracy of their fit.
     """
 
     method: Method
@@ -52,8 +52,8 @@ class Alignment:
 def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scaled: bool) -> Alignment:
     """Aligns camera centres with their known places, m; leaves out cameras that were moved since.
 
-    scaled: whether they give the scale too; else it stays. Raises FollowspotError for fewer than three
-    centres or centres on a line, and where two cameras stand in each other's place.
+    scaled: True if they give the scale too; else it stays. Raises FollowspotError for fewer than three
+    centres or centres on a line, and if two cameras have exchanged places.
     """
     named = [camera for camera in cameras if camera.name in known]
     source = np.array([camera.center for camera in named]).reshape(-1, 3)

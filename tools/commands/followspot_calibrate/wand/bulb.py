@@ -19,9 +19,9 @@ from followspot_calibrate.sightings import Sightings
 from followspot_cameras.recordings import find_recordings
 
 MOST_FRAMES = 100_000
-"""Of one recording."""
+"""Largest number of pictures of one recording."""
 TOGETHER = 100
-"""Pictures that tell what the room looks like without the bulb, which moves meanwhile."""
+"""Pictures that give the room's look without the bulb, which moves meanwhile."""
 
 
 def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None = None) -> Sightings:
@@ -49,7 +49,7 @@ def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None 
 
 
 def _track(frames: Iterator[Array]) -> Array:
-    """Where the bulb is in each picture, (F, 2) px, NaN if it is not seen."""
+    """Image of the bulb in each picture, (F, 2) px, NaN if it is not seen."""
     places: list[Iterable[float]] = []
     while some := [brightness(pixels) for pixels in islice(frames, TOGETHER)]:
         places += [(np.nan, np.nan) if place is None else place for place in dots(some)]

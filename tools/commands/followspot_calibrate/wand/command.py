@@ -1,4 +1,4 @@
-"""What `followspot calibrate wand` does."""
+"""`followspot calibrate wand`."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def write(cameras: Mapping[str, Camera], room: Room | None, source: Path | None,
 
 
 def _rebased(use: StageUse | None, output: Path) -> StageUse | None:
-    """A source whose path is relative to the folder of another room file."""
+    """A source with its path relative to the folder of another room file."""
     if use is None or not isinstance(use.params.get("path"), str):
         return use
     path = os.path.relpath((Path(use.folder) / use.params["path"]).resolve(), output.parent.resolve())

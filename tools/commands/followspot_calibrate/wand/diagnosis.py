@@ -1,4 +1,4 @@
-"""What is wrong with the data of a calibration: which cameras, why, and what to do."""
+"""Faults in the data of a calibration: which cameras, why, and what to do."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def require_connected(
 ) -> None:
     """Raises FollowspotError if the cameras fall into groups that share too few points.
 
-    It names what explains why a camera agrees with no other, or else the groups and where to wave.
+    The error explains why a camera agrees with no other, or else names the groups and where to wave.
     """
     pairs = begin.pairs
     names = sightings.cameras
@@ -108,7 +108,7 @@ def require_used(sightings: Sightings, settled: Watermark) -> None:
 
 
 def shallow(settled: Watermark) -> dict[str, float]:
-    """Cameras whose points do not determine a focal length, and the ratio of their depths."""
+    """Cameras with points that do not determine a focal length, and the ratio of their depths."""
     ratios = {
         camera.name: far / near
         for number, camera in enumerate(settled.cameras)

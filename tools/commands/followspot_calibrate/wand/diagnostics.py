@@ -1,4 +1,4 @@
-"""What a user should know though the calibration came to an end: which camera, why, and what to do."""
+"""Warnings after a successful calibration: which camera, why, and what to do."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def sparse_warnings(sightings: Sightings, settled: Watermark, explained: Collect
 
 
 def depth_warnings(settled: Watermark) -> list[str]:
-    """What the points leave open of intrinsics that had to be found."""
+    """Warnings about estimated intrinsics that the points leave open."""
     told, flat = [], shallow(settled)
     if flat:
         ratios = ", ".join(f"{name} {ratio:.1f}" for name, ratio in flat.items())

@@ -1,7 +1,8 @@
-"""Intrinsics of cameras that nobody measured: a guess that is near enough for bundle adjustment.
+"""Intrinsics of cameras without a lens calibration: a guess that bundle adjustment can start from.
 
-Pixels are taken as square and the principal point as the middle of the picture. The lens is the one whose
-straightened points fit the most epipolar geometries, which needs no focal length. The focal length is tried.
+Pixels are taken as square and the principal point as the middle of the picture. The lens is the candidate
+with straightened points that fit the most epipolar geometries, which needs no focal length. Focal lengths are
+tried.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from followspot_calibrate.wand.incremental_sfm import Beginning, Grown, grow
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 
 BENDS = (0.1, 0.05, 0.0, -0.05, -0.1, -0.15, -0.2, -0.25, -0.3, -0.4)
-"""Of the division model (Fitzgibbon 2001) with radii over half the diagonal; a barrel is negative."""
+"""Candidates for the division model (Fitzgibbon 2001), radii over half the diagonal; a barrel is negative."""
 FOCALS = (1.0, 0.7, 1.4, 0.5, 2.0, 2.8)
 """Focal lengths that are tried, over the longer side of the picture, the usual ones first."""
 ZOOMS = (0.7, 1.0, 1.4)
-"""How much longer the focal length of a further camera may be than that of the first two."""
+"""Largest ratio of the focal length of a further camera to that of the first two."""
 LIMIT = 0.005
 """Distance from an epipolar line of points that fit, over the longer side of the picture."""
 WELL = 0.3

@@ -17,7 +17,7 @@ from followspot_calibrate.wand.resection import relate, resect
 BEGINNINGS = 12
 """Pairs with the most shared points that are tried as the first."""
 ENOUGH = 3
-"""Cameras from which on the data tell more than poses."""
+"""Number of cameras from which on the data determine more than poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def _begin(cameras: Sequence[Camera], pixel: Array, pairs: Sequence[Pair]) -> di
 def _next(
     cameras: Sequence[Camera], pixel: Array, grown: Grown, zooms: Sequence[float]
 ) -> dict[int, Camera] | None:
-    """The camera with the most points in common with those placed that finds its place among them."""
+    """The camera that shares the most points with the placed ones and finds its pose among them."""
     known = np.isfinite(grown.points[:, :1]) & np.isfinite(pixel[..., 0])
     waiting = [i for i in np.argsort(-known.sum(axis=0)).tolist() if i not in grown.placed]
     for i in waiting:

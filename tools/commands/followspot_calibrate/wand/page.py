@@ -14,7 +14,7 @@ SHARED_NOTE = "Points that both cameras saw; the more, the better the two are ti
 def page_of(room: Room, result: Calibrated) -> Page:
     """The cameras, the points that pairs share, and the residuals of the wand's points in each camera.
 
-    room: as it was; its planes are shown where its frame of reference stayed.
+    room: before the calibration; its planes are shown if its frame of reference stayed.
     """
     settled = result.solved.settled
     return calibration_page(

@@ -18,7 +18,7 @@ MOST = 400
 WORKING = 4000
 """Rows that the search of a beginning works with, over all pairs."""
 SPREAD = 4
-"""From how many times as many rows, spread over the recording, they are chosen."""
+"""Rows are chosen, spread over the recording, if there are this many times as many."""
 TRIALS = 2000
 CONFIDENCE = 0.9999
 

@@ -1,4 +1,4 @@
-"""Where one camera is: relative to another one, or among known points."""
+"""Pose of one camera: relative to another one, or among known points."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def relate(first: Camera, second: Camera, pixel: Array) -> Relation | None:
 
 
 def resect(camera: Camera, points: Array, pixel: Array) -> tuple[Camera, int] | None:
-    """The camera where it sees known points as it does, and how many agree (perspective from three points).
+    """The camera with the pose that explains its sightings of known points, and the number that agree (P3P).
 
     points: (M, 3) m; pixel: (M, 2) px. None if too few agree.
     """

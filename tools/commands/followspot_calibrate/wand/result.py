@@ -22,8 +22,8 @@ from followspot_calibrate.wand.targets import Refined
 class Calibrated:
     """Cameras and points in the frame of the room; warnings are sentences for the user.
 
-    cameras: by name; points: (N, 3) m, or in an arbitrary unit where the alignment is not metric; targets:
-    what clips of targets added, if there were any.
+    cameras: by name; points: (N, 3) m, or in an arbitrary unit if the alignment is not metric; targets:
+    result of the targets' clips, if there were any.
     """
 
     solved: Solved
@@ -40,7 +40,7 @@ class Calibrated:
 
     @property
     def lengths(self) -> Array | None:
-        """The wand's length wherever it was seen whole, m; None for one bulb."""
+        """The wand's length in the frames that show it whole, m; None for one bulb."""
         rods = self.solved.rods
         if rods is None:
             return None
@@ -119,7 +119,7 @@ def _figures(result: Calibrated) -> dict[str, dict[str, Any]]:
 
 
 def told(result: Calibrated) -> list[tuple[str, str]]:
-    """What is said beside the tables, by subject: the errors, the intrinsics, the frame and the scale."""
+    """Notes beside the tables, by subject: the errors, the intrinsics, the frame and the scale."""
     intrinsics = {
         "known": "kept as the room has them",
         "refined": "of the room, refined: they fit the points clearly better",

@@ -10,7 +10,7 @@ from followspot_calibrate.adjust import Rods
 from followspot_calibrate.sightings import Sightings
 
 SIGMA = 0.001
-"""How well the length of a wand is known, m."""
+"""Accuracy of the length of a wand, m."""
 FEWEST = 10
 """Frames in which the whole wand must be seen."""
 
@@ -28,7 +28,7 @@ def rods_of(sightings: Sightings, length: float) -> Rods:
 
 
 def scale_of(points: Array, rods: Rods) -> float:
-    """What points, (N, 3), have to be multiplied by so that the wand has its length in the median.
+    """Factor for points, (N, 3), that gives the wand its length in the median.
 
     Raises FollowspotError if the wand is hardly ever seen whole.
     """

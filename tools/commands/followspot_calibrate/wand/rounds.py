@@ -19,7 +19,7 @@ SETTLED = 0.001
 SIGMAS = 5.0
 """Errors above as many standard deviations are outliers."""
 SCALE = 2.385
-"""Where errors begin to count less, over sigma: 95 % efficient for normal errors (Rey 1983)."""
+"""Residual over sigma from which on weights fall: 95 % efficient for normal errors (Rey 1983)."""
 LEAST_SIGMA = 0.02
 """px; below, sightings are as good as exact."""
 RAYLEIGH = 1.1774

@@ -35,21 +35,21 @@ Outcome = Literal["known", "refined", "free"]
 LIMIT = 0.01
 """Distance from an epipolar line of points that fit known intrinsics, over the longer side of the picture."""
 BETTER = 0.9
-"""Errors after refining known intrinsics over those before, below which the refined ones are kept."""
+"""Ratio of errors after and before refining known intrinsics below which the refined ones are kept."""
 REFINED = Free(focal=True, center=True, distortion=2)
 OFF_MIDDLE = 0.02
-"""How far a principal point may be from the middle, one sigma over the longer side of the picture."""
+"""Distance of a principal point from the middle, one sigma over the longer side of the picture."""
 ROUGH = Free(focal=True, distortion=1)
-"""What two or three cameras already tell of intrinsics that are not good enough to place them all."""
+"""Accuracy to which two or three cameras determine intrinsics that cannot place all cameras."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
     """Cameras from sightings, in a frame of their own.
 
-    intrinsics: "known" as they were given, "refined" from those, or "free", found from nothing; rods: the
+    intrinsics: "known" as they were given, "refined" from those, or "free", estimated; rods: the
     wand, None if it has one bulb or no known length; then the unit of length is arbitrary. timed: the
-    sightings as if all cameras had been synchronised, and by how much they were not; planar: whether known
+    sightings shifted into step, and by how much; planar: True if cameras with known
     lenses saw points in a plane.
     """
 
@@ -62,7 +62,7 @@ class Solved:
 
     @property
     def sightings(self) -> Sightings:
-        """What the cameras are adjusted to."""
+        """Terms of the adjustment besides the sightings."""
         return self.timed.sightings
 
 
@@ -77,8 +77,8 @@ def solve(
 
     known: cameras with intrinsics in the order of the sightings, if there are any; length: m, between the
     points labelled 0 and 1. With "auto" known intrinsics are kept unless others fit the data clearly better;
-    the focal length is kept even then where the points lie too flat to determine it.
-    Raises FollowspotError that names the cameras where the data do not tie them together.
+    the focal length is kept even then if the points lie too flat to determine it.
+    Raises FollowspotError that names the cameras if the data do not connect them.
     """
     rods = None if length is None else rods_of(sightings, length)
     own = None if intrinsics == "free" else known
@@ -91,7 +91,7 @@ def solve(
         cameras = _scaled(cameras, timed.sightings, rods)
     free = REFINED if own is None else Free()
     middle = _middle(sightings, own)
-    if not planar:  # where motion tells nothing sure
+    if not planar:  # cameras without a significant lateness from motion
         timed, cameras = synchronised(
             cameras, sightings, timed, lambda now, pixel: settle(now, pixel, free, rods, middle), free
         )
@@ -128,7 +128,7 @@ def _with_known(
     rods: Rods | None,
     progress: Progress | None,
 ) -> tuple[Watermark, Outcome]:
-    """The placed cameras with known intrinsics, or with refined ones where those are clearly better."""
+    """The placed cameras with known intrinsics, or with refined ones if those are clearly better."""
     cameras = [
         replace(camera, matrix=lens.matrix, distortion=lens.distortion)
         for camera, lens in zip(placed, known, strict=True)

@@ -20,7 +20,7 @@ from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Watermark, chosen
 from followspot_calibrate.wand.solving import OFF_MIDDLE, REFINED, Solved
 
 ROUNDS = 3
-"""Of adjusting and of choosing the sightings that fit."""
+"""Rounds of adjusting and of selecting the sightings that fit."""
 AGREEING = 0.5
 """Share of the targets' sightings that must agree about them."""
 
@@ -41,11 +41,10 @@ class Refined:
 def with_targets(
     solved: Solved, places: Places, alignment: Alignment | None = None, progress: Progress | None = None
 ) -> Refined:
-    """The cameras adjusted to wand and targets together; lenses, too, where the points have to tell them.
+    """The cameras adjusted to wand and targets together; lenses, too, if they are unknown.
 
     alignment: of these cameras with the room; then the result is in the room's frame, and known centres
-    hold the cameras as well as they were met. Raises FollowspotError if the cameras do not see the
-    targets in the same places.
+    keep their accuracy. Raises FollowspotError if the cameras do not see the targets at the same places.
     """
     pixel, settled, anchors = solved.sightings.pixel, solved.settled, None
     free, middle = _unknown(solved)
@@ -75,7 +74,7 @@ def with_targets(
 
 
 def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
-    """What to adjust: poses, and lenses that nobody knew, with principal points near the middle."""
+    """Free parameters: poses, and unknown lenses with principal points near the middle."""
     if solved.intrinsics != "free":
         return Free(), None
     sizes = solved.sightings.sizes

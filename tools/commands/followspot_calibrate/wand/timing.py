@@ -20,7 +20,7 @@ from followspot_calibrate.wand.pairs import Pair, match
 from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Watermark, chosen
 
 LEAST = 0.2
-"""Steps by which a camera must be late to be told; interpolated tracks are no better than that."""
+"""Smallest reported lateness, steps; interpolated tracks are no better than that."""
 SURE = 5.0
 """Sigmas of a lateness that is believed."""
 LARGEST = 1.0
@@ -135,7 +135,7 @@ def _refined(
 
 
 def _kept(before: Array, late: Array, least: float) -> Array:
-    """What is believed of cameras of which motion tells nothing sure, (C,) frames: whole frames, or nothing.
+    """Lateness of cameras without a significant one from motion, (C,) frames: whole frames, or none.
 
     before: lateness in whole frames, relative to the same cameras as `late`.
     """

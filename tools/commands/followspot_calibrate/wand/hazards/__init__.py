@@ -1,1 +1,1 @@
-"""What goes wrong when a wand is waved: how each mistake shows in the points, and what to do about it."""
+"""Typical mistakes with a wand: how each shows in the points, and what to do about it."""

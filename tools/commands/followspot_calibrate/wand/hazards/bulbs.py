@@ -16,15 +16,15 @@ from followspot_calibrate.wand.rods import measured
 from followspot_calibrate.wand.rounds import SIGMAS, Watermark
 
 SCATTER = 0.03
-"""Spread of the measured lengths over the length of the wand that is told."""
+"""Spread of the measured lengths over the length of the wand that gives a warning."""
 ROOM = (0.3, 100.0)
 """Smallest and largest distance of cameras from their middle that a length in metres gives, m."""
 CONFUSED = 0.05
-"""Share of a camera's points that are the other bulb, which is told."""
+"""Share of a camera's points that are the other bulb that gives a warning."""
 
 
 def confused(camera: Camera, points: Array, pixel: Array, other: Array) -> str | None:
-    """What is wrong if a camera without a place has the bulbs the wrong way round; None if it does not.
+    """The fault if a camera without a pose has the bulbs exchanged; None if it does not.
 
     points: (N, 3); pixel: (N, 2) px of this camera; other: (N,) the row of the other bulb, -1 without one.
     """
@@ -46,12 +46,12 @@ def others_of(rods: Rods, rows: int) -> Array:
 
 
 def length_warnings(settled: Watermark, rods: Rods, pixel: Array) -> list[str]:
-    """What the measured lengths say of the wand. settled: in m, as the length has it; pixel: (N, C, 2) px."""
+    """Warnings from the measured lengths. settled: in m, as the length has it; pixel: (N, C, 2) px."""
     return [*_taken_for_each_other(settled, rods, pixel), *_unlikely(settled.cameras, settled.points, rods)]
 
 
 def _taken_for_each_other(settled: Watermark, rods: Rods, pixel: Array) -> list[str]:
-    """Cameras that now and then see one bulb where the other is."""
+    """Cameras that sometimes confuse the two bulbs."""
     other, told = others_of(rods, len(pixel)), []
     rows = np.flatnonzero(other >= 0)
     for number, camera in enumerate(settled.cameras):

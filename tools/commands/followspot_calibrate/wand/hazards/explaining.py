@@ -26,7 +26,7 @@ class Agreeing:
 
 
 def agreeing_cameras(sightings: Sightings, placed: Mapping[int, Camera]) -> Agreeing:
-    """What the cameras that found a place know of the points."""
+    """The points as known from the cameras with poses."""
     numbers = sorted(placed)
     return Agreeing(placed, chosen([placed[i] for i in numbers], sightings.pixel[:, numbers]).points)
 
@@ -34,9 +34,9 @@ def agreeing_cameras(sightings: Sightings, placed: Mapping[int, Camera]) -> Agre
 def reasons(
     agree: Agreeing, sightings: Sightings, known: Sequence[Camera] | None, rods: Rods | None
 ) -> dict[int, str]:
-    """What is wrong with cameras that find no place, by number, as far as a cause explains it.
+    """The faults of cameras without poses, by number, as far as a cause explains them.
 
-    Where most cameras see the mirror image of what those with a place see, it is these that are mirrored.
+    If most cameras see the mirror image of the ones with poses, the latter are mirrored.
     """
     lenses = known or lenses_like(agree, sightings)
     absent = [number for number in range(len(lenses)) if number not in agree.placed]

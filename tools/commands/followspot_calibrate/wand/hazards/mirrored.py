@@ -21,10 +21,10 @@ class Mirrored:
 
 
 def mirrored(camera: Camera, points: Array, pixel: Array, others: Sequence[Camera]) -> Mirrored | None:
-    """Whether a camera sees the points of the others only in the mirror; None if it does not.
+    """The fault if a camera sees the points of the others only in a mirror image; None if it does not.
 
-    points: (N, 3); pixel: (N, 2) px of this camera, which has its lens and no place yet. Left-right and
-    up-down differ by half a turn of the camera: the flip that leaves it upright as the others is named.
+    points: (N, 3); pixel: (N, 2) px of this camera, which has its lens and no pose yet. Left-right and
+    up-down differ by half a turn of the camera: the fault names the flip that leaves it upright.
     """
     flipped = support(camera, points, left_right(camera, pixel))
     plain = support(camera, points, pixel)

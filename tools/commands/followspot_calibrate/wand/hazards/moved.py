@@ -50,7 +50,7 @@ class Moved:
 
 
 def moved_cameras(settled: Watermark, sightings: Sightings) -> list[Moved]:
-    """The cameras that were moved, the clearest first; three or more are needed to tell which.
+    """The cameras that were moved, the clearest first; at least three cameras are needed.
 
     A moved camera draws the points, and with them the others: so it is left out before the next is sought.
     """
@@ -90,7 +90,7 @@ def _moved(
 
 
 def _starts(used: Array) -> Sequence[int]:
-    """Moments to begin with: the middle, and the one that best parts sightings that fit from those not."""
+    """Candidates for the moment: the middle, and the one that best separates sightings that fit."""
     count = len(used)
     cuts = np.arange(FEWEST, count - FEWEST)
     if not len(cuts):

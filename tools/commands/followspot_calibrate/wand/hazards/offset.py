@@ -19,9 +19,9 @@ from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.rounds import Watermark
 
 FEWEST = 12
-"""Sightings of every camera of points whose motion is known; fewer tell nothing."""
+"""Fewest sightings of each camera of points with known motion."""
 STEPS = 6
-"""Of reweighted least squares."""
+"""Rounds of reweighted least squares."""
 CUTOFF = 2.0
 """Median errors at which a sighting counts half."""
 CORRELATED = 4.0
@@ -29,7 +29,7 @@ CORRELATED = 4.0
 LEAST, VAGUE, SINGULAR = 1e-6, 1e-9, 1e-10
 """px^2, 1/m^2 and 1: what keeps equations solvable."""
 MOST = 2000
-"""Rows that are enough, in stretches spread over the recording; neighbours tell the velocity."""
+"""Rows that suffice, in stretches spread over the recording; neighbours give the velocity."""
 NEAR, STRIDE = 6.0, 0.5
 """Steps up to which the lateness of a camera without a place is sought, and between two that are tried."""
 WHOLE = 0.15
@@ -40,9 +40,9 @@ STRETCH = 40
 
 @dataclass(frozen=True, eq=False)
 class Late:
-    """By how many frames cameras are later than most of them, and one standard deviation: (C,) each.
+    """Lateness of cameras relative to most of them, and one standard deviation: (C,) frames each.
 
-    cameras: as they are if that is so.
+    cameras: as they are if none is late.
     """
 
     frames: Array
@@ -51,11 +51,11 @@ class Late:
 
 
 def lateness(settled: Watermark, pixel: Array, sightings: Sightings, free: Free) -> Late:
-    """What motion tells of a rest of lateness in tracks that are already nearly in step.
+    """The remaining lateness in tracks that are already nearly in step, from motion.
 
-    pixel: (N, C, 2) px of the frames and labels of the sightings; free: what else of the cameras is open, for
-    a place or a lens that is adjusted to a late camera hides most of its lateness. A camera sees a point that
-    moves with v if it is after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
+    pixel: (N, C, 2) px of the frames and labels of the sightings; free: other parameters left free, because
+    a pose or a lens adjusted to a late camera hides most of its lateness. A camera sees a point that
+    moves with v at its place after its lateness l: P(X + v l). Points are eliminated (H&Z, appendix A6.3.1).
     """
     velocity = _velocities(sightings, settled.points)
     known = np.isfinite(velocity[:, 0] + settled.points[:, 0])
@@ -81,7 +81,7 @@ def lateness(settled: Watermark, pixel: Array, sightings: Sightings, free: Free)
 
 @dataclass(frozen=True, eq=False)
 class _Linear:
-    """What M sightings of a camera say.
+    """The linearised sightings of one camera.
 
     rows: (M,); error: (M, 2) px; by_camera: (M, 2, P), derivatives by its parameters, the lateness
     last; by_point: (M, 2, 3).
@@ -144,7 +144,7 @@ def _solved(
 
 
 def _velocities(sightings: Sightings, points: Array) -> Array:
-    """Of points, per frame: (N, 3); NaN if neighbours lack."""
+    """Velocities of points per frame: (N, 3); NaN without neighbours."""
     order = np.lexsort([sightings.frame, sightings.label])
     found = np.empty_like(points)
     found[order] = velocities(sightings.frame[order].astype(float), sightings.label[order], points[order])
@@ -152,7 +152,7 @@ def _velocities(sightings: Sightings, points: Array) -> Array:
 
 
 def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int) -> float:
-    """By how many frames, up to `NEAR` steps, a camera is late that has no place among points; 0 without any.
+    """Lateness of a camera without a pose among points, up to `NEAR` steps, in frames; 0 if there is none.
 
     points: (N, 3), NaN if unknown; number: of the camera.
     """
@@ -169,10 +169,10 @@ def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int
 def drift(
     settled: Watermark, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
-    """By how many frames lateness grew from the first half to the second, (C,); 0 if that is not sure.
+    """Growth of the lateness from the first half to the second, (C,) frames; 0 if it is not significant.
 
-    late: (C,) frames, in all; sure: sigmas, and least: frames, of a growth that is believed. One that is not
-    late is believed to have lost whole frames only: a camera that was moved seems to lose parts of them.
+    late: (C,) frames, in all; sure: smallest growth in sigmas, least: in frames. A camera that is not late
+    can only have lost whole frames: one that was moved seems to lose parts of frames.
     """
     pixel, second = resampled(sightings, late), sightings.frame > np.median(sightings.frame)
     before, after = (

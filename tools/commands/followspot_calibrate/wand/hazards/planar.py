@@ -1,4 +1,4 @@
-"""Points in a plane: they tell where cameras with known lenses are, and hardly anything of unknown lenses."""
+"""Points in a plane: they determine poses of cameras with known lenses, and hardly any unknown lens."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ PLANE = 0.9
 LIMIT = 0.005
 """Distance of points that fit, over the longer side of the picture."""
 JUDGED = 12
-"""Pairs that are asked, those with the most points."""
+"""Number of examined pairs, those with the most points."""
 FLAT = 0.05
 """Thickness of the points over their second extent below which they are near a plane."""
 REMEDY = "wave up and down as well as to and fro, through the whole depth of the room"
 
 
 def in_a_plane(xy: Array, pairs: Sequence[Pair], sizes: Array) -> bool:
-    """Whether most pairs see all their points in a plane. xy: (N, C, 2) px undistorted; sizes: (C, 2) px."""
+    """True if most pairs see all their points in a plane. xy: (N, C, 2) px undistorted; sizes: (C, 2) px."""
     judged = sorted((pair for pair in pairs if pair.shared >= FEWEST), key=lambda pair: -pair.shared)[:JUDGED]
     limit = LIMIT * sizes.max(axis=1)
     return 2 * sum(_planar(xy, pair, limit) for pair in judged) > len(judged)
@@ -39,7 +39,7 @@ def flatness(points: Array) -> float:
 
 
 def _planar(xy: Array, pair: Pair, limit: Array) -> bool:
-    """Whether one homography explains the points that agree on an epipolar geometry (H&Z, section 11.9.2)."""
+    """True if one homography explains the points that agree on an epipolar geometry (H&Z, section 11.9.2)."""
     import cv2
 
     rows = pair.rows[pair.agree]

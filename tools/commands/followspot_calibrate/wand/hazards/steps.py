@@ -21,7 +21,7 @@ REACH = 100
 STRIDE = 2
 """Steps between the shifts that are tried first; a step beside the right one most points still agree."""
 TRIALS = 500
-"""Of the search for an epipolar geometry at one shift."""
+"""Trials of the search for an epipolar geometry at one shift."""
 IN_STEP = 0.85
 """Share of agreeing points over that of the best pair from which on a pair is in step."""
 AGREE = 0.45
@@ -29,19 +29,19 @@ AGREE = 0.45
 
 At another shift it is their share of what both see as it is, for the few that overlap agree easily."""
 ALONE = 0.9
-"""The same where one pair is all there is, so that there is no best."""
+"""The same for a single pair, which has no best one to start from."""
 BETTER = 1.4
 """Agreement at the right shift over that without one."""
 PARTNERS = 2
-"""Cameras in step with which a further one is compared until given up, first those that agree least."""
+"""Cameras in step that a further one is compared with before it is given up, least agreeing first."""
 
 
 def steps_late(
     sightings: Sightings, straight: Array, pairs: Sequence[Pair], limit: Array, progress: Progress | None
 ) -> Array:
-    """By how many whole frames each camera is late, relative to most of them: (C,), 0 if none is found.
+    """Lateness of each camera in whole frames, relative to most of them: (C,), 0 if none is found.
 
-    straight: (N, C, 2) px without distortion; pairs: what agrees as it is; limit: (C,) px.
+    straight: (N, C, 2) px without distortion; pairs: that agree without a shift; limit: (C,) px.
     """
     share = shares(pairs, len(sightings.cameras))
     late = np.zeros(len(sightings.cameras))
@@ -90,7 +90,7 @@ def _reached(near: Array, start: int) -> set[int]:
 def _shift(
     tracks: Sightings, camera: int, joined: Sequence[int], late: Array, share: Array, limit: Array
 ) -> float | None:
-    """The shift at which a camera agrees with those that are in step; None if there is none."""
+    """The shift at which a camera agrees with those in step; None if there is none."""
     common = {other: int((tracks.seen[:, other] & tracks.seen[:, camera]).sum()) for other in joined}
     enough = max(FEWEST, max(common.values()) / 2)
     partners = [other for other in joined if common[other] >= enough]
@@ -110,7 +110,7 @@ def _shift(
 
 
 def _agreeing(tracks: Sightings, camera: int, shift: float, fixed: Array, limit: float) -> int:
-    """How many points of a shifted track fit one epipolar geometry with a fixed one. limit: px."""
+    """Number of points of a shifted track that fit one epipolar geometry with a fixed track. limit: px."""
     trial = np.zeros(len(tracks.cameras))
     trial[camera] = shift
     moved = resampled(tracks, trial)[:, camera]

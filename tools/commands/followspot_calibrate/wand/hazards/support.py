@@ -1,4 +1,4 @@
-"""How many points of the other cameras a camera sees as it would from one place."""
+"""Number of points of the other cameras that one pose of a camera explains."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot_calibrate.wand.resection import resect
 ENOUGH = 0.5
 """Share of a camera's points that a cause must explain; with 30 % of reflections 70 % are left."""
 CLEARLY = 1.5
-"""How many times as many points the cause must explain as fit without it."""
+"""Smallest ratio of the points that a cause explains to those that fit without it."""
 MOST = 1000
 """Points that are asked."""
 

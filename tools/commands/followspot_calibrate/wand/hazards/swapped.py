@@ -1,4 +1,4 @@
-"""Two cameras whose recordings, places or lenses stand for each other."""
+"""Two cameras with exchanged recordings, places or lenses."""
 
 from __future__ import annotations
 

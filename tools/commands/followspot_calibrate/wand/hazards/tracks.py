@@ -1,4 +1,4 @@
-"""What a camera would have seen a little earlier or later: its track of points, interpolated."""
+"""Tracks of points shifted in time: interpolated sightings a little earlier or later."""
 
 from __future__ import annotations
 
