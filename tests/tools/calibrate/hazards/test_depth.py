@@ -8,7 +8,7 @@ from rooms import made_room, waved_room
 
 from followspot_calibrate.wand.diagnosis import DEEP, depths, shallow
 from followspot_calibrate.wand.diagnostics import depth_warnings, warnings_of
-from followspot_calibrate.wand.rounds import Watermark
+from followspot_calibrate.wand.rounds import Settled
 from followspot_calibrate.wand.solving import solve
 
 
@@ -43,6 +43,6 @@ def test_depth_is_the_farthest_over_the_nearest():
     along = np.linspace(1.0, 3.0, 101)[:, None]
     points = cameras[0].center + along * cameras[0].rotation[2]
     used = np.ones((101, 3), bool)
-    settled = Watermark(cameras, points, used, np.zeros((101, 3, 2)), 0.4)
+    settled = Settled(cameras, points, used, np.zeros((101, 3, 2)), 0.4)
     assert depths(settled, 0) == pytest.approx((1.04, 2.96), abs=0.01)
     assert "cam0" not in shallow(settled)

@@ -14,7 +14,7 @@ from followspot_calibrate.adjust import Free, Prior, Progress, adjust
 from followspot_calibrate.places import Places
 from followspot_calibrate.refine.planes import as_seen
 from followspot_calibrate.similarity import Similarity, on_a_line, similarity
-from followspot_calibrate.wand.rounds import SCALE, Watermark, chosen
+from followspot_calibrate.wand.rounds import SCALE, Settled, chosen
 
 OPEN = Free(focal=True, aspect=True, center=True, distortion=2)
 """Free parameters."""
@@ -35,8 +35,8 @@ class Refinement:
     """
 
     pixel: Array
-    before: Watermark
-    after: Watermark
+    before: Settled
+    after: Settled
     planes: Mapping[str, Array]
 
 
@@ -66,7 +66,7 @@ def refine(
     return Refinement(pixel, before, after, as_seen(planes, cameras, after.cameras, after.points))
 
 
-def require_sightings(settled: Watermark) -> None:
+def require_sightings(settled: Settled) -> None:
     """Raises FollowspotError that names every camera with too few sightings that fit."""
     counts = settled.used.sum(axis=0).tolist()
     few = [
@@ -79,7 +79,7 @@ def require_sightings(settled: Watermark) -> None:
         raise FollowspotError("\n".join(few))
 
 
-def prior_of(settled: Watermark) -> Prior:
+def prior_of(settled: Settled) -> Prior:
     """Prior sigmas of cameras for a contradiction of so many px: each cause moves pixels alike."""
     pixels = SCALE * settled.sigma / np.sqrt(CAUSES)
     rows = []

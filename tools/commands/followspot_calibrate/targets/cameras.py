@@ -12,7 +12,7 @@ from followspot.errors import FollowspotError
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.refine.solving import Refinement, refine
-from followspot_calibrate.wand.rounds import RAYLEIGH, Watermark, chosen
+from followspot_calibrate.wand.rounds import RAYLEIGH, Settled, chosen
 
 FEWEST = 3
 """Cameras that can be held against each other."""
@@ -61,23 +61,23 @@ def agreement(room: Room, clips: Path, progress: Progress | None = None) -> Agre
     return Agreement(found)
 
 
-def elsewhere(settled: Watermark, places: Places) -> str:
+def elsewhere(settled: Settled, places: Places) -> str:
     """Names of the cameras that see most targets at other places than the rest, with commas."""
     seen = np.isfinite(places.pixel[..., 0]).sum(axis=0)
     fitting = settled.used.sum(axis=0) >= FITTING * seen
     return ", ".join(c.name for c, fits in zip(settled.cameras, fitting, strict=True) if not fits)
 
 
-def excess(settled: Watermark, places: Places) -> float:
+def excess(settled: Settled, places: Places) -> float:
     """Median reprojection error over that of sightings that are as good as they can be."""
     return float(np.nanmedian(settled.distance / places.sigma[:, None])) / RAYLEIGH
 
 
-def contradiction(given: Watermark) -> str:
+def contradiction(given: Settled) -> str:
     """Errors of the cameras in the room file."""
     return f"cameras contradict each other about the targets by {median_px(given):.2f} px"
 
 
-def median_px(settled: Watermark) -> float:
+def median_px(settled: Settled) -> float:
     """Median reprojection error, px."""
     return float(np.nanmedian(settled.distance))

@@ -16,7 +16,7 @@ from followspot_calibrate.wand.hazards.swapped import exchanged_lenses
 from followspot_calibrate.wand.incremental_sfm import Beginning
 from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.resection import FEWEST as TIED
-from followspot_calibrate.wand.rounds import Watermark
+from followspot_calibrate.wand.rounds import Settled
 
 IN_A_PLANE = f"the points lie in one plane, which does not tell where all cameras are: {REMEDY}"
 LEAST = 12
@@ -82,21 +82,21 @@ def require_placed(
         raise FollowspotError("\n".join(dict.fromkeys(told.values())))
 
 
-def require_own_lenses(sightings: Sightings, settled: Watermark) -> None:
+def require_own_lenses(sightings: Sightings, settled: Settled) -> None:
     """Raises FollowspotError if two cameras see the points through the lens of the other."""
     pair = exchanged_lenses(settled, sightings.pixel)
     if pair is not None:
         raise FollowspotError(exchanged(sightings.cameras, pair))
 
 
-def require_depth(sightings: Sightings, settled: Watermark) -> None:
+def require_depth(sightings: Sightings, settled: Settled) -> None:
     """Raises FollowspotError if points in a plane gave some cameras the wrong one of their two poses."""
     share = settled.used.sum(axis=0) / np.maximum(1, sightings.seen.sum(axis=0))
     if share.min() < MOST_OF * share.max():
         raise FollowspotError(IN_A_PLANE)
 
 
-def require_used(sightings: Sightings, settled: Watermark) -> None:
+def require_used(sightings: Sightings, settled: Settled) -> None:
     """Raises FollowspotError if hardly a sighting of a camera fits in the end."""
     counts = settled.used.sum(axis=0)
     for name, count, seen in zip(sightings.cameras, counts, sightings.seen.sum(axis=0), strict=True):
@@ -107,7 +107,7 @@ def require_used(sightings: Sightings, settled: Watermark) -> None:
             )
 
 
-def shallow(settled: Watermark) -> dict[str, float]:
+def shallow(settled: Settled) -> dict[str, float]:
     """Cameras with points that do not determine a focal length, and the ratio of their depths."""
     ratios = {
         camera.name: far / near
@@ -117,7 +117,7 @@ def shallow(settled: Watermark) -> dict[str, float]:
     return {name: ratio for name, ratio in ratios.items() if ratio < DEEP}
 
 
-def depths(settled: Watermark, number: int) -> tuple[float, float]:
+def depths(settled: Settled, number: int) -> tuple[float, float]:
     """Depth of the nearest and the farthest points that a camera sees, but for 2 % at each end."""
     camera, rows = settled.cameras[number], settled.used[:, number]
     if not rows.any():

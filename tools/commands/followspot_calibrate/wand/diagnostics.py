@@ -10,7 +10,7 @@ from followspot_calibrate.wand.hazards.bulbs import length_warnings
 from followspot_calibrate.wand.hazards.moved import Moved, moved_cameras
 from followspot_calibrate.wand.hazards.planar import FLAT, REMEDY, flatness
 from followspot_calibrate.wand.pairs import FEWEST
-from followspot_calibrate.wand.rounds import Watermark
+from followspot_calibrate.wand.rounds import Settled
 from followspot_calibrate.wand.solving import Solved
 from followspot_calibrate.wand.timing import Timed
 
@@ -50,7 +50,7 @@ def late_warnings(timed: Timed, fps: float | None) -> list[str]:
     return told
 
 
-def moved_warning(settled: Watermark, moved: Moved, unit: float | None) -> str:
+def moved_warning(settled: Settled, moved: Moved, unit: float | None) -> str:
     """When a camera was moved, how far, and which of its poses was found."""
     far = "" if unit is None else f"{1000 * unit * moved.shift:.0f} mm and "
     turn = f"{57.29578 * moved.turn:.1f} degrees"
@@ -61,7 +61,7 @@ def moved_warning(settled: Watermark, moved: Moved, unit: float | None) -> str:
     )
 
 
-def sparse_warnings(sightings: Sightings, settled: Watermark, explained: Collection[int]) -> list[str]:
+def sparse_warnings(sightings: Sightings, settled: Settled, explained: Collection[int]) -> list[str]:
     """Cameras that rest on few of their points; explained: numbers of cameras of which the cause is known."""
     told, strange = [], []
     for number, camera in enumerate(settled.cameras):
@@ -77,7 +77,7 @@ def sparse_warnings(sightings: Sightings, settled: Watermark, explained: Collect
     return told
 
 
-def depth_warnings(settled: Watermark) -> list[str]:
+def depth_warnings(settled: Settled) -> list[str]:
     """Warnings about estimated intrinsics that the points leave open."""
     told, flat = [], shallow(settled)
     if flat:

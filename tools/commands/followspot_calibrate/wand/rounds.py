@@ -27,7 +27,7 @@ RAYLEIGH = 1.1774
 
 
 @dataclass(frozen=True, eq=False)
-class Watermark:
+class Settled:
     """Cameras, points and the sightings that count.
 
     points: (N, 3) m, NaN if no two sightings agree; used: (N, C) bool; residual: (N, C, 2) px, seen minus
@@ -57,7 +57,7 @@ def settle(
     rods: Rods | None = None,
     middle: Middle | None = None,
     progress: Progress | None = None,
-) -> Watermark:
+) -> Settled:
     """Adjusts the cameras to all sightings, (N, C, 2) px, of which some are wrong; else as in `adjust`.
 
     Raises NothingFits.
@@ -87,7 +87,7 @@ def settle(
     return settled
 
 
-def chosen(cameras: Sequence[Camera], pixel: Array) -> Watermark:
+def chosen(cameras: Sequence[Camera], pixel: Array) -> Settled:
     """The points as the cameras see them, and the sightings within `SIGMAS` of them."""
     found = triangulate(cameras, pixel)
     distance = error(found.residual)
@@ -96,4 +96,4 @@ def chosen(cameras: Sequence[Camera], pixel: Array) -> Watermark:
     used = found.used & (distance < SIGMAS * sigma)
     used &= used.sum(axis=1, keepdims=True) >= 2
     points = np.where(used.any(axis=1, keepdims=True), found.points, np.nan)
-    return Watermark(tuple(cameras), points, used, found.residual, sigma)
+    return Settled(tuple(cameras), points, used, found.residual, sigma)

@@ -27,7 +27,7 @@ from followspot_calibrate.wand.hazards.planar import in_a_plane
 from followspot_calibrate.wand.incremental_sfm import Beginning, grow
 from followspot_calibrate.wand.pairs import Pair, match, trusted, working_rows
 from followspot_calibrate.wand.rods import rods_of, scale_of
-from followspot_calibrate.wand.rounds import Watermark, chosen, settle
+from followspot_calibrate.wand.rounds import Settled, chosen, settle
 from followspot_calibrate.wand.timing import Timed, in_step, synchronised, with_the_late
 
 Intrinsics = Literal["known", "free", "auto"]
@@ -55,7 +55,7 @@ class Solved:
 
     timed: Timed
     pairs: Sequence[Pair]
-    settled: Watermark
+    settled: Settled
     intrinsics: Outcome
     rods: Rods | None
     planar: bool
@@ -127,7 +127,7 @@ def _with_known(
     may_refine: bool,
     rods: Rods | None,
     progress: Progress | None,
-) -> tuple[Watermark, Outcome]:
+) -> tuple[Settled, Outcome]:
     """The placed cameras with known intrinsics, or with refined ones if those are clearly better."""
     cameras = [
         replace(camera, matrix=lens.matrix, distortion=lens.distortion)

@@ -16,7 +16,7 @@ from followspot_calibrate.places import Places
 from followspot_calibrate.similarity import Similarity
 from followspot_calibrate.triangulation import error, triangulate
 from followspot_calibrate.wand.alignment import Alignment
-from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Watermark, chosen
+from followspot_calibrate.wand.rounds import SCALE, SIGMAS, Settled, chosen
 from followspot_calibrate.wand.solving import OFF_MIDDLE, REFINED, Solved
 
 ROUNDS = 3
@@ -81,28 +81,28 @@ def _unknown(solved: Solved) -> tuple[Free, Middle | None]:
     return REFINED, Middle((sizes - 1) / 2, SCALE * OFF_MIDDLE * sizes.max(axis=1))
 
 
-def _in_room(settled: Watermark, transform: Similarity) -> Watermark:
+def _in_room(settled: Settled, transform: Similarity) -> Settled:
     """The same, moved to the room's frame."""
     cameras = tuple(transform.camera(camera) for camera in settled.cameras)
     return replace(settled, cameras=cameras, points=transform.points(settled.points))
 
 
-def noise(settled: Watermark) -> float:
+def noise(settled: Settled) -> float:
     """Standard deviation of a coordinate, px: larger than that of residuals, for each point fits its own."""
     sightings, points = settled.used.sum(), settled.used.any(axis=1).sum()
     return float(settled.sigma * np.sqrt(2 * sightings / (2 * sightings - 3 * points)))
 
 
-def _shown(settled: Watermark, places: Places) -> Watermark:
+def _shown(settled: Settled, places: Places) -> Settled:
     """The targets as the cameras see them, and the sightings within `SIGMAS` of them."""
     found = triangulate(settled.cameras, places.pixel)
     limit = SIGMAS * np.hypot(places.sigma, settled.sigma)
     used = found.used & (error(found.residual) < limit[:, None])
     used &= used.sum(axis=1, keepdims=True) >= 2
-    return Watermark(settled.cameras, found.points, used, found.residual, settled.sigma)
+    return Settled(settled.cameras, found.points, used, found.residual, settled.sigma)
 
 
-def _require_agreement(shown: Watermark, places: Places) -> None:
+def _require_agreement(shown: Settled, places: Places) -> None:
     """Raises FollowspotError for clips that show something else in each camera."""
     seen = int(np.isfinite(places.pixel[..., 0]).sum())
     if shown.used.sum() < AGREEING * seen:

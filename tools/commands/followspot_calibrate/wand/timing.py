@@ -17,7 +17,7 @@ from followspot_calibrate.wand.hazards.offset import Late, drift, lateness, near
 from followspot_calibrate.wand.hazards.steps import steps_late
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
 from followspot_calibrate.wand.pairs import Pair, match
-from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Watermark, chosen
+from followspot_calibrate.wand.rounds import SIGMAS, NothingFits, Settled, chosen
 
 LEAST = 0.2
 """Smallest reported lateness, steps; interpolated tracks are no better than that."""
@@ -33,7 +33,7 @@ FARTHEST = 3.0
 BETTER = 0.9
 """Error of a camera after the correction over that before, from which on the correction is right."""
 
-Settle = Callable[[Sequence[Camera], Array], Watermark]
+Settle = Callable[[Sequence[Camera], Array], Settled]
 """Adjusts cameras to pixels, (N, C, 2)."""
 
 
@@ -120,8 +120,8 @@ def synchronised(
 
 
 def _refined(
-    settled: Watermark, sightings: Sightings, late: Array, settle: Settle, free: Free
-) -> tuple[Watermark, Late]:
+    settled: Settled, sightings: Sightings, late: Array, settle: Settle, free: Free
+) -> tuple[Settled, Late]:
     """Lateness from rounds of correcting and adjusting."""
     cameras: Sequence[Camera] = settled.cameras
     for _ in range(ROUNDS):
@@ -161,6 +161,6 @@ def with_offsets(cameras: Sequence[Camera], timed: Timed, fps: float) -> list[Ca
     return [replace(camera, clock_offset=round(late[camera.name], 6)) for camera in cameras]
 
 
-def _error(settled: Watermark) -> Array:
+def _error(settled: Settled) -> Array:
     """Median error of each camera over all its sightings, (C,) px."""
     return np.asarray(np.nanmedian(np.hypot(settled.residual[..., 0], settled.residual[..., 1]), axis=0))

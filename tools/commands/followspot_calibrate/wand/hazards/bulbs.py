@@ -13,7 +13,7 @@ from followspot_calibrate.adjust import Rods
 from followspot_calibrate.similarity import spread
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.rods import measured
-from followspot_calibrate.wand.rounds import SIGMAS, Watermark
+from followspot_calibrate.wand.rounds import SIGMAS, Settled
 
 SCATTER = 0.03
 """Spread of the measured lengths over the length of the wand that gives a warning."""
@@ -45,12 +45,12 @@ def others_of(rods: Rods, rows: int) -> Array:
     return other
 
 
-def length_warnings(settled: Watermark, rods: Rods, pixel: Array) -> list[str]:
+def length_warnings(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
     """Warnings from the measured lengths. settled: in m, as the length has it; pixel: (N, C, 2) px."""
     return [*_taken_for_each_other(settled, rods, pixel), *_unlikely(settled.cameras, settled.points, rods)]
 
 
-def _taken_for_each_other(settled: Watermark, rods: Rods, pixel: Array) -> list[str]:
+def _taken_for_each_other(settled: Settled, rods: Rods, pixel: Array) -> list[str]:
     """Cameras that sometimes confuse the two bulbs."""
     other, told = others_of(rods, len(pixel)), []
     rows = np.flatnonzero(other >= 0)

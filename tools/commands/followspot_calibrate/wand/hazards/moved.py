@@ -13,7 +13,7 @@ from followspot.messages import Array
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.triangulation import rays_of, solved
 from followspot_calibrate.wand.hazards.support import support
-from followspot_calibrate.wand.rounds import SIGMAS, Watermark
+from followspot_calibrate.wand.rounds import SIGMAS, Settled
 
 FEWEST = 30
 """Points before and after the move."""
@@ -49,7 +49,7 @@ class Moved:
         return float(np.linalg.norm(self.before.center - self.after.center))
 
 
-def moved_cameras(settled: Watermark, sightings: Sightings) -> list[Moved]:
+def moved_cameras(settled: Settled, sightings: Sightings) -> list[Moved]:
     """The cameras that were moved, the clearest first; at least three cameras are needed.
 
     A moved camera draws the points, and with them the others: so it is left out before the next is sought.
@@ -67,9 +67,7 @@ def moved_cameras(settled: Watermark, sightings: Sightings) -> list[Moved]:
     return found
 
 
-def _moved(
-    number: int, settled: Watermark, sightings: Sightings, rays: Array, trusted: Array
-) -> Moved | None:
+def _moved(number: int, settled: Settled, sightings: Sightings, rays: Array, trusted: Array) -> Moved | None:
     """The move of one camera among the points that the others see. rays: (N, C, 3); trusted: (N, C) bool."""
     others = trusted.copy()
     others[:, number] = False

@@ -16,7 +16,7 @@ from followspot_calibrate.clocks.moments import velocities
 from followspot_calibrate.sightings import Sightings
 from followspot_calibrate.wand.hazards.support import CLEARLY, ENOUGH, support
 from followspot_calibrate.wand.hazards.tracks import frame_step, resampled
-from followspot_calibrate.wand.rounds import Watermark
+from followspot_calibrate.wand.rounds import Settled
 
 FEWEST = 12
 """Fewest sightings of each camera of points with known motion."""
@@ -50,7 +50,7 @@ class Late:
     cameras: tuple[Camera, ...]
 
 
-def lateness(settled: Watermark, pixel: Array, sightings: Sightings, free: Free) -> Late:
+def lateness(settled: Settled, pixel: Array, sightings: Sightings, free: Free) -> Late:
     """The remaining lateness in tracks that are already nearly in step, from motion.
 
     pixel: (N, C, 2) px of the frames and labels of the sightings; free: other parameters left free, because
@@ -167,7 +167,7 @@ def nearest_shift(lens: Camera, points: Array, sightings: Sightings, number: int
 
 
 def drift(
-    settled: Watermark, sightings: Sightings, late: Array, free: Free, sure: float, least: float
+    settled: Settled, sightings: Sightings, late: Array, free: Free, sure: float, least: float
 ) -> Array:
     """Growth of the lateness from the first half to the second, (C,) frames; 0 if it is not significant.
 

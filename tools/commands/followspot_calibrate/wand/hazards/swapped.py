@@ -13,7 +13,7 @@ from followspot.messages import Array
 from followspot_calibrate.adjust import Free, adjust
 from followspot_calibrate.similarity import NEAR, on_a_line, similarity, spread
 from followspot_calibrate.wand.hazards.support import misfit
-from followspot_calibrate.wand.rounds import SCALE, Watermark
+from followspot_calibrate.wand.rounds import SCALE, Settled
 
 MUCH_BETTER = 0.25
 """Error with the lens or place of another camera over that with its own, below which it is that one."""
@@ -46,7 +46,7 @@ def lens_of_another(
     return (number, other) if back else None
 
 
-def exchanged_lenses(settled: Watermark, pixel: Array) -> tuple[int, int] | None:
+def exchanged_lenses(settled: Settled, pixel: Array) -> tuple[int, int] | None:
     """Two placed cameras that fit much better once their lenses are exchanged and all are adjusted anew.
 
     pixel: (N, C, 2) px. Lenses that are alike, and errors below `GOOD`, are not asked about.
