@@ -1,4 +1,4 @@
-"""Real balls that bounce: errors of `balls.kalman` beside those of the triangulated points that it is given.
+"""Bouncing balls: errors of `balls.kalman` beside those of the triangulated points that it reads.
 
     python tools/bench_bounces.py ../shared/data/ball-trajectories-tt3d
 
@@ -29,7 +29,7 @@ from followspot.tracking import Positions
 
 VIEWS = ("side", "oblique", "back")
 NOISE = 2.0
-"""Of the given image positions, one sigma along each axis, px."""
+"""Noise of the given image positions, one sigma along each axis, px."""
 NEAR = 2.0
 """Frames from a bounce within which a frame counts as at it."""
 STEEP = 0.5
@@ -102,7 +102,7 @@ def measured(xyz: Array, covariance: Array) -> Positions:
 
 
 def filtered(time: Array, points: Array, covariance: Array, **params: float) -> Array:
-    """What `balls.kalman` makes of the points of one ball, (N, 3) m."""
+    """Output of `balls.kalman` for the points of one ball, (N, 3) m."""
     room = Room(targets={"ball": Target("ball", 0.02)})
     stage = load_stage("balls.kalman")(Context(room=room), **params)
     stage.setup()

@@ -1,4 +1,4 @@
-"""How the cost of a frame set grows with cameras, targets and image size, on simulated rooms.
+"""Cost of a frame set over the number of cameras, targets and pixels, on simulated rooms.
 
     python tools/bench_cost.py
     python tools/bench_cost.py --cameras 2,6 --targets 3 --sizes 320x240 --json
@@ -39,7 +39,7 @@ ROOT = Path(__file__).parent.parent
 CAMERAS, TARGETS = (2, 4, 6, 12, 24), (1, 3, 6, 12, 24)
 SIZES = ((320, 240), (640, 480), (1280, 720), (1920, 1080))
 USUAL = (6, 6, (320, 240))
-"""Cameras, targets and image size where another quantity varies."""
+"""Cameras, targets and image size while another quantity varies."""
 BINS = 16
 
 
@@ -54,14 +54,14 @@ class Case:
 
 @dataclass(frozen=True)
 class Row:
-    """What one room costs."""
+    """Cost of one room."""
 
     case: Case
     tracked_ms: float
     searching_ms: float
     targets_tracked: float
     stages_ms: dict[str, float]
-    """Of the tracked run, by stage."""
+    """CPU time of the tracked run, by stage."""
 
 
 def main() -> None:
@@ -147,7 +147,7 @@ def _performance(base: Room) -> dict[str, object]:
 
 
 def turned(camera: Camera, number: int, count: int, models: int) -> Camera:
-    """The camera turned about the vertical through the middle of the room, so that no two look alike."""
+    """The camera rotated about the vertical through the middle of the room, so that views differ."""
     angle = 2 * np.pi * (number // models) / max(1, count)
     c, s = np.cos(angle), np.sin(angle)
     back = IDENTITY.copy()

@@ -1,4 +1,4 @@
-"""What the operator's page costs a graph: without it, unwatched, watched, and with a stalled browser.
+"""Cost of the operator's page for a graph: without it, unwatched, watched, and with a stalled browser.
 
     python tools/bench_dashboard.py
     python tools/bench_dashboard.py --room room.yaml --frames 3000 --rounds 3 --json
@@ -67,14 +67,14 @@ class Row:
     frames_per_second: float
     cpu_ms_per_frame: float
     throughput: float
-    """Frames per second, as a share of those of the same round without a page."""
+    """Frames per second over those of the same round without a page."""
     cpu: float
     dropped: int
     shown: int
 
 
 class Moment(NamedTuple):
-    """How far a run was, and what its process had taken until then, s."""
+    """Progress of a run, and CPU time of its process until then, s."""
 
     frames: int
     wall: float

@@ -178,7 +178,7 @@ def report(results: list[Result]) -> dict[str, Any]:
 
 
 def slower(result: Result, results: list[Result]) -> dict[str, float]:
-    """How many times slower than the ring in place at the same size: latency, and throughput."""
+    """Ratio to the ring written in place at the same size: latency, and throughput."""
     best = next(r for r in results if r.edge == EDGES[0] and r.size == result.size)
     return {"p50": result.p50_ms / best.p50_ms, "per_frame": best.per_second / result.per_second}
 

@@ -1,4 +1,4 @@
-"""What hops, links, starts and faults cost on one host and on several: medians of rounds, as tables.
+"""Cost of hops, links, starts and faults on one host and on several: medians of rounds, as tables.
 
     python tools/bench_hosts.py                                  everything, three rounds
     python tools/bench_hosts.py --rounds 5 --json
@@ -47,7 +47,7 @@ def played(names: Sequence[str], rounds: int) -> Figures:
 
 
 def inflicted(rounds: int) -> Figures:
-    """What each kind of fault costs, as tools/soak.py reports it."""
+    """Cost of each kind of fault, as tools/soak.py reports it."""
     soak = [sys.executable, str(Path(__file__).parent / "soak.py"), "--json"]
     done = subprocess.run(
         [*soak, "--faults", str(rounds * len(KINDS))], stdout=subprocess.PIPE, text=True, check=False

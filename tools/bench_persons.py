@@ -1,4 +1,4 @@
-"""Frames per second of the fast instance of pose tracking on one core, with its number of particles.
+"""Frames per second of the fast part of pose tracking on one core, over its number of particles.
 
     python tools/bench_persons.py --room room.yaml --particles 300
 

@@ -1,4 +1,4 @@
-"""Whether a recording keeps up with live cameras, by the ledger: what was sent, delivered, dropped, lost.
+"""Recording of live cameras: messages sent, delivered, dropped and lost, by the ledger.
 
     python tools/bench_recording.py
     python tools/bench_recording.py --cameras 6 --fps 60 --seconds 20 --pictures none --json
@@ -32,7 +32,7 @@ _WIDTH, _HEIGHT = 320, 240
 
 
 class PacedCamera(Stage):
-    """A live camera of noisy pictures that comes at its own pace, whoever keeps up."""
+    """A live camera with noisy pictures at a fixed rate."""
 
     live: ClassVar[bool] = True
     per_camera: ClassVar[bool] = True
@@ -81,7 +81,7 @@ def measure(cameras: int, fps: float, seconds: float, pictures: str) -> dict[str
 
 
 def main() -> int:
-    """Measure, print; 1 where something was lost."""
+    """Measure, print; 1 if messages were lost."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

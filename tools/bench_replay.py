@@ -1,4 +1,4 @@
-"""Whether a long recording is replayed byte for byte, and what that costs in time, memory and disk.
+"""Byte-for-byte replay of a long recording, and its cost in time, memory and disk.
 
     python tools/bench_replay.py
     python tools/bench_replay.py --minutes 0.1 --json
@@ -98,7 +98,7 @@ def _cpu() -> float:
 
 
 def main() -> int:
-    """Measure, print; 1 where something differs."""
+    """Measure, print; 1 if something differs."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -29,7 +29,7 @@ COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 
 @dataclass
 class Ball:
-    """What the script knows of one target."""
+    """The state of one target."""
 
     place: Array | None = None
     velocity: Array = field(default_factory=lambda: np.zeros(3))
@@ -49,7 +49,7 @@ def run(
 ) -> Iterator[dict[str, Array]]:
     """Track all targets of the room: frame by frame the positions, m, of those that were measured.
 
-    searching: no position is believed, so that all targets are sought in whole images for ever.
+    searching: no position is believed, so that all targets are sought in whole images in every frame.
     """
     pairs = list(combinations(room.cameras.values(), 2))
     F = {(a.name, b.name): fundamental_matrix(a.projection, b.projection) for a, b in pairs}
@@ -164,7 +164,7 @@ def similarity(room: Room, camera: Camera, name: str, hue: Array) -> float:
 
 
 def image(camera: Camera, point: Array) -> Array:
-    """Where a point of the room appears in the picture."""
+    """Image of a point of the room."""
     rotation = cv2.Rodrigues(camera.rotation)[0]
     pixel, _ = cv2.projectPoints(point[None], rotation, camera.translation, camera.matrix, camera.distortion)
     return np.asarray(pixel[0, 0])
@@ -212,7 +212,7 @@ def epipolar(F: Array, one: Array, other: Array) -> float:
 
 
 def on_plane(homographies: Sequence[Array], one: Array, other: Array) -> bool:
-    """Whether a pair satisfies one of the planes, as a projection on it would."""
+    """True if a pair satisfies one of the planes, as a projection on it would."""
     for H in homographies:
         moved = H @ np.append(one, 1)
         if np.linalg.norm(moved[:2] / moved[2] - other) < PLANE_PX:

@@ -33,7 +33,7 @@ PAPER, GRID, INK = (24, 22, 20), (52, 48, 45), (225, 225, 225)
 TRAIL = 25
 """Pictures of the past in the floor plan."""
 OLDEST = 0.6
-"""How far a trail fades; WebP would not wipe out what it can hardly see."""
+"""Lowest opacity of a trail; WebP would not erase fainter ones."""
 GAIN = 1.6
 """Brightness of the tiles over that of the pictures, which are dark."""
 SAME_TIME = 0.004

@@ -25,7 +25,7 @@ Every stage that comes with followspot, as it describes itself: `followspot plug
 written by `python tools/reference.py`.
 """
 _FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
-"""Where this checkout lies: files that come with a plugin are named from the plugin on."""
+"""Path of this checkout; names of files that come with a plugin begin at the plugin."""
 KINDS = {"plain": "{}", "latest": "Latest[{}]", "joined": "Joined[{}]"}
 
 

@@ -1,4 +1,4 @@
-"""Stages for tools/bench_hosts.py: a camera and whoever looks at its pictures. Loaded with --plugin."""
+"""Stages for tools/bench_hosts.py: a camera and readers of its pictures. Loaded with --plugin."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIRST = "first"
 
 
 class Film(Stage):
-    """A live camera whose picture is smooth with a little noise, as pictures of rooms are."""
+    """A live camera with smooth pictures and a little noise, as pictures of rooms are."""
 
     class Params(StageParams):
         rate: float = Field(60.0, gt=0, description="pictures a second", unit="Hz")

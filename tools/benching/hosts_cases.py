@@ -1,4 +1,4 @@
-"""What tools/bench_hosts.py plays: graphs, where their stages run, how fast links are; one run of each."""
+"""Cases of tools/bench_hosts.py: graphs, placements and link speeds; runs one of them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _PER_HOST = 4
 class Case:
     """One run.
 
-    graph, placement: as files hold them, or the path of a graph; mbit: of each link, 0 for as fast as can be;
-    hosts: far ones; sink: file below the output folder whose second line is the first result.
+    graph, placement: text of the files, or the path of a graph; mbit: of each link, 0 for no limit;
+    hosts: remote ones; sink: file below the output folder with the first result in its second line.
     """
 
     graph: str

@@ -1,4 +1,4 @@
-"""What benchmarks of a graph share: frames in memory, a tracker that never finds, and CPU time by stage.
+"""Shared parts of benchmarks: frames in memory, a tracker that never finds, and CPU time by stage.
 
 Frames are rendered or decoded before the clock starts, so sources cost nothing but the runtime's part.
 Time is that of the process (`time.process_time`): other programs on the machine do not count.
@@ -30,11 +30,11 @@ from followspot.worker.wiring import RunOptions, Wiring
 Shots = Mapping[str, Sequence[Frame]]
 """Frames of each camera."""
 TRACKER = "track"
-"""Stage whose forecast says where targets are."""
+"""Stage that forecasts places of targets."""
 
 
 class Stopwatch:
-    """What the process spends from frame set `lead` on: before it, targets are still being found."""
+    """CPU time of the process from frame set `lead` on; the first ones find the targets."""
 
     def __init__(self, lead: int) -> None:
         self.lead = lead
@@ -74,7 +74,7 @@ class FromMemory(Stage):
 
 @dataclass(frozen=True)
 class Found:
-    """What a tracker gives."""
+    """A tracker's outputs."""
 
     tracks: Tracks
     forecast: Forecast
@@ -173,7 +173,7 @@ def measure(
 
 
 def _clocked(runner: StageRunner, name: str, busy: dict[str, int]) -> None:
-    """Add up the CPU time of a stage, ns; where several work together, their `process` does too."""
+    """Add up the CPU time of a stage, ns; for stages in a batch group, that of their common call."""
     work = "process" if runner.stage.process_together is None else "process_together"
     process: Callable[..., Any] = getattr(runner.stage, work)
 

@@ -1,4 +1,4 @@
-"""Try to break everything that reads what others wrote, with broken inputs by the thousand.
+"""Fuzz everything that parses foreign data, with many thousand broken inputs.
 
     python tools/fuzz.py                      100,000 messages, 30,000 files and requests, 2,000 recordings
     python tools/fuzz.py --share 0.01         a hundredth of that
@@ -7,7 +7,7 @@
 Each target runs in a process of its own with bounded memory; an input that takes more than ten seconds of
 work (two for a document) or kills the process is a crash. Inputs follow from the seed, so a crash comes again
 (--only, --at).
-Exit code 1 where anything but a refusal was seen.
+Exit code 1 if an input did anything but pass or be rejected.
 """
 
 from __future__ import annotations

@@ -67,7 +67,7 @@ def request_target() -> Target:
 
 
 def _unpacked(data: Any) -> object:
-    """What an agent does with an order before it starts a worker."""
+    """The agent's handling of an order before it starts a worker."""
     order = PrepareRun.model_validate(data).order
     plan = unpacked(order.plan, HOST, Grants(), ())
     return order.here(plan, "out"), plan_from_data(plan).graph

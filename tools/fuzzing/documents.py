@@ -32,9 +32,9 @@ from fuzzing.trees import Pairs, Raw, Tree, emit, extreme, extreme_like, mutated
 
 ROOT = Path(__file__).parents[2]
 LONGEST_S = 2.0
-"""Of work for a document."""
+"""Seconds of work for a document."""
 MOST_MB = 300
-"""Of memory for the process that checks documents, all that it has loaded included."""
+"""MB for the process that checks documents, including all modules that it has loaded."""
 _COMMAND = 30
 """One of so many documents goes through the command itself."""
 
@@ -90,7 +90,7 @@ def runs_target() -> Target:
 
 
 def _target(make: Callable[[random.Random], Files]) -> Target:
-    for number in range(8):  # what is imported for good files is not what a bad one takes
+    for number in range(8):  # modules imported for good files are not the memory of a bad one
         _check(_files(random.Random(number)))
     return Target(make, _check, (FollowspotError,), LONGEST_S, MOST_MB)
 
@@ -153,7 +153,7 @@ def _room_way(tree: Tree, rng: random.Random) -> None:
         key, value = rng.choice((("source", camera.get("source")), ("truth", tree.get("truth"))))
         if isinstance(value, Pairs):
             alike = _parameter(value, value.get("uses"), rng)
-            if alike is not None and rng.random() < 0.7:  # of all cameras alike, as a room needs it
+            if alike is not None and rng.random() < 0.7:  # the same for all cameras, as a room requires
                 for _, other in cameras.items:
                     if isinstance(other, Pairs) and isinstance(other.get("source"), Pairs):
                         _with(other.get("source")).put(*alike)

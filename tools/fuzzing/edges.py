@@ -1,5 +1,6 @@
-"""Targets: real ends of edges whose other end sends, over a real session or socket, what is well-formed and
-extreme. After every few inputs a good message must pass; each input is given out, or counted as refused.
+"""Fuzz targets: real ends of edges that receive well-formed extreme tokens over a real session or socket.
+
+After every few inputs a good message must pass; each input is delivered or counted as rejected.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ class Numbers(NamedTuple):
     noise: bytes | None = None
 
     def packed(self, true: int) -> bytes:
-        """As it travels; noise in place of it if there is some."""
+        """The packed message, or noise if there is some."""
         if self.noise is not None:
             return self.noise
         return self.layout.pack(*(max(0, true + n) if relative else n for relative, n in self.parts))
@@ -73,7 +74,7 @@ class Numbers(NamedTuple):
 
 
 class Hostile(NamedTuple):
-    """What is put: a token by the writer's own host, or anything on a key of the edge by a stranger."""
+    """The packet to put: a token by the writer's own host, or anything on a key of the edge by a stranger."""
 
     way: str
     kind: type[Message]
@@ -82,7 +83,7 @@ class Hostile(NamedTuple):
 
 
 class _Reader(ZenohReader):
-    """Counts what it has looked at."""
+    """Counts the tokens that it has examined."""
 
     looked = 0
 
@@ -92,7 +93,7 @@ class _Reader(ZenohReader):
 
 
 class _Writer(ZenohWriter):
-    """Counts reports that it has looked at, and keeps what one of them raised."""
+    """Counts the reports that it has examined, and keeps an exception of one of them."""
 
     looked = 0
     problem: BaseException | None = None
@@ -140,11 +141,11 @@ class Pair:
 
     @property
     def refused(self) -> int:
-        """How much both ends have counted."""
+        """The counts of both ends."""
         return self.writer.strangers + self.reader.strangers
 
     def agree(self) -> None:
-        """Where the reader believed what the writer could have meant, let the writer have meant it."""
+        """Let the writer's state match what the reader believed, if the writer could have meant it."""
         if self.reader._writer != 0:  # another writer, which never comes
             self.end()
             self.begin(self.kind)
@@ -170,7 +171,7 @@ class Pair:
             _await("no report came", lambda: self.writer.looked > reported)
             if self.writer.problem is not None:
                 raise self.writer.problem
-            self.reader.consumed(0)  # where the stranger was believed, the true report mends that
+            self.reader.consumed(0)  # if the reader believed the stranger, the true report corrects that
             return []
         tokens: list[Token] = []
 
@@ -213,7 +214,7 @@ class ZenohEdge:
         self._pairs = {kind: Pair(there, here, stranger, f"fuzz/{kind.__name__}/out") for kind in KINDS}
 
     def make(self, rng: random.Random) -> Hostile:
-        """A token of any kind, or control numbers near those that are true or far from them."""
+        """A token of any kind, or control numbers near the true ones or far from them."""
         kind = rng.choice(KINDS)
         way = rng.choices(("token", "number", "start", "credit"), (6, 2, 1, 1))[0]
         token = extreme_token(kind, rng) if way in ("token", "number") else b""
@@ -239,7 +240,7 @@ class ZenohEdge:
 
 
 _SETTLED = pack(Watermark(0))[4:6]
-"""How the head of a watermark begins: a list of two, the first nothing."""
+"""The head of a watermark begins as a list of two with nothing first."""
 
 
 def extreme_zenoh_target() -> Target:
@@ -296,7 +297,7 @@ class RingEdge:
         return tokens
 
     def _words(self, rng: random.Random) -> Callable[[], None]:
-        """What a reader may store: how much it consumed, which slots it let go of, whether it waits."""
+        """The words that a reader stores: messages consumed, released slots, whether it waits."""
         consumed = rng.choice((0, None, extreme_integer(rng, 0, (1 << 64) - 1)))
         stamp = extreme_integer(rng, 0, (1 << 64) - 1)
         arena, wakes = rng.randrange(ARENAS), rng.choice((1, 4000))

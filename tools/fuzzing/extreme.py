@@ -1,4 +1,4 @@
-"""Well-formed and extreme: messages whose every number, text, shape and array is at or beyond its ends."""
+"""Well-formed and extreme messages: every number, text, shape and array is at or beyond its limits."""
 
 from __future__ import annotations
 

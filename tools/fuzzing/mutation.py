@@ -106,7 +106,7 @@ def broken_bytes(data: bytes, rng: random.Random, others: Sequence[bytes] = ()) 
 
 
 def broken_text(data: bytes, rng: random.Random, others: Sequence[bytes] = ()) -> bytes:
-    """As `broken_bytes`, or words and lines changed so that the result still looks like what it was."""
+    """As `broken_bytes`, or with words and lines changed so that the result resembles the original."""
     if rng.random() < 0.3:
         return broken_bytes(data, rng, others)
     lines = data.decode("utf-8", "replace").split("\n")

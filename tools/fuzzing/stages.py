@@ -105,7 +105,7 @@ class Stages:
 
 
 def _trial(name: str) -> Trial | None:
-    """Of a stage that computes; None of the others."""
+    """Messages of a stage that computes; None of other stages."""
     try:
         trial = Trial(load_stage(name), room=_ROOM)
         return trial if name not in _ELSEWHERE and trial.computes else None
@@ -115,7 +115,7 @@ def _trial(name: str) -> Trial | None:
 
 def extreme_stage_target() -> Target:
     """Whatever a camera host may send, in the hands of every stage."""
-    warnings.simplefilter("ignore")  # of numpy, that numbers overflow
+    warnings.simplefilter("ignore")  # numpy warns of overflow
     np.seterr(all="ignore")
     logging.disable()
     sink = os.open(os.devnull, os.O_WRONLY)

@@ -32,7 +32,7 @@ class Target:
 
 @dataclass
 class Outcome:
-    """What became of the inputs; refused: by reason; crashes: what nobody should ever see."""
+    """The results. refused: by reason; crashes: failures that must never happen."""
 
     inputs: int = 0
     accepted: int = 0

@@ -155,7 +155,7 @@ def _scalar(value: Any) -> str:
 
 
 def _places(tree: Tree) -> Iterator[tuple[Pairs | list[Tree], int]]:
-    """Every value below a tree: what holds it, and where."""
+    """Every value below a tree with its container and its key."""
     if isinstance(tree, Pairs):
         inner = [value for _, value in tree.items]
     elif isinstance(tree, list):

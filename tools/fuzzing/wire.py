@@ -53,7 +53,7 @@ def sample(kind: type[Message], rng: random.Random, most: int = 6) -> Message:
 
 
 def zenoh_target() -> Target:
-    """What a subscriber gets: raw, lossless and JPEG, messages and watermarks, and noise."""
+    """Packets for a subscriber: raw, lossless and JPEG, messages and watermarks, and noise."""
     rng = random.Random(0)
     valid = [
         (kind, pack_as(sample(kind, rng), codec))
@@ -77,7 +77,7 @@ def zenoh_target() -> Target:
 
 
 def _other_head(packed: bytes, rng: random.Random) -> bytes:
-    """A message whose msgpack head is well-formed and wrong."""
+    """A message with a well-formed and wrong msgpack head."""
     fields, start = unpack_head(packed)
     head: bytes = msgpack.packb(broken_tree(fields, rng), unicode_errors="surrogatepass")[: (1 << 16) - 1]
     size = PREFIX.size + len(head)
@@ -85,7 +85,7 @@ def _other_head(packed: bytes, rng: random.Random) -> bytes:
 
 
 class Ring:
-    """A reader on whose socket anything may come, with the memory that a real writer gave it."""
+    """A reader with a fuzzed socket and the memory of a real writer."""
 
     def __init__(self) -> None:
         self._sending, receiving = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -126,6 +126,6 @@ class Ring:
 
 
 def ring_target() -> Target:
-    """What a process that got hold of the socket could send to a reader on the same host."""
+    """Packets of a process that has got hold of the socket of a reader on the same host."""
     ring = Ring()
     return Target(ring.make, ring.take, (InvalidMessage,))

@@ -1,4 +1,4 @@
-"""Change the program at random places, one at a time, and see whether a test notices.
+"""Mutation testing: change the program at random places, one at a time, and run the tests.
 
     make mutants                                            200 places of what carries messages and measures
     make mutants SAMPLE=20 SEED=7 MODULES="core/followspot/graph plugins/followspot_balls/kalman.py"
@@ -9,7 +9,7 @@ line, the nearest by the names of their files and the cheapest first, until one 
 and --budget seconds of what they usually take. A test without end has failed, and has a second trial with 4
 times the patience, for the machine may be busy. A change that no test reaches has survived. The sample is of
 places in the code, so that a package has its share by what it computes. Ctrl-C ends it; the same command goes
-on if it was. Results: runs/mutants/results.jsonl, and a table.
+on where it was. Results: runs/mutants/results.jsonl, and a table.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ MODULES = (
     "tools/commands/followspot_calibrate",
 )
 SLOWER, AT_LEAST_S = 5.0, 30.0
-"""What a test may take: times what is usual for all of its file, and on top of that."""
+"""Time limit of a test: a multiple of the usual time of its file, plus a constant."""
 PATIENCE = (1.0, 4.0)
 """Times that; a test that did not end has a second trial, for the machine may have been busy."""
 WITHOUT_END = " (did not end)"
@@ -57,7 +57,7 @@ class Limits:
 
 
 def main() -> int:
-    """Sample, run what has no result yet, print the table; 1 where something survived."""
+    """Sample, run the mutants without a result, print the table; 1 if one survived."""
     args = _arguments()
     from mutation.sites import draw, sites  # needs the extra `mutants`; tests of the rest do not
 
@@ -145,7 +145,7 @@ def _run_all(
 
 
 def _within(groups: Sequence[Sequence[str]], seconds: dict[str, float], limits: Limits) -> list[str]:
-    """What the limits allow of the first groups; of tests beyond the budget only the very first."""
+    """The first groups within the limits; of tests beyond the budget only the very first."""
     chosen: list[str] = []
     spent = 0.0
     for tests in groups[: limits.files]:
@@ -174,15 +174,15 @@ def _try(tree: Tree, mutant: Mutant, chosen: Sequence[str], seconds: dict[str, f
 
 
 def _of_file(test: str, seconds: Mapping[str, float]) -> float:
-    """What all tests of its file take: one may have done for others what they share."""
+    """Usual time of all tests of its file: shared fixtures may run in any of them."""
     file = test.split("::")[0] + "::"
     return sum(cost for name, cost in seconds.items() if name.startswith(file))
 
 
 def _verdict(ran: Run) -> str:
-    """Who killed it: a test, a test without end or the import; "" for nobody.
+    """The killer of a mutant: a test, a test without end or the import; "" if it survived.
 
-    Raises RuntimeError if pytest did not understand what it was asked: that tells nothing of the change.
+    Raises RuntimeError if pytest did not accept its arguments, which says nothing about the mutant.
     """
     failed = [entry["test"] for entry in ran.log if entry.get("outcome") == "failed"]
     if failed:

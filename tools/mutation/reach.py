@@ -1,4 +1,4 @@
-"""Which tests reach a line, and how long they take: each test file once under coverage, until it changes.
+"""Coverage: the tests that reach a line, and their times; each test file runs once until it changes.
 
 A test owns the lines that it runs itself and those of the processes that it starts, as far as they end by
 themselves. Lines that run while fixtures are set up belong to every test of the file.
@@ -53,9 +53,9 @@ _PHASE = re.compile(r" \((setup|call|teardown)\)$")
 
 @dataclass
 class Reach:
-    """What one test file reaches; seconds: of each test that passes; lines: by path and line, the tests.
+    """Coverage of one test file; seconds: of each test that passes; lines: by path and line, the tests.
 
-    Lines of fixtures belong to `""`, for they serve every test.
+    Lines of fixtures belong to `""`, because they serve every test.
     """
 
     file: str
@@ -65,7 +65,7 @@ class Reach:
     lines: dict[str, dict[int, list[str]]] = field(default_factory=dict)
 
     def tests_of(self, path: str, first: int, last: int) -> set[str]:
-        """Those that run one of the lines `first` to `last`."""
+        """The tests that run one of the lines `first` to `last`."""
         found = {
             test
             for line, tests in self.lines.get(path, {}).items()
@@ -77,7 +77,7 @@ class Reach:
 
 @dataclass(frozen=True)
 class Run:
-    """What one pytest process said; log: as the probe wrote it; code: of its exit, None if it was killed."""
+    """The result of one pytest process; log: of the probe; code: of its exit, None if it was killed."""
 
     log: list[dict[str, Any]]
     code: int | None
@@ -85,7 +85,7 @@ class Run:
 
 
 def collect(tree: Tree, store: Path, files: Sequence[str]) -> list[Reach]:
-    """What every test file reaches, kept below `store` while neither it nor what it reaches changes."""
+    """Coverage of every test file, kept below `store` while neither it nor what it reaches changes."""
     found = []
     for number, file in enumerate(files, 1):
         kept = _kept(tree, store, file)
@@ -119,7 +119,7 @@ def choose(reaches: Iterable[Reach], mutant: Mutant, importers: Sequence[str]) -
 
 
 def _distance(file: str, path: str) -> int:
-    """0 if a test file is named like a module, 1 where its folder is named like one of the module's."""
+    """0 if a test file has the name of a module, 1 if its folder has that of one of the module's."""
     if Path(path).stem in Path(file).stem:
         return 0
     return 1 if Path(file).parent.name in Path(path).parts else 2
@@ -132,9 +132,9 @@ def run(
     env: Mapping[str, str] | None = None,
     *before: str,
 ) -> Run:
-    """Run pytest in the copy in a session of its own; nothing that it started is left when this returns.
+    """Run pytest in the copy in its own session; every process that it started is dead on return.
 
-    limits: s, for each test; before: words of Python's before those of pytest.
+    limits: s, for each test; before: arguments of Python before those of pytest.
     """
     folder = Path(tempfile.mkdtemp(prefix="mutants-"))
     (folder / "words").write_text("\n".join(words))
@@ -222,7 +222,7 @@ def _path(store: Path, file: str) -> Path:
 
 
 def _digest(tree: Tree, file: str, reached: Iterable[str]) -> str:
-    """Of the test file, what else is in its folder, and all that it reaches."""
+    """Hash of the test file, the other files of its folder, and all that it reaches."""
     beside = [
         str(p.relative_to(tree.root))
         for p in (tree.root / file).parent.glob("*.py")

@@ -1,4 +1,4 @@
-"""Where a module can be changed so that a test should notice, and a random sample of such changes.
+"""Places in a module for mutations, and a random sample of mutations.
 
 The changes are cosmic-ray's: comparisons, arithmetic, numbers, `and`, `or`, `not`, loops, handlers,
 decorators. One is ours: a call whose result nobody uses is left out. A place counts once, however many
@@ -71,7 +71,7 @@ def sites(root: Path, paths: Sequence[str]) -> list[Site]:
 
 
 def draw(root: Path, places: Sequence[Site], count: int, seed: int) -> list[Mutant]:
-    """`count` places at random, each with one of its changes; those that do not compile are passed over.
+    """`count` random places, each with one of its mutations; those that do not compile are skipped.
 
     A place has its lot by its own name, so that an edit changes the sample only where it changes the code.
     """
@@ -112,7 +112,7 @@ def _sites_of(path: str, source: str, operators: dict[str, Operator]) -> Iterato
         node, code = where[line, column], text[line - 1]
         if not _in_annotation(node):
             name = f"{family} {column - len(code) + len(code.lstrip())} {code.strip()}"
-            named[name] += 1  # of lines that are the same, by their number
+            named[name] += 1  # equal lines are told apart by their number
             yield Site(
                 path,
                 f"{name} {named[name]}",
@@ -160,7 +160,7 @@ def _in_annotation(node: Any) -> bool:
 
 
 def _statement(node: Any, line: int) -> tuple[int, int]:
-    """From the first line of the statement to the line of the change: the lines that a trace may name."""
+    """From the first line of the statement to that of the mutation: the lines that a trace may name."""
     for child, parent in _ancestors(node):
         if parent.type in ("suite", "file_input") or child.type in ("simple_stmt", "decorator"):
             return min(child.start_pos[0], line), line
@@ -173,7 +173,7 @@ def _bodies(nodes: Sequence[Any]) -> list[tuple[int, int]]:
 
 
 def _scope(node: Any, bodies: Sequence[tuple[int, int]]) -> tuple[tuple[int, int], ...] | None:
-    """None within a function, whose lines run in tests; else the functions that are defined here."""
+    """None within a function, because its lines run in tests; else the functions that are defined here."""
     defined = _defined(node)
     if defined is None:
         return None

@@ -1,4 +1,4 @@
-"""A copy of the tree with an environment of its own, to change while nobody works in it.
+"""A copy of the tree with its own environment, for mutations.
 
 A process that any test starts with this environment's Python sees the copy's files, whatever it does to
 PYTHONPATH: the packages of the tree come first on the path, then those of the environment that runs this.
@@ -24,10 +24,10 @@ TOKEN = "FOLLOWSPOT_MUTANTS"
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change of one file.
+    """A mutation of one file.
 
-    path: from the root of the tree; line: where, from 1; lines: of the statement down to there;
-    scope: for a line that runs at import, the bodies of the functions that it defines, else of all there.
+    path: from the root of the tree; line: of the mutation, from 1; lines: of the statement down to it;
+    scope: for a line that runs at import, the bodies of the functions that it defines, else of all.
     """
 
     path: str

@@ -1,4 +1,4 @@
-"""Faults at random against a live run on several hosts: does everything come back, and is it counted?
+"""Inflict random faults on a live run on several hosts; check recovery and the ledger.
 
     python tools/soak.py                          200 faults
     python tools/soak.py --faults 8 --seed 3      a short one
@@ -7,11 +7,11 @@
 Three hosts and a router are network namespaces on this machine, so root is needed. Each host has two live
 cameras of the simulated room with their detectors beside them; graphs/glowballs.yaml tracks at the desk. A
 seventh camera ends, like a camera file. After each fault every worker must be at work, all six cameras used
-together, and each target that a colour and an infrared camera see tracked within 15 cm of the truth, all of
-that within --within seconds; who dies, hangs or is cut off must be noticed within --notice seconds. At the
-end every message must be accounted for, memory must be if it was, and nothing may be left behind. All
-stages keep journals: they must agree with the ledger, but for the one message that a killed process had in
-hand, and no status that was seen meanwhile may show what cannot be. Exit code 1 where a promise was broken.
+together, and each target that a colour and an infrared camera see tracked within 15 cm of the truth, all
+within --within seconds. The run must report a process that dies, hangs or is cut off within --notice seconds.
+At the end every message must be accounted for, memory must not have grown, and no process or shared memory
+may be left. All stages keep journals: they must agree with the ledger, except for the message that a killed
+process was working on. No status may show impossible values. Exit code 1 if one of these checks fails.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ _FRAMES = 3
 _FOREVER = 60.0
 """Seconds after which nothing is expected to come back any more."""
 _UNNOTICED = 10.0
-"""Seconds after which nobody is expected to notice a fault any more."""
+"""Seconds to wait for a fault to be noticed."""
 _GROWTH = 0.05
 """Share by which memory may have grown after many faults."""
 _MANY = 50
@@ -78,7 +78,7 @@ def noticed(show: Show, begun: float) -> float | None:
 
 
 def tracked(judged: list[tuple[float, int, float]], since: float) -> bool:
-    """Whether the last frames were tracked after that time, right, and once: cameras agree on times."""
+    """True if the last frames were tracked after that time, correctly, and once: cameras agree on times."""
     last = judged[-_FRAMES:]
     frames = {frame for _, frame, _ in last}
     return len(frames) == _FRAMES and all(when > since and error < _RIGHT for when, _, error in last)

@@ -1,4 +1,4 @@
-"""Stages for tools/soak.py: live cameras of the simulated room, the tracker, and who judges what is tracked.
+"""Stages for tools/soak.py: live cameras of the simulated room, the tracker, and the judge of its tracks.
 
 All of them keep journals in the folder BOOKS of the environment: a line for each message before it is handed
 out, and when it is given, with the id of the process, the message's source and its number. They are compared
@@ -132,7 +132,7 @@ CsvTracks = journaled(PlainCsvTracks)
 
 @journaled
 class LiveCamera(SimCamera):
-    """A camera that looks into a room where time goes on: one that comes back sees what the others see."""
+    """A camera of a room with a running clock: after a restart it sees what the others see."""
 
     live = True
 
@@ -141,7 +141,7 @@ class LiveCamera(SimCamera):
 
         opened: float = Field(0.0, ge=0, description="time of frame 0 by the monotonic clock", unit="s")
 
-    params: Params  # type: ignore[assignment]  # those of the base, and more
+    params: Params  # type: ignore[assignment]  # more than those of the base
 
     def setup(self) -> None:
         """Prepare the room."""
@@ -153,7 +153,7 @@ class LiveCamera(SimCamera):
         self.over.set()
 
     def process(self) -> Source[Frame]:
-        """Each picture at its time by the clock of this host; those after the last are never taken."""
+        """Each picture at its time by the clock of this host; pictures after the last are never taken."""
         opened, fps = self.params.opened, self.params.fps
         frame = math.ceil((time.monotonic() - opened) * fps)
         while not (self.params.frames and frame >= self.params.frames):
@@ -169,7 +169,7 @@ class LiveCamera(SimCamera):
 
 @journaled
 class Judge(Stage):
-    """Writes for each frame when it was tracked, s of the monotonic clock, and how well, m.
+    """Writes for each frame its time of tracking, s of the monotonic clock, and its error, m.
 
     That is the largest error of the targets that a colour and an infrared camera see; infinite where one of
     them is not tracked. A full disk is an error each time.

@@ -1,4 +1,4 @@
-"""What tools/soak.py runs: the tracker of glowing balls on live cameras of the simulated room."""
+"""The graph and room of tools/soak.py: the tracker of glowing balls with live simulated cameras."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import yaml
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 CAMERAS = 6
-"""Those that go on."""
+"""Cameras that run to the end."""
 SHORT = "cam6"
-"""The camera whose file ends."""
+"""The camera that ends early."""
 SHORT_S = 15
 """Seconds until then."""
 FPS = 10
@@ -46,7 +46,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
     """
     graph = yaml.safe_load((GRAPHS / "glowballs.yaml").read_text())
     graph["room"] = "room.yaml"
-    for stage in graph["stages"].values():  # those that keep journals
+    for stage in graph["stages"].values():  # stages with journals
         stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
     graph["stages"]["save"]["on_error"] = "skip"
     graph["stages"]["track"]["with"] = {"maximum_missed_frames": _MISSING}
@@ -58,7 +58,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
 
 
 def _room(opened: float, projections: int) -> dict[str, Any]:
-    """The simulated room with live cameras, and one more that looks where another one does."""
+    """The simulated room with live cameras, and one more with the same view as another."""
     room: dict[str, Any] = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
     del room["truth"]
     room["cameras"][SHORT] = dict(room["cameras"]["cam1"])

@@ -39,7 +39,7 @@ STAGES = Path(__file__).with_name("journaled.py")
 SIDES = ("pc-left", "pc-right")
 CLOCKS = Path(__file__).with_name("clock")
 STEP = 50_000_000
-"""By how much the clock of a host jumps, ns."""
+"""Step of a host's clock, ns."""
 CUT_S = 2.5
 """Seconds for which cables are pulled and agents stopped: longer than a peer may be silent."""
 LONG_S = 12.0
@@ -47,7 +47,7 @@ LONG_S = 12.0
 _DISK = 8 << 20
 """Bytes of the disk that the run writes to."""
 _LAST = 10_000
-"""Bytes of the judge's file that are looked at: more than a fault lasts."""
+"""Bytes read from the end of the judge's file: more than a fault lasts."""
 
 
 class Show:
@@ -84,7 +84,7 @@ class Show:
         self.router.communicate(timeout=30)
 
     def close(self) -> None:
-        """Watch and disk go; processes and namespaces are those of the hosts."""
+        """Close the watch and unmount the disk; `Hosts` ends processes and namespaces."""
         self.watch.close()
         subprocess.run(["umount", "--lazy", str(self.out)], check=False)
 
@@ -113,7 +113,7 @@ class Show:
         self._signal_worker(signal.SIGSTOP)
 
     def kill_agent(self) -> None:
-        """The agent dies and is started again by whoever looks after the host."""
+        """Kill the agent and start it again, as a service manager does."""
         name = self.chance.choice(SIDES)
         self.agents[name].process.kill()
         self.agents[name].process.communicate()
@@ -141,7 +141,7 @@ class Show:
         self.hosts.link(name, "up")
 
     def cut_one_way(self) -> None:
-        """What is sent to a host, or to the desk, does not arrive; what it sends does."""
+        """Drop what is sent to a host or to the desk; what it sends arrives."""
         name = self.chance.choice(("desk", *SIDES))
         self.hosts.deafen(name, True)
         time.sleep(LONG_S)
@@ -185,7 +185,7 @@ class Show:
         self.clocks[name] = error
         path = self.folder / f"{name}.clock"
         path.touch()
-        with path.open("r+b") as file:  # it stays as long as it is, for processes look into it
+        with path.open("r+b") as file:  # its size must stay, because processes have it mapped
             file.write(struct.pack("<q", error))
 
     def _signal_worker(self, number: signal.Signals) -> None:
@@ -225,4 +225,4 @@ FAULTS: dict[str, Callable[[Show], None]] = {
     "clock steps": Show.step_clock,
 }
 UNSEEN = ("operator suspended", "router restarted", "disk full", "clock steps")
-"""Faults in which no worker or host is away for long enough to be missed, or nobody is there to miss them."""
+"""Faults too short to be noticed, or without a process that could notice them."""

@@ -1,4 +1,4 @@
-"""What the run of tools/soak.py tells of itself: who is away, whose blobs are used, what it noticed."""
+"""The status of the run of tools/soak.py: absent workers, used cameras, noticed faults."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ class Watch:
         self._space = space
         self._glances: deque[Glance] = deque(maxlen=_KEPT)
         self.seen = 0
-        """Statuses that were looked at."""
+        """Number of statuses seen."""
         self.impossible: set[str] = set()
-        """What a ledger must never show, and one of them did."""
+        """Impossible values of the ledger in a status."""
         self.news: set[str] = set()
-        """All lines that the run has ever told: it keeps only the newest."""
+        """All news of the run; a status has the newest only."""
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._keep_asking, name="watch", daemon=True)
         self._thread.start()
@@ -65,7 +65,7 @@ class Watch:
         self._thread.join()
 
     def works(self, since: float, cameras: int) -> bool:
-        """Whether all workers are at work, and blobs of as many cameras were used after that time, s."""
+        """True if all workers work, and blobs of as many cameras were used after that time, s."""
         glances = [glance for glance in tuple(self._glances) if glance.at > since]
         if not glances or glances[-1].away:
             return False
@@ -112,7 +112,7 @@ def _glance(status: RunStatus, plan: Plan) -> Glance:
 
 
 def _columns(edge: PlannedEdge, count: EdgeCount) -> dict[str, Any]:
-    """As in the summary of a run."""
+    """In the form of a run's summary."""
     ends = {"from": f"{edge.from_stage}.{edge.from_port}", "to": f"{edge.to_stage}.{edge.to_port}"}
     return {**ends, **{name: getattr(count, name) for name in COUNTS}}
 
