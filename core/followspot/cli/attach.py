@@ -11,9 +11,7 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "graph", nargs="?", metavar="GRAPH", help="name of the graph, where there are several"
-    )
+    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the graph, if several graphs run")
     parser.add_argument("--stop", action="store_true", help="end the run; outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress")
@@ -27,7 +25,7 @@ def _run(args: argparse.Namespace) -> int:
     from followspot.operator.launch import interruptible
 
     network = network_of(args)
-    with attached(network, args.graph) as attachment:
+    with attached(network, args.run) as attachment:
         run = attachment.found
         print(f"run {run.run[:8]} of {run.graph} on {', '.join(run.hosts)}", file=sys.stderr, flush=True)
         if args.stop:

@@ -6,13 +6,15 @@ Exit codes: 0 done, 1 the run failed, 2 the input is wrong.
 from __future__ import annotations
 
 import argparse
+import gc
 import os
 import sys
 from collections.abc import Sequence
+from typing import Any
 
-from followspot.cli import agent, attach, certs, check, graph, move, plugins, router, run, swap
-from followspot.errors import FollowspotError, InputError
-from followspot.plugins.hooks import Command
+from followspot.cli import agent, attach, certs, check, completion, graph, move, plugins, router, run, swap
+from followspot.errors import FollowspotError, InputError, did_you_mean
+from followspot.plugins.hooks import load_commands
 
 CORE = (
     run.COMMAND,
@@ -25,6 +27,7 @@ CORE = (
     *swap.COMMANDS,
     move.COMMAND,
     *certs.COMMANDS,
+    completion.COMMAND,
 )
 """Commands of the core, in the order of `followspot --help`."""
 
@@ -39,11 +42,17 @@ _ABOUT = """Compose tracking graphs from stage plugins and run them in one proce
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry of the console script."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers are the parallelism; same bits everywhere
-    parser = build_parser()
-    args = parser.parse_args(argv)
+    gc.set_threshold(20_000, 20)  # imports make no garbage: to look for it took 5 % of a short run
+    if "_ARGCOMPLETE" in os.environ:
+        completion.complete(build_parser())
+    words = sys.argv[1:] if argv is None else argv
+    parser = build_parser(words)
+    args, unknown = parser.parse_known_args(words)
     if not hasattr(args, "run_command"):
         parser.print_help()
         return 2
+    if unknown:
+        args.parser.error(args.parser.unknown(unknown))
     try:
         return int(args.run_command(args))
     except InputError as error:
@@ -62,42 +71,53 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The parser with all commands; those of plugins come through their hook."""
-    parser = argparse.ArgumentParser(
+def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
+    """The parser with all commands of the core and of plugins.
+
+    words: of the command line; commands that are not among them get no options, which halves the time.
+    """
+    parser = _Parser(
         prog="followspot", description=_ABOUT, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
-    groups: dict[str, argparse._SubParsersAction[argparse.ArgumentParser]] = {}
-    for command in (*CORE, *_plugin_commands()):
+    found = (*CORE, *load_commands())
+    groups: dict[str, argparse._SubParsersAction[_Parser]] = {}
+    for command in found:
         home = commands
         if command.parent is not None:
             if command.parent not in groups:
-                group = commands.add_parser(command.parent, help=f"commands: {command.parent} ...")
+                names = ", ".join(other.name for other in found if other.parent == command.parent)
+                group = commands.add_parser(command.parent, help=f"commands: {names}")
                 groups[command.parent] = group.add_subparsers(
                     title="commands", metavar="COMMAND", required=True
                 )
             home = groups[command.parent]
-        _add(home, command)
+        added = home.add_parser(
+            command.name,
+            help=command.help.splitlines()[0],
+            description=command.help,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        added.set_defaults(run_command=command.run, parser=added)
+        if words is None or command.name in words:
+            command.configure(added)
     return parser
 
 
-def _add(home: argparse._SubParsersAction[argparse.ArgumentParser], command: Command) -> None:
-    parser = home.add_parser(
-        command.name,
-        help=command.help.splitlines()[0],
-        description=command.help,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    command.configure(parser)
-    parser.set_defaults(run_command=command.run)
+class _Parser(argparse.ArgumentParser):
+    """Says what a word that it does not know may have meant."""
 
+    def unknown(self, words: Sequence[str]) -> str:
+        """What is wrong with arguments that no option takes."""
+        options = [word.partition("=")[0] for word in words if word.startswith("-")]
+        remedy = f"; {did_you_mean(options[0], self._option_string_actions, 'options')}" if options else ""
+        return f"unrecognized arguments: {' '.join(words)}{remedy}"
 
-def _plugin_commands() -> Sequence[Command]:
-    from followspot.plugins.hooks import load_commands
-
-    return load_commands()
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is not None and value not in action.choices:
+            remedy = did_you_mean(str(value), [str(choice) for choice in action.choices], "known")
+            raise argparse.ArgumentError(action, f'there is no "{value}"; {remedy}')
 
 
 class _Version(argparse.Action):

@@ -16,7 +16,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "words",
         nargs="+",
-        metavar="[GRAPH] STAGE PLACE",
+        metavar="[RUN] STAGE PLACE",
         help="the graph, or the beginning of the run's name, where several run; a stage of the graph file or "
         "one of its instances; a worker of the run, or a host in reach of it",
     )

@@ -10,7 +10,9 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("name", nargs="?", metavar="NAME", help="one stage, for example balls.mean_shift")
+    parser.add_argument(
+        "name", nargs="?", metavar="PLUGIN.STAGE", help="one stage, for example balls.mean_shift"
+    )
     parser.add_argument(
         "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
     )

@@ -16,7 +16,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "words",
         nargs="+",
-        metavar="[GRAPH] STAGE=USES|STAGE.PARAMETER=VALUE",
+        metavar="[RUN] STAGE=USES|STAGE.PARAMETER=VALUE",
         help="the graph, or the beginning of the run's name, where several run; then the changes",
     )
     parser.add_argument(

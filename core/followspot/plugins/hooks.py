@@ -19,7 +19,20 @@ import pluggy
 
 GROUP = "followspot.hooks.v1"
 PROJECT = "followspot"
-RESERVED = ("run", "check", "graph", "plugins", "agent", "router", "attach", "swap", "set", "move", "certs")
+RESERVED = (
+    "run",
+    "check",
+    "graph",
+    "plugins",
+    "agent",
+    "router",
+    "attach",
+    "swap",
+    "set",
+    "move",
+    "certs",
+    "completion",
+)
 """Commands of followspot itself."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)

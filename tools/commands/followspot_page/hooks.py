@@ -70,7 +70,7 @@ def watched(args: argparse.Namespace) -> Iterator[None]:
 
 
 def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="GRAPH", help=RUN)
+    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
     _add_address(parser)
 
 

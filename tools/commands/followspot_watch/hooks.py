@@ -63,7 +63,7 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def _configure_top(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="GRAPH", help=RUN)
+    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
     parser.add_argument("--json", action="store_true", help="print one JSON object and end")
     parser.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
@@ -89,13 +89,13 @@ def _configure_echo(parser: argparse.ArgumentParser) -> None:
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
     """Which run, where, and what must be known to understand its messages."""
-    parser.add_argument("--run", metavar="GRAPH", help=RUN)
+    parser.add_argument("--run", metavar="RUN", help=RUN)
     add_plugin_option(parser, "know the stages of a Python file that agents were given; repeatable")
     add_network_options(parser)
 
 
 def _configure_logs(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="GRAPH|DIR", help=f"{RUN}; or an output folder")
+    parser.add_argument("run", nargs="?", metavar="RUN|DIR", help=f"{RUN}; or an output folder")
     parser.add_argument("-f", "--follow", action="store_true", help="go on until the run ends, or Ctrl-C")
     parser.add_argument(
         "--level", choices=("info", "warning", "error"), default="info", help="this and worse (default info)"
