@@ -26,10 +26,12 @@ class Images(Stage):
 
     class Params(StageParams):
         path: InputPath = Field(description="the folder")
-        pattern: str = Field("*", pattern=r"^[^/\\]+$", description="which files, for example left*.png")
-        fps: float = Field(30.0, ge=0.001, le=100_000, description="frame rate", unit="1/s")
-        start_frame: int = Field(0, ge=0, description="first picture to play", unit="1")
-        frames: int = Field(0, ge=0, description="most pictures to play; 0: all", unit="1")
+        pattern: str = Field(
+            "*", pattern=r"^[^/\\]+$", description="pattern of the file names, for example left*.png"
+        )
+        fps: float = Field(30.0, ge=0.001, le=100_000, unit="1/s", description="frame rate")
+        start_frame: int = Field(0, ge=0, unit="frames", description="number of the first picture to play")
+        frames: int = Field(0, ge=0, unit="frames", description="largest number of pictures to play; 0: all")
 
     params: Params
 

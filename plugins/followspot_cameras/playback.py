@@ -22,7 +22,7 @@ class Playback(Video):
     live: ClassVar[bool] = True
 
     class Params(Video.Params):
-        speed: float = Field(1.0, gt=0, le=1000, description="how many times as fast as recorded", unit="1")
+        speed: float = Field(1.0, gt=0, le=1000, unit="1", description="speed over that of the recording")
 
     params: Params
 

@@ -18,8 +18,8 @@ class Stream(LiveCamera):
 
     class Params(StageParams):
         url: InputAddress = Field(max_length=2000, description=f"address, one of {', '.join(SCHEMES)}")
-        open_timeout: float = Field(5.0, gt=0, le=60, description="longest wait for a connection", unit="s")
-        read_timeout: float = Field(2.0, gt=0, le=60, description="longest wait for a picture", unit="s")
+        open_timeout: float = Field(5.0, gt=0, le=60, unit="s", description="longest wait for a connection")
+        read_timeout: float = Field(2.0, gt=0, le=60, unit="s", description="longest wait for a picture")
 
         @field_validator("url")
         @classmethod

@@ -28,9 +28,9 @@ class Video(Stage):
 
     class Params(StageParams):
         path: InputPath = Field(description="the video file")
-        fps: float = Field(0.0, ge=0, le=100_000, description="frame rate; 0: what the file says", unit="1/s")
-        start_frame: int = Field(0, ge=0, description="first frame to play", unit="1")
-        frames: int = Field(0, ge=0, description="most frames to play; 0: all", unit="1")
+        fps: float = Field(0.0, ge=0, le=100_000, unit="1/s", description="frame rate; 0: as the file says")
+        start_frame: int = Field(0, ge=0, unit="frames", description="number of the first frame to play")
+        frames: int = Field(0, ge=0, unit="frames", description="largest number of frames to play; 0: all")
 
     params: Params
     capture = cv2.VideoCapture()  # plays nothing until setup

@@ -15,9 +15,17 @@ class Echo(Stage):
     """
 
     class Params(StageParams):
-        folder: InputPath | None = Field(None, description="folder of who reads, where they are on this host")
-        port: str = Field("", description="port that is looked at, STAGE.PORT; this stage's name unless told")
-        longest: int = Field(320, ge=16, le=1920, description="longest side of a picture", unit="px")
+        folder: InputPath | None = Field(
+            None, description="folder of the reader's sockets, if the reader is on this host"
+        )
+        port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
+        maximum_side: int = Field(
+            320,
+            ge=16,
+            le=1920,
+            unit="px",
+            description="longest side of a picture; raising it shows more detail and costs time",
+        )
 
     params: Params
     tap = True
@@ -35,7 +43,7 @@ class Echo(Stage):
             raise EOFError("nobody reads any more")
         if line is None or not line.watched:
             return
-        sent = picture_of(message, self.params.longest) if isinstance(message, Frame) else message
+        sent = picture_of(message, self.params.maximum_side) if isinstance(message, Frame) else message
         if sent is not None:
             line.send(self.port, sent)
 

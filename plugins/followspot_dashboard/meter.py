@@ -35,10 +35,20 @@ class Meter(Stage):
     """Tell `followspot hz` now and then how regularly a port sends."""
 
     class Params(StageParams):
-        folder: InputPath | None = Field(None, description="folder of who reads, where they are on this host")
-        port: str = Field("", description="port that is looked at, STAGE.PORT; this stage's name unless told")
-        window: float = Field(5.0, gt=0, le=3600, description="time that is looked back", unit="s")
-        every: float = Field(0.5, gt=0, le=60, description="shortest time between two reports", unit="s")
+        folder: InputPath | None = Field(
+            None, description="folder of the reader's sockets, if the reader is on this host"
+        )
+        port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
+        window: float = Field(
+            5.0,
+            gt=0,
+            le=3600,
+            unit="s",
+            description="time over which the rate is measured; raising it smooths it",
+        )
+        report_interval: float = Field(
+            0.5, gt=0, le=60, unit="s", description="shortest time between two reports"
+        )
 
     params: Params
     tap = True
@@ -50,7 +60,7 @@ class Meter(Stage):
         """Find who reads; without them, nothing is measured."""
         self.port = self.params.port or self.context.name
         self.window = int(self.params.window * 1e9)
-        self.every = int(self.params.every * 1e9)
+        self.every = int(self.params.report_interval * 1e9)
         self.count = self.tell_at = 0
         self.times: deque[int] = deque(maxlen=MOST)
         self.line = line_of(self.context, self.params.folder)

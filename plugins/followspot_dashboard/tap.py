@@ -19,14 +19,30 @@ class Tap(Stage):
     """
 
     class Params(StageParams):
-        folder: InputPath | None = Field(None, description="folder of the page, where it is on this host")
-        port: str = Field("", description="port that is looked at, STAGE.PORT; this stage's name unless told")
-        leads: bool = Field(False, description="whether it names the moments to show: a tap of a source")
-        rate: float = Field(10.0, gt=0, le=60, description="pictures to show", unit="1/s")
-        smooth: float = Field(
-            0.0, ge=0, le=60, description="messages to show besides, between two pictures", unit="1/s"
+        folder: InputPath | None = Field(
+            None, description="folder of the page's sockets, if the page is on this host"
         )
-        longest: int = Field(320, ge=16, le=1920, description="longest side of a picture", unit="px")
+        port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
+        sets_times: bool = Field(
+            False, description="whether this tap chooses the capture times that all taps show; for a source"
+        )
+        picture_rate: float = Field(
+            10.0, gt=0, le=60, unit="1/s", description="number of capture times shown per second"
+        )
+        message_rate: float = Field(
+            0.0,
+            ge=0,
+            le=60,
+            unit="1/s",
+            description="number of further messages shown per second, between those times",
+        )
+        maximum_side: int = Field(
+            320,
+            ge=16,
+            le=1920,
+            unit="px",
+            description="longest side of a picture; raising it shows more detail and costs time",
+        )
 
     params: Params
     tap = True
@@ -36,13 +52,13 @@ class Tap(Stage):
         """Find the page; without one, the tap passes everything over."""
         given = self.params
         self.port = given.port or self.context.name
-        self.between = int(1e9 / given.smooth) if given.smooth else 0
+        self.between = int(1e9 / given.message_rate) if given.message_rate else 0
         self.next_at = 0
-        period = int(1e9 / given.rate)
+        period = int(1e9 / given.picture_rate)
         self.line = line = line_of(self.context, given.folder)
         self.turn: Turn
         if isinstance(line, Line):
-            self.turn = GateTurn(line.gate, period, leads=given.leads)
+            self.turn = GateTurn(line.gate, period, leads=given.sets_times)
         else:
             self.turn = GridTurn(period)
 
@@ -56,7 +72,7 @@ class Tap(Stage):
         self.next_at = time.monotonic_ns() + self.between
         if not isinstance(message, Frame):
             line.send(self.port, message)
-        elif line.watched and (picture := picture_of(message, self.params.longest)) is not None:
+        elif line.watched and (picture := picture_of(message, self.params.maximum_side)) is not None:
             line.send(self.port, picture)
 
     def _between_pictures(self) -> bool:

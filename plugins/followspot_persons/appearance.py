@@ -70,41 +70,62 @@ class Appearance(Stage):
     per_camera = True
 
     class Params(StageParams):
-        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model")
-        relations: InputPath = Field(SHIPPED_RELATIONS, description="how colours of features relate")
-        particles: int = Field(200, ge=20, le=10_000, unit="1", description="per person")
-        score: float = Field(0.8, unit="1", description="lowest score of a box that begins a person")
-        confirm: float = Field(
+        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
+        color_relations: InputPath = Field(
+            SHIPPED_RELATIONS, description="how the colours of surface features relate"
+        )
+        particles: int = Field(
+            200,
+            ge=20,
+            le=10_000,
+            unit="1",
+            description="particles per person; raising it finds poses more reliably and costs time",
+        )
+        minimum_score: float = Field(
+            0.8,
+            unit="1",
+            description="smallest score of a box that initiates a person; raising it avoids false persons",
+        )
+        confirmation_score: float = Field(
             4.0,
             unit="1",
-            description="sum of the scores of boxes, two at least, that makes a person; raising it avoids "
-            "false persons and finds true ones later",
+            description="sum of the scores of at least two boxes that confirms a person; raising it avoids "
+            "false persons and confirms true ones later",
         )
-        away: float = Field(
-            1.5, gt=0, unit="s", description="time without a box after which a person is away"
+        maximum_missed_time: float = Field(
+            1.5,
+            gt=0,
+            unit="s",
+            description="time without a box after which a person is absent; raising it bridges longer gaps",
         )
-        keep: float = Field(
-            120.0, gt=0, unit="s", description="time for which a person who is away is remembered"
+        memory_time: float = Field(
+            120.0,
+            gt=0,
+            unit="s",
+            description="time for which an absent person is remembered; raising it recognises later returns",
         )
-        difference: bool = Field(True, description="predict the colours of unseen sides from the seen ones")
-        memory: float = Field(
+        predict_colors: bool = Field(
+            True, description="whether the colours of unseen sides are predicted from the seen ones"
+        )
+        color_averaging_frames: float = Field(
             30.0,
             ge=1,
-            unit="1",
-            description="pictures that colours are a mean of; raising it follows light and turns more slowly",
+            unit="frames",
+            description="number of pictures that colours are averaged over; raising it follows light and "
+            "turns more slowly",
         )
-        likeness: float = Field(
+        minimum_likeness: float = Field(
             -0.5,
             unit="1",
-            description="log-likelihood ratio from which a newcomer is somebody who was here before; raising "
-            "it takes more of those who return for others",
+            description="log-likelihood ratio above which a newcomer is a returning person; raising it "
+            "confuses fewer persons and recognises fewer returns",
         )
 
     params: Params
 
     def setup(self) -> None:
         self.shape = read_shape(self.params.shape)
-        self.relations = read_relations(self.params.relations)
+        self.relations = read_relations(self.params.color_relations)
         self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
@@ -130,7 +151,7 @@ class Appearance(Stage):
         kept = [p for i, p in enumerate(present) if i not in missed]
         kept += [p for i in sorted(missed) if (p := self.missed(present[i], seconds, now))]
         kept += [self.begun(detections[i], float(boxes.score[i]), now) for i in self.unclaimed(boxes, pairs)]
-        gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.keep]
+        gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.memory_time]
         self.people = self.recognised(kept + gone)
         return self.appearances(frame.camera)
 
@@ -170,7 +191,9 @@ class Appearance(Stage):
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]]) -> list[int]:
         """Boxes that begin a person: sure enough, and not one more box of somebody who has one."""
         claimed = [box for _, box in pairs]
-        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (boxes.score < self.params.score)
+        taken = on_body(boxes.box, boxes.box[claimed], self.around) | (
+            boxes.score < self.params.minimum_score
+        )
         taken[claimed] = True
         return [int(i) for i in np.flatnonzero(~taken)]
 
@@ -192,7 +215,7 @@ class Appearance(Stage):
         colors, inside = sampled(picture, seen)
         visible = seen.visibility[0] * inside[0]
         weight = np.where(visible >= SHARP_VISIBILITY, visible, 0.0)
-        model = learnt(person.colors, colors[0].astype(float), weight, self.params.memory)
+        model = learnt(person.colors, colors[0].astype(float), weight, self.params.color_averaging_frames)
         return replace(
             person,
             track=track,
@@ -207,7 +230,7 @@ class Appearance(Stage):
         trust = person.trust - MISS
         if person.number == 0 and trust <= 0:
             return None
-        absent = trust <= 0 or (now - person.seen) * NANOSECOND > self.params.away
+        absent = trust <= 0 or (now - person.seen) * NANOSECOND > self.params.maximum_missed_time
         return replace(person, track=coasted(person.track, seconds), trust=trust, absent=absent)
 
     def begun(self, detection: Detection, score: float, now: int) -> Acquaintance:
@@ -224,7 +247,7 @@ class Appearance(Stage):
         for newcomer in newcomers:
             lost = [p for p in others if p.number and p.seen < newcomer.begun]
             likeness = [self.likeness(newcomer, p) for p in lost]
-            if likeness and max(likeness) >= self.params.likeness:
+            if likeness and max(likeness) >= self.params.minimum_likeness:
                 known = lost[int(np.argmax(likeness))]
                 others = [p for p in others if p is not known]
                 track = replace(known.track.resumed(newcomer.track.particles), pose=newcomer.track.pose)
@@ -237,7 +260,11 @@ class Appearance(Stage):
     def convincing(self, person: Acquaintance) -> bool:
         """Whether a newcomer is a person."""
         unusual = 0.5 * ((person.track.stature - STATURE) / UNUSUAL) ** 2
-        return person.number == 0 and person.hits > 1 and person.trust >= self.params.confirm + unusual
+        return (
+            person.number == 0
+            and person.hits > 1
+            and person.trust >= self.params.confirmation_score + unusual
+        )
 
     def likeness(self, a: Acquaintance, b: Acquaintance) -> float:
         """Log of how much likelier two acquaintances are one person than two."""
@@ -247,7 +274,9 @@ class Appearance(Stage):
         """Everybody who has a number."""
         known = sorted((p for p in self.people if p.number), key=lambda p: p.number)
         features = len(self.shape.names)
-        models = [completed(p.colors, self.relations) if self.params.difference else p.colors for p in known]
+        models = [
+            completed(p.colors, self.relations) if self.params.predict_colors else p.colors for p in known
+        ]
         return Appearances(
             camera=camera,
             person=np.array([p.number for p in known], np.int32),

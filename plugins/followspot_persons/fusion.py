@@ -42,29 +42,46 @@ class Fusion(Stage):
     """Fuse what several cameras see: places by their uncertain directions, headings by a vote."""
 
     class Params(StageParams):
-        direction: float = Field(
-            0.012, gt=0, unit="rad", description="one sigma of the direction in which a camera sees a person"
+        direction_sigma: float = Field(
+            0.012,
+            gt=0,
+            unit="rad",
+            description="standard deviation of the direction in which a camera sees a person; raising it "
+            "trusts directions less",
         )
-        distance: float = Field(
-            0.07, gt=0, le=100, unit="1", description="one sigma of the distance, of the distance"
+        distance_sigma: float = Field(
+            0.07,
+            gt=0,
+            le=100,
+            unit="1",
+            description="standard deviation of a person's distance from the camera over that distance; "
+            "raising it trusts distances less",
         )
-        gate: float = Field(
+        maximum_distance: float = Field(
             0.7,
             gt=0,
             unit="m",
-            description="farthest that a camera's place may lie from a person's; raising it joins two",
+            description="largest distance of a camera's pose from the person that it belongs to; raising it "
+            "merges neighbours",
         )
-        confirm: int = Field(
+        confirmation_frames: int = Field(
             3,
             ge=1,
             unit="frames",
-            description="frames that must show a new person; raising it avoids false ones",
+            description="number of frames that confirm a tentative person; raising it avoids false persons",
         )
-        gone: float = Field(
-            0.6, gt=0, unit="s", description="time without a camera's pose after which a person is gone"
+        maximum_missed_time: float = Field(
+            0.6,
+            gt=0,
+            unit="s",
+            description="time without a pose after which a person is deleted; raising it bridges longer gaps",
         )
-        keep: float = Field(
-            120.0, gt=0, unit="s", description="time for which the numbers of one who is gone are remembered"
+        memory_time: float = Field(
+            120.0,
+            gt=0,
+            unit="s",
+            description="time for which a deleted person's numbers are remembered; raising it recognises "
+            "later returns",
         )
 
     params: Params
@@ -82,7 +99,7 @@ class Fusion(Stage):
         now = max(p.header.time for p in poses)
         seconds = max(now - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         self.time = now
-        seen = sightings_of(poses, self.room.cameras, self.params.direction, self.params.distance)
+        seen = sightings_of(poses, self.room.cameras, self.params.direction_sigma, self.params.distance_sigma)
         groups, free = self.assigned(seen, seconds)
         self.people = [
             self.moved(person, seen, groups[i], seconds, now) for i, person in enumerate(self.people)
@@ -101,7 +118,7 @@ class Fusion(Stage):
                 rows = np.flatnonzero(seen.camera == camera)
                 cost = np.linalg.norm(forecast[:, None] - seen.pose[None, rows, :2], axis=2)
                 cost *= np.where(self.known(seen, rows), FAMILIAR, 1.0)
-                for person, column in matched(cost, self.params.gate):
+                for person, column in matched(cost, self.params.maximum_distance):
                     groups[person].append(int(rows[column]))
                     free.discard(int(rows[column]))
         return groups, sorted(free)
@@ -122,7 +139,9 @@ class Fusion(Stage):
         for row in sorted(free, key=lambda i: -seen.confidence[i]):
             for group in groups:
                 apart = np.linalg.norm(seen.pose[row, :2] - seen.pose[group[0], :2])
-                if apart < self.params.gate and all(seen.camera[row] != seen.camera[i] for i in group):
+                if apart < self.params.maximum_distance and all(
+                    seen.camera[row] != seen.camera[i] for i in group
+                ):
                     group.append(row)
                     break
             else:
@@ -161,15 +180,15 @@ class Fusion(Stage):
         people = []
         for person in self.people:
             age = (now - person.seen) * NANOSECOND
-            if person.number == 0 and person.hits >= self.params.confirm:
+            if person.number == 0 and person.hits >= self.params.confirmation_frames:
                 self.numbers += 1
                 person = replace(person, number=self.numbers)
-            if age <= self.params.gone:
+            if age <= self.params.maximum_missed_time:
                 people.append(person)
             elif person.number:
                 self.gone.append(person)
         self.people = people
-        self.gone = [p for p in self.gone if (now - p.seen) * NANOSECOND <= self.params.keep]
+        self.gone = [p for p in self.gone if (now - p.seen) * NANOSECOND <= self.params.memory_time]
 
     def fused(self) -> Poses:
         """Everybody who has a number."""

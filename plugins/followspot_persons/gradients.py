@@ -28,33 +28,33 @@ class FindGradients(Stage):
     per_camera = True
 
     class Params(StageParams):
-        half: float = Field(
+        half_contrast: float = Field(
             10.0,
             gt=0,
             le=361,
             unit="grey levels",
-            description="difference across an edge that gets half of the full magnitude; raising it "
+            description="difference across an edge that gives half of the full magnitude; raising it "
             "suppresses more noise, and faint outlines",
         )
-        reach: int = Field(
+        spread_radius: int = Field(
             8,
             ge=1,
             le=255,
             unit="px",
-            description="distance at which the strongest edge has faded; raising it makes a tracker converge "
-            "from farther away, to a less exact place",
+            description="distance over which an edge fades out; raising it lets a tracker converge from "
+            "farther away, to a less exact pose",
         )
 
     params: Params
 
     def setup(self) -> None:
-        self.emphasis = emphasis(self.params.half)
+        self.emphasis = emphasis(self.params.half_contrast)
         self.wraps = full_turn(self.camera)
 
     def process(self, frame: Frame) -> Gradients:
         p, width = self.params, frame.pixels.shape[1]
-        margin = p.reach if self.wraps else 0
-        packed = spread(packed_edges(padded(frame.pixels, margin), self.emphasis), p.reach)
+        margin = p.spread_radius if self.wraps else 0
+        packed = spread(packed_edges(padded(frame.pixels, margin), self.emphasis), p.spread_radius)
         orientation, magnitude = packed.view(np.uint8).reshape(*packed.shape, 2).transpose(2, 0, 1)
         kept = slice(margin, margin + width)
         return Gradients(camera=frame.camera, magnitude=magnitude[:, kept], orientation=orientation[:, kept])

@@ -25,23 +25,30 @@ class PeopleDetector(Stage):
     per_camera = True
 
     class Params(StageParams):
-        every: int = Field(
-            1, ge=1, description="search one frame of so many; raising it saves time", unit="1"
+        frame_interval: int = Field(
+            1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"
         )
-        threshold: float = Field(
+        minimum_score: float = Field(
             0.3,
             ge=0,
-            description="least score; raising it finds fewer people, and less that is none",
             unit="1",
+            description="smallest score of a box; raising it finds fewer people and fewer false ones",
         )
-        scale: float = Field(
+        picture_scale: float = Field(
             1.0,
             gt=0,
             le=8,
-            description="enlargement of the picture; above 1 smaller people are found",
             unit="1",
+            description="enlargement of the picture; raising it finds smaller people and costs time",
         )
-        step: float = Field(1.05, ge=1.01, le=2, description="ratio of sizes that are searched", unit="1")
+        scale_step: float = Field(
+            1.05,
+            ge=1.01,
+            le=2,
+            unit="1",
+            description="ratio of successive sizes in the search; raising it saves time and finds fewer "
+            "people",
+        )
 
     params: Params
 
@@ -52,7 +59,7 @@ class PeopleDetector(Stage):
 
     def process(self, frame: Frame) -> Boxes | None:
         p = self.params
-        if max(frame.header.seq, 0) % p.every:
+        if max(frame.header.seq, 0) % p.frame_interval:
             return None
         place, score = self.people(frame.pixels)
         corner, size = place[:, :2], place[:, 2:] / np.array(WINDOW)
@@ -60,21 +67,30 @@ class PeopleDetector(Stage):
         once = box[:, 0] < self.turn if self.turn else np.ones(len(box), bool)
         unknown = np.empty((int(once.sum()), 0))
         return Boxes(
-            camera=frame.camera, box=box[once], score=score[once] - p.threshold, torso=unknown, head=unknown
+            camera=frame.camera,
+            box=box[once],
+            score=score[once] - p.minimum_score,
+            torso=unknown,
+            head=unknown,
         )
 
     def people(self, pixels: Array) -> tuple[Array, Array]:
         """Windows x, y, width, height of people, (N, 4) px of the picture, and their scores."""
         p = self.params
-        if pixels.shape[0] * p.scale < WINDOW[1] + 1 or pixels.shape[1] * p.scale < WINDOW[0] + 1:
+        if (
+            pixels.shape[0] * p.picture_scale < WINDOW[1] + 1
+            or pixels.shape[1] * p.picture_scale < WINDOW[0] + 1
+        ):
             return np.empty((0, 4)), np.empty(0)
         if self.turn:
             width = min(pixels.shape[1], pixels.shape[0] // 2)  # no window is wider
             pixels = np.asarray(cv2.copyMakeBorder(pixels, 0, 0, 0, width, cv2.BORDER_WRAP))
-        if p.scale != 1:
-            pixels = np.asarray(cv2.resize(pixels, None, fx=p.scale, fy=p.scale))
-        places, score = self.hog.detectMultiScale(pixels, p.threshold, STRIDE, (0, 0), p.step, FINAL)
-        return np.reshape(places, (-1, 4)).astype(float) / p.scale, np.ravel(score).astype(float)
+        if p.picture_scale != 1:
+            pixels = np.asarray(cv2.resize(pixels, None, fx=p.picture_scale, fy=p.picture_scale))
+        places, score = self.hog.detectMultiScale(
+            pixels, p.minimum_score, STRIDE, (0, 0), p.scale_step, FINAL
+        )
+        return np.reshape(places, (-1, 4)).astype(float) / p.picture_scale, np.ravel(score).astype(float)
 
 
 def people_hog() -> cv2.HOGDescriptor:

@@ -57,45 +57,58 @@ class PoseTracker(Stage):
     per_camera = True
 
     class Params(StageParams):
-        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model")
-        particles: int = Field(300, ge=20, le=10_000, unit="1", description="per person")
-        random: float = Field(
+        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
+        particles: int = Field(
+            300,
+            ge=20,
+            le=10_000,
+            unit="1",
+            description="particles per person; raising it tracks more reliably and costs time",
+        )
+        random_share: float = Field(
             0.15,
             ge=0,
             le=0.9,
             unit="1",
             description="share of particles placed at random; raising it leaves a wrong pose sooner",
         )
-        climbing: float = Field(
+        ascent_share: float = Field(
             0.2,
             ge=0,
             le=1,
             unit="1",
-            description="share of particles, the best, that climb the fitness; 0: no gradient ascent",
+            description="share of the best particles that gradient ascent improves; 0: none; raising it "
+            "costs time",
         )
-        color: bool = Field(True, description="weigh poses by the persons' colours, too")
-        fade: float = Field(
+        use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
+        minimum_likelihood_share: float = Field(
             0.5,
             gt=0,
             lt=1,
             unit="1",
-            description="share of a person's usual likelihood below which a picture does not show the person",
+            description="share of a person's usual likelihood below which a picture misses the person; "
+            "raising it deletes persons sooner",
         )
-        doubt: float = Field(
+        box_timeout: float = Field(
             0.6,
             gt=0,
             unit="s",
-            description="time without a box of the detector after which this share has grown to 1; raising "
-            "it keeps people whom the detector does not find, and mistakes",
+            description="time without a box of the detector in which this share rises to 1; raising it "
+            "keeps persons that the detector misses, and false ones",
         )
-        gone: float = Field(
-            0.5, gt=0, unit="s", description="time without such a picture after which a person is gone"
+        maximum_missed_time: float = Field(
+            0.5,
+            gt=0,
+            unit="s",
+            description="time of missed pictures after which a person is deleted; raising it bridges longer "
+            "gaps",
         )
-        unseen: float = Field(
+        maximum_unseen_time: float = Field(
             2.0,
             gt=0,
             unit="s",
-            description="time after which one is gone whom the slow instance does not see",
+            description="time after which a person that the slow instance does not see is deleted; raising "
+            "it keeps false persons longer",
         )
 
     params: Params
@@ -105,7 +118,7 @@ class PoseTracker(Stage):
         self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
         self.weights = Weights()
-        self.search = Search(self.params.particles, self.params.random, self.params.climbing)
+        self.search = Search(self.params.particles, self.params.random_share, self.params.ascent_share)
         self.people: dict[int, Followed] = {}
         self.known: dict[int, Track] = {}
         self.heard: dict[int, Hearing] = {}
@@ -121,7 +134,7 @@ class PoseTracker(Stage):
         if people is None:
             return self.poses(frame.camera)
         self.listen(people, now)
-        if seconds > self.params.gone:
+        if seconds > self.params.maximum_missed_time:
             self.forget(people, now)
         picture = pictured(self.camera, frame, gradients)
         told = self.detections(boxes, now, seconds)
@@ -206,11 +219,13 @@ class PoseTracker(Stage):
     ) -> Picture:
         """One person in one picture; returns the picture with what this person hides of others."""
         known = self.people[number]
-        known_colors = colors if self.params.color else None
+        known_colors = colors if self.params.use_colors else None
         fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         unboxed = (self.boxed - known.boxed) * NANOSECOND
-        enough = self.params.fade + (1 - self.params.fade) * min(1.0, unboxed / self.params.doubt)
+        enough = self.params.minimum_likelihood_share + (1 - self.params.minimum_likelihood_share) * min(
+            1.0, unboxed / self.params.box_timeout
+        )
         agrees = track.shown >= HIDDEN and track.likelihood >= enough * track.typical
         self.people[number] = replace(
             known,
@@ -227,8 +242,14 @@ class PoseTracker(Stage):
         """Stop following who does not appear any more."""
         known = set(people.person.tolist())
         for number, person in list(self.people.items()):
-            silent = (people.header.time - self.heard[number].time) * NANOSECOND > self.params.unseen
-            if silent or number not in known or (now - person.good) * NANOSECOND > self.params.gone:
+            silent = (
+                people.header.time - self.heard[number].time
+            ) * NANOSECOND > self.params.maximum_unseen_time
+            if (
+                silent
+                or number not in known
+                or (now - person.good) * NANOSECOND > self.params.maximum_missed_time
+            ):
                 self.known[number] = self.people.pop(number).track
         self.known = {number: track for number, track in self.known.items() if number in known}
 

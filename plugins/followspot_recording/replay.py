@@ -19,17 +19,22 @@ class ReplayParams(StageParams):
     """Parameters of every replay."""
 
     path: InputPath = Field(description="the recording, an MCAP file")
-    port: str = Field("", description="the recorded port, STAGE.PORT; `out` of this stage's name unless told")
-    start: float = Field(
-        0.0, ge=0, description="where to begin, after the beginning of the recording", unit="s"
+    port: str = Field("", description="recorded port, STAGE.PORT; by default `out` of this stage's name")
+    start_time: float = Field(
+        0.0, ge=0, unit="s", description="time from the beginning of the recording at which the replay begins"
     )
-    stop: float | None = Field(
-        None, gt=0, description="where to end, after its beginning; none: at its end", unit="s"
+    stop_time: float | None = Field(
+        None,
+        gt=0,
+        unit="s",
+        description="time from the beginning of the recording at which the replay ends; none: at its end",
     )
     speed: float = Field(
-        0.0, ge=0, le=1000, description="times as fast as recorded; 0 as fast as it can", unit="1"
+        0.0, ge=0, le=1000, unit="1", description="speed over that of the recording; 0: as fast as possible"
     )
-    loop: bool = Field(False, description="begin again at the end, with capture times that go on")
+    loop: bool = Field(
+        False, description="whether the replay begins again at the end, with capture times that continue"
+    )
 
 
 class Replay(Stage):
@@ -61,8 +66,8 @@ class Replay(Stage):
         recording, given = self.recording, self.params
         assert recording is not None
         self._check(recording, kind)
-        start = recording.begin + round(given.start * 1e9)
-        stop = recording.end if given.stop is None else recording.begin + round(given.stop * 1e9)
+        start = recording.begin + round(given.start_time * 1e9)
+        stop = recording.end if given.stop_time is None else recording.begin + round(given.stop_time * 1e9)
         began = time.monotonic()
         later, round_seqs = 0, 0
         while True:

@@ -27,15 +27,31 @@ class RecordingSink(Stage):
     """
 
     class Params(StageParams):
-        path: OutputPath = Field("recording.mcap", description="the file; where it exists, one beside it")
-        port: str = Field("", description="port that is recorded, STAGE.PORT; this stage's name unless told")
-        pictures: Literal["jpeg", "png", "raw", "none"] = Field(
+        path: OutputPath = Field(
+            "recording.mcap", description="the file; a number is added to the name if it exists"
+        )
+        port: str = Field("", description="recorded port, STAGE.PORT; by default this stage's name")
+        picture_format: Literal["jpeg", "png", "raw", "none"] = Field(
             "jpeg", description="how frames are kept for viewers, beside the exact ones"
         )
         compression: Compression = Field("lz4", description="lz4 is fast, zstd is small")
-        chunk: float = Field(4.0, gt=0, le=64, description="size of a chunk before compression", unit="MiB")
-        seconds: float = Field(1.0, gt=0, le=60, description="longest wait for a chunk to be full", unit="s")
-        essential: bool = Field(True, description="whether the run fails where the disk takes no more")
+        chunk_size: float = Field(
+            4.0,
+            gt=0,
+            le=64,
+            unit="MiB",
+            description="size of a chunk before compression; raising it compresses better and loses more in "
+            "a crash",
+        )
+        chunk_time: float = Field(
+            1.0,
+            gt=0,
+            le=60,
+            unit="s",
+            description="longest time that a chunk stays open; raising it compresses better and loses more "
+            "in a crash",
+        )
+        essential: bool = Field(True, description="whether the run fails if the disk is full")
         metadata: dict[str, str] = Field({}, description="facts to embed")
         attachments: dict[str, str] = Field({}, description="texts to embed, by file name")
 
@@ -46,13 +62,13 @@ class RecordingSink(Stage):
         """Open the file or join those that have it open. Raises FollowspotError."""
         given = self.params
         self.path = self.context.out / given.path
-        chunking = Chunking(int(given.chunk * MIB), given.seconds, given.compression)
+        chunking = Chunking(int(given.chunk_size * MIB), given.chunk_time, given.compression)
         self.recorder = join(self.path, chunking)
         if self.recorder.path != self.path:
             self.context.warn(f"{self.path} exists; recording to {self.recorder.path.name} beside it")
         port = given.port or self.context.name
         self.topic, self.view = exact_topic(port), view_topic(port)
-        self.pictures: Pictures = given.pictures
+        self.pictures: Pictures = given.picture_format
         self.schema: Schema | None = None
         self.described = not (given.metadata or given.attachments)
         if not self.described:

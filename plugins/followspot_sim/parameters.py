@@ -20,20 +20,32 @@ COLORS: dict[str, Colour] = {
 class SimParams(StageParams):
     """What happens in the simulated room; equal parameters give equal rooms."""
 
-    frames: int = Field(600, ge=0, description="length of the recording; 0 never ends", unit="frame")
-    fps: float = Field(60.0, ge=0.001, le=1000, description="pictures of each camera per second", unit="1/s")
-    seed: int = Field(1, ge=0, description="another seed, another performance", unit="1")
-    people: int = Field(2, ge=0, le=6, description="who carry, throw and hide the balls", unit="1")
-    projections: int = Field(4, ge=0, le=12, description="projected spots for each ball; 0: dark", unit="1")
+    frames: int = Field(600, ge=0, unit="frames", description="length of the recording; 0: endless")
+    fps: float = Field(60.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")
+    seed: int = Field(
+        1, ge=0, unit="1", description="seed of the performance; another seed gives another one"
+    )
+    people: int = Field(
+        2, ge=0, le=6, unit="1", description="number of people that carry, throw and hide the balls"
+    )
+    projections: int = Field(
+        4, ge=0, le=12, unit="1", description="number of projected spots per ball; 0: dark"
+    )
     projection_brightness: float = Field(
-        0.6, ge=0, le=1, description="projected light over that of the balls", unit="1"
+        0.6, ge=0, le=1, unit="1", description="brightness of projected light over that of the balls"
     )
-    noise: float = Field(
-        1.0, ge=0, le=20, description="standard deviation of sensor noise", unit="grey level"
+    noise_sigma: float = Field(
+        1.0, ge=0, le=20, unit="grey levels", description="standard deviation of the sensor noise"
     )
-    hide: bool = Field(True, description="people put balls into their bags for a while")
-    alone: str = Field("", description="show this target only: no people, no projections (for templates)")
-    realtime: bool = Field(False, description="deliver at the pace of fps instead of as fast as wanted")
+    hide_balls: bool = Field(True, description="whether people put balls into their bags for a while")
+    only_target: str = Field(
+        "",
+        description="the only target to show, without people and projections, to learn its template; empty: "
+        "all",
+    )
+    realtime: bool = Field(
+        False, description="whether frames come at the pace of fps instead of as fast as possible"
+    )
     colors: dict[str, Colour] = Field({}, description="RGB of targets, 0 to 255, instead of the usual ones")
 
     def color(self, target: str, number: int) -> Colour:

@@ -62,7 +62,7 @@ class Picture:
         self._show = show_of(
             Lighting(
                 self.world.setting,
-                0 if params.alone else params.projections,
+                0 if params.only_target else params.projections,
                 params.projection_brightness,
                 tuple(tuple(plane.tolist()) for plane in room.planes.values()),
                 tuple(tuple(color) for color in light.tolist()),
@@ -77,7 +77,7 @@ class Picture:
         self._dark = self._unlit if infrared else cv2.LUT(self._unlit, DISPLAYED)
         self._tones = _tones(self._people, infrared)
         self._bright = [max(tone) > FAINT for tone in self._tones]
-        self._sensor = Sensor(self.shape, params.noise * (1 if infrared else GRAIN), rng)
+        self._sensor = Sensor(self.shape, params.noise_sigma * (1 if infrared else GRAIN), rng)
         self._clouds = lru_cache(maxsize=2)(self._look_at_clouds)
 
     def render(self, frame: int, out: Array) -> None:

@@ -66,7 +66,7 @@ def record(room: Room, params: SimParams, folder: Path) -> None:
 def record_templates(room: Room, params: SimParams, folder: Path, frames: int | None) -> None:
     """Write `folder`/TARGET/CAMERA.mkv for each target alone. Raises FollowspotError as :func:`record`."""
     for name in room.targets:
-        clip = params.model_copy(update={"alone": name, "frames": frames or CLIP_FRAMES})
+        clip = params.model_copy(update={"only_target": name, "frames": frames or CLIP_FRAMES})
         _progress(f"{name}: {len(room.cameras)} clips of {clip.frames} frames")
         write_videos(room, clip, folder / name)
 

@@ -60,17 +60,17 @@ def setting(params: SimParams, room: Room, clock_offset: float = 0.0) -> Setting
     Raises InputError where `alone` names no target of the room.
     """
     names = list(room.targets)
-    if params.alone and params.alone not in names:
-        text = f'alone: the room has no target "{params.alone}"'
-        raise InputError([Mistake(None, text, did_you_mean(params.alone, names, "targets"))])
+    if params.only_target and params.only_target not in names:
+        text = f'alone: the room has no target "{params.only_target}"'
+        raise InputError([Mistake(None, text, did_you_mean(params.only_target, names, "targets"))])
     floor = room.planes.get("floor", np.array([0.0, 0.0, 1.0, 0.0]))
     a, b, c, d = (float(v) for v in floor)
     return Setting(
         seed=params.seed,
         fps=params.fps,
-        people=0 if params.alone else params.people,
-        hide=params.hide,
-        alone=names.index(params.alone) if params.alone else -1,
+        people=0 if params.only_target else params.people,
+        hide=params.hide_balls,
+        alone=names.index(params.only_target) if params.only_target else -1,
         radii=tuple(t.radius for t in room.targets.values()),
         floor=(a, b, c, d),
         clock_offset=clock_offset,

@@ -10,7 +10,9 @@ class Console(Stage):
     """Print a line per target, some times per second of capture time."""
 
     class Params(StageParams):
-        rate: float = Field(1.0, gt=0, le=1000, description="most frames printed per second", unit="1/s")
+        maximum_rate: float = Field(
+            1.0, gt=0, le=1000, unit="1/s", description="largest number of frames printed per second"
+        )
 
     params: Params
 
@@ -25,7 +27,7 @@ class Console(Stage):
         time = tracks.header.time
         if time < self.next:
             return
-        self.next = time + round(1e9 / self.params.rate)
+        self.next = time + round(1e9 / self.params.maximum_rate)
         for target, state, xyz, sigma in zip(
             tracks.target, tracks.state, tracks.xyz, tracks.sigma, strict=True
         ):

@@ -36,9 +36,11 @@ class Draw(Stage):
 
     class Params(StageParams):
         path: OutputPath = Field(
-            "drawn", description="folder below the output folder, a file per camera in it"
+            "drawn", description="folder below the output folder, with a file per camera"
         )
-        form: Literal["mp4", "jpg", "png"] = Field("mp4", description="a video, or a folder of pictures")
+        format: Literal["mp4", "jpg", "png"] = Field(
+            "mp4", description="mp4: a video; jpg, png: a folder of pictures"
+        )
 
     params: Params
 
@@ -78,7 +80,7 @@ class Draw(Stage):
     def file(self, camera: str) -> PictureFile:
         """Where the camera's pictures go."""
         if camera not in self.files:
-            form = self.params.form
+            form = self.params.format
             video = form == "mp4"
             self.files[camera] = (
                 VideoFile(self.folder, camera) if video else PictureFolder(self.folder, camera, form)

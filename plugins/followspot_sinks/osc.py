@@ -69,15 +69,17 @@ class OscPoses(OscSink):
     """
 
     class Params(OscSink.Params):
-        slots: int = Field(8, ge=1, le=256, description="persons shown at a time", unit="1")
-        hold: float = Field(3.0, ge=0, description="how long a slot waits for one who is not seen", unit="s")
+        slots: int = Field(8, ge=1, le=256, unit="1", description="largest number of persons shown at a time")
+        hold_time: float = Field(
+            3.0, ge=0, unit="s", description="time for which a slot is kept for a person that is not seen"
+        )
 
     params: Params
 
     def setup(self) -> None:
         """Open the socket. Raises InputError where the host is unknown."""
         super().setup()
-        self.persons = PersonSlots(self.params.slots, self.params.hold)
+        self.persons = PersonSlots(self.params.slots, self.params.hold_time)
 
     def process(self, poses: Poses) -> None:
         """Send one frame."""

@@ -115,7 +115,7 @@ def test_a_parameter_that_no_stage_could_work_with_is_a_mistake(
 
 
 def test_a_negative_zero_is_zero() -> None:
-    assert math.copysign(1.0, SimParams(noise=-0.0).noise) == 1.0
+    assert math.copysign(1.0, SimParams(noise_sigma=-0.0).noise_sigma) == 1.0
 
 
 @pytest.mark.parametrize("pattern", [".", "..", "**", "**x", "["])

@@ -39,7 +39,7 @@ def room_of(tmp_path: Path, *cameras: str) -> Path:
 def tracked(room: Path, graph: str, frames: int, out: Path, *options: str | Path) -> dict[str, Any]:
     """The summary of a run over the first frames."""
     files = (GRAPHS / graph, "--room", room, "--out", out)
-    asked = ("--frames", frames, "--json", "--quiet", "--set", f"hog.every={PERIOD}", *options)
+    asked = ("--frames", frames, "--json", "--quiet", "--set", f"hog.frame_interval={PERIOD}", *options)
     summary: dict[str, Any] = json.loads(command("run", *files, *asked))
     assert balanced(summary)
     return summary

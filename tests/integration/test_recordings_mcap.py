@@ -31,7 +31,8 @@ def resident():
 count = int(sys.argv[2])
 pictures = [np.random.default_rng(n).integers(0, 256, {SIZE}, "u1") for n in range(4)]
 sink = RecordingSink(
-    Context("a"), path=Path(sys.argv[1]), port="camera/cam0.out", pictures="none", chunk={CHUNK}, seconds=60.0
+    Context("a"), path=Path(sys.argv[1]), port="camera/cam0.out", picture_format="none",
+    chunk_size={CHUNK}, chunk_time=60.0
 )
 sink.setup()
 for number in range(count):

@@ -11,7 +11,7 @@ from played import Played, burners, differences, one_each, play
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 SHOWN = """
-  drawn: {uses: sinks.draw, in: {frames: camera%s}, with: {form: png}}
+  drawn: {uses: sinks.draw, in: {frames: camera%s}, with: {format: png}}
 """
 """What is drawn is written as pictures, which lose nothing."""
 BALLS = """

@@ -33,32 +33,53 @@ class Hog(Stage):
     per_camera = True
 
     class Params(StageParams):
-        every: int = Field(
-            1, ge=1, description="search one frame of so many; raising it saves time", unit="1"
+        frame_interval: int = Field(
+            1, ge=1, unit="frames", description="one frame in so many is searched; raising it saves time"
         )
-        smallest: float = Field(
+        minimum_height: float = Field(
             32.0,
             ge=16,
-            description="height of the smallest upper body; lowering it finds distant people, in more time",
             unit="px",
+            description="height of the smallest upper body; lowering it finds distant people and costs time",
         )
-        largest: float = Field(320.0, ge=16, description="height of the largest upper body", unit="px")
-        step: float = Field(
+        maximum_height: float = Field(
+            320.0,
+            ge=16,
+            unit="px",
+            description="height of the largest upper body; raising it finds closer people and costs time",
+        )
+        scale_step: float = Field(
             1.1,
             ge=1.02,
             le=2,
-            description="ratio of sizes that are searched; raising it saves time",
             unit="1",
+            description="ratio of successive sizes in the search; raising it saves time and finds fewer "
+            "people",
         )
-        shortest: float = Field(1.2, gt=0, description="height of the smallest person", unit="m")
-        tallest: float = Field(2.1, gt=0, description="height of the tallest person", unit="m")
-        threshold: float = Field(
+        minimum_person_height: float = Field(
+            1.2,
+            gt=0,
+            unit="m",
+            description="height of the shortest person; lowering it finds children, and more false people",
+        )
+        maximum_person_height: float = Field(
+            2.1,
+            gt=0,
+            unit="m",
+            description="height of the tallest person; raising it finds more false people",
+        )
+        minimum_score: float = Field(
             0.0,
-            description="least score, log-odds; raising it finds fewer people, and less that is none",
             unit="1",
+            description="smallest score of a box, in log-odds; raising it finds fewer people and fewer "
+            "false ones",
         )
-        most: int = Field(
-            400, ge=1, le=5000, description="proposed windows that are judged, best first", unit="1"
+        maximum_proposals: int = Field(
+            400,
+            ge=1,
+            le=5000,
+            unit="1",
+            description="number of proposed windows that are judged, best first; raising it costs time",
         )
         weights: InputPath = Field(SHIPPED, description="weights, as `followspot train hog` makes them")
 
@@ -69,12 +90,17 @@ class Hog(Stage):
         p = self.params
         self.model = load(p.weights)
         self.detector = detector(self.model.linear)
-        self.heights = (p.shortest, p.tallest)
-        self.levels = levels(self.camera, (p.smallest, max(p.smallest, p.largest)), p.step, self.heights)
+        self.heights = (p.minimum_person_height, p.maximum_person_height)
+        self.levels = levels(
+            self.camera,
+            (p.minimum_height, max(p.minimum_height, p.maximum_height)),
+            p.scale_step,
+            self.heights,
+        )
         self.turn = float(self.camera.size[0]) if full_turn(self.camera) else 0.0
 
     def process(self, frame: Frame) -> Boxes | None:
-        if max(frame.header.seq, 0) % self.params.every:
+        if max(frame.header.seq, 0) % self.params.frame_interval:
             return None
         pixels = frame.pixels
         if pixels.shape[2] == 1:
@@ -88,7 +114,7 @@ class Hog(Stage):
         box, score = proposals(pixels, self.camera, self.levels, self.detector)
         best = np.argsort(-score, kind="stable")
         best = best[plausible(self.camera, box[best], self.heights)]
-        return np.asarray(box[best[: self.params.most]])
+        return np.asarray(box[best[: self.params.maximum_proposals]])
 
     def windows(self, pixels: Array, box: Array) -> Array:
         """What the boxes show, (N, HEIGHT, WIDTH, 3) u8."""
@@ -115,7 +141,7 @@ class Hog(Stage):
             angles[:, number] = weight @ torso[rows], weight @ head[rows]
         total = np.array([odds[rows].sum() for rows in found])
         best = outermost(means, total, NESTED, self.turn)
-        best = best[total[best] > CROWD * np.exp(self.params.threshold)]
+        best = best[total[best] > CROWD * np.exp(self.params.minimum_score)]
         return Boxes(
             camera=self.camera.name,
             box=means[best],

@@ -29,7 +29,7 @@ class Backdrop:
 
 def lamp_of(params: ActorParams) -> Array:
     """Where the lamp hangs, (3,) m."""
-    return np.array([0.0, 0.0, params.size[2] - 0.05])
+    return np.array([0.0, 0.0, params.room_size[2] - 0.05])
 
 
 def backdrop(params: ActorParams, camera: Camera) -> Backdrop:
@@ -56,7 +56,7 @@ def backdrop(params: ActorParams, camera: Camera) -> Backdrop:
 
 def _shell(params: ActorParams, centre: Array, ray: Array) -> tuple[Array, Array, Array]:
     """Where rays meet walls, floor and ceiling: place (N, 3) m, colour (N, 3), inward normal (N, 3)."""
-    half = np.array([params.size[0] / 2, params.size[1] / 2, params.size[2]])
+    half = np.array([params.room_size[0] / 2, params.room_size[1] / 2, params.room_size[2]])
     low, high = np.array([-half[0], -half[1], 0.0]), half
     ray = np.where(np.abs(ray) < PARALLEL, PARALLEL, ray)
     reach = (np.where(ray > 0, high, low) - centre) / ray
@@ -109,7 +109,7 @@ def _light(params: ActorParams, boxes: tuple[Box, ...], place: Array, normal: Ar
     distance = np.linalg.norm(to_lamp, axis=1)
     slant = np.maximum((normal * to_lamp).sum(axis=1) / distance, 0.0)
     light = 0.62 + 0.45 * slant * np.minimum(2.4 / distance, 1.5)
-    half = np.array(params.size)[:2] / 2
+    half = np.array(params.room_size)[:2] / 2
     from_wall = np.sort(np.column_stack([half - np.abs(place[:, :2]), place[:, 2]]), axis=1)[:, 1]
     light *= 1 - 0.22 * np.exp(-from_wall / 0.25)
     for box in boxes:

@@ -64,8 +64,8 @@ def furniture_of(params: ActorParams) -> tuple[Box, ...]:
     rng = np.random.default_rng([params.seed, 59])
     found: list[Box] = []
     for wall, yaw in enumerate(np.pi / 2 * np.arange(4) + np.pi):
-        along = params.size[1 if wall % 2 == 0 else 0] / 2 - CORNER
-        away = params.size[0 if wall % 2 == 0 else 1] / 2
+        along = params.room_size[1 if wall % 2 == 0 else 0] / 2 - CORNER
+        away = params.room_size[0 if wall % 2 == 0 else 1] / 2
         for half in (-1, 1):
             kind, z, (width, height) = HANGING[(2 * wall + (half > 0)) % len(HANGING)]
             found.append(_at_wall(rng, kind, yaw, away, along, half, z, (FLAT, width, height)))

@@ -10,35 +10,44 @@ from followspot import Field, StageParams
 class ActorParams(StageParams):
     """Who walks in the simulated room, and where; equal parameters give equal rooms."""
 
-    frames: int = Field(600, ge=0, description="length of the recording; 0 never ends", unit="frame")
-    fps: float = Field(15.0, ge=0.001, le=1000, description="pictures of each camera per second", unit="1/s")
+    frames: int = Field(600, ge=0, unit="frames", description="length of the recording; 0: endless")
+    fps: float = Field(15.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")
     seed: int = Field(
-        1, ge=0, description="another seed, other people, other ways and another room", unit="1"
+        1,
+        ge=0,
+        unit="1",
+        description="seed of the performance; another seed gives other people, ways and furniture",
     )
-    people: int = Field(2, ge=0, le=6, description="who walk, turn and look around", unit="1")
-    size: tuple[float, float, float] = Field(
-        (6.4, 6.0, 2.7), description="of the room, whose floor has the origin in its middle", unit="m"
+    people: int = Field(
+        2, ge=0, le=6, unit="1", description="number of people that walk, turn and look around"
     )
-    area: tuple[float, float, float, float] = Field(
-        (-1.8, -1.6, 1.8, 1.6), description="part of the floor where people walk: x0, y0, x1, y1", unit="m"
+    room_size: tuple[float, float, float] = Field(
+        (6.4, 6.0, 2.7),
+        unit="m",
+        description="width, depth and height of the room, whose origin is the middle of the floor",
     )
-    clear: float = Field(
-        0.0, ge=0, le=10, description="distance that people keep from the middle of the floor", unit="m"
+    walking_area: tuple[float, float, float, float] = Field(
+        (-1.8, -1.6, 1.8, 1.6), unit="m", description="part of the floor where people walk: x0, y0, x1, y1"
+    )
+    clear_radius: float = Field(
+        0.0, ge=0, le=10, unit="m", description="distance that people keep from the middle of the floor"
     )
     cupboard: tuple[float, float] | None = Field(
         None,
-        description="where a cupboard stands across the way from the middle, behind which people hide now "
-        "and then; none: no cupboard",
         unit="m",
+        description="position of a cupboard that people hide behind, as seen from the middle; none: no "
+        "cupboard",
     )
-    noise: float = Field(
-        2.0, ge=0, le=20, description="standard deviation of sensor noise", unit="grey level"
+    noise_sigma: float = Field(
+        2.0, ge=0, le=20, unit="grey levels", description="standard deviation of the sensor noise"
     )
-    realtime: bool = Field(False, description="deliver at the pace of fps instead of as fast as wanted")
+    realtime: bool = Field(
+        False, description="whether frames come at the pace of fps instead of as fast as possible"
+    )
 
-    @pydantic.field_validator("area")
+    @pydantic.field_validator("walking_area")
     @classmethod
     def _check_area(cls, area: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
         if not (area[0] < area[2] and area[1] < area[3]):
-            raise ValueError("the area must be x0, y0, x1, y1 with x0 < x1 and y0 < y1")
+            raise ValueError("walking_area must be x0, y0, x1, y1 with x0 < x1 and y0 < y1")
         return area

@@ -42,7 +42,7 @@ class ActorPicture:
         self._lamp = lamp_of(params)
         empty = backdrop(params, camera)
         self._empty, self._away = empty.picture, empty.away
-        self._sensor = Sensor(self.shape, params.noise, own_rng(params.seed, camera.name))
+        self._sensor = Sensor(self.shape, params.noise_sigma, own_rng(params.seed, camera.name))
 
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, 3) uint8, BGR."""

@@ -157,7 +157,7 @@ class Ways:
         )
 
     def _somewhere(self) -> tuple[float, float]:
-        x0, y0, x1, y1 = self._params.area
+        x0, y0, x1, y1 = self._params.walking_area
         return float(self._rng.uniform(x0, x1)), float(self._rng.uniform(y0, y1))
 
     def _hiding(self, place: tuple[float, float]) -> list[tuple[float, float]]:
@@ -183,7 +183,7 @@ class Ways:
 
     def _clearance(self, walk: Walk) -> float:
         """Distance of a way from the middle of the floor and from the cupboard over what it should be."""
-        keep = [((0.0, 0.0), self._params.clear), (self._params.cupboard, ROUND_CUPBOARD)]
+        keep = [((0.0, 0.0), self._params.clear_radius), (self._params.cupboard, ROUND_CUPBOARD)]
         path = np.linspace(walk.start, walk.goal, MOMENTS)
         found = [
             float(np.hypot(*(path - place).T).min()) / wanted

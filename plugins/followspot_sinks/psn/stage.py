@@ -20,11 +20,13 @@ class PsnSink(Stage):
         """Where to send, and how the stage lies in the room."""
 
         host: OutputHost = Field(
-            "236.10.10.10", description="receiver; the group of the standard unless told otherwise"
+            "236.10.10.10", description="receiver; by default the multicast group of the standard"
         )
-        port: int = Field(56565, ge=1, le=65535, description="UDP port", unit="1")
-        interface: str = Field("127.0.0.1", description="own address in the network of the lights")
-        system: str = Field("followspot", min_length=1, max_length=64, description="name shown by receivers")
+        port: int = Field(56565, ge=1, le=65535, unit="1", description="UDP port of the receiver")
+        interface: str = Field("127.0.0.1", description="own address in the lighting network")
+        system_name: str = Field(
+            "followspot", min_length=1, max_length=64, description="name that receivers show"
+        )
         axes: str = Field(
             "x z y",
             pattern=r"^[+-]?[xyz] [+-]?[xyz] [+-]?[xyz]$",
@@ -48,7 +50,7 @@ class PsnSink(Stage):
             return
         packets = data_packets(slots, self.axes, time, self.frame)
         if time - self.named_at >= SECOND:
-            packets += info_packets(self.params.system, slots.names, time, self.frame)
+            packets += info_packets(self.params.system_name, slots.names, time, self.frame)
             self.named_at = time
         for packet in packets:
             self.network.send(packet)
@@ -79,15 +81,17 @@ class PsnPoses(PsnSink):
     """Send each person as a tracker of their own: the head's top, and where they face."""
 
     class Params(PsnSink.Params):
-        slots: int = Field(8, ge=1, le=256, description="persons shown at a time", unit="1")
-        hold: float = Field(3.0, ge=0, description="how long a slot waits for one who is not seen", unit="s")
+        slots: int = Field(8, ge=1, le=256, unit="1", description="largest number of persons shown at a time")
+        hold_time: float = Field(
+            3.0, ge=0, unit="s", description="time for which a slot is kept for a person that is not seen"
+        )
 
     params: Params
 
     def setup(self) -> None:
         """Open the socket. Raises InputError where the host is unknown."""
         super().setup()
-        self.persons = PersonSlots(self.params.slots, self.params.hold)
+        self.persons = PersonSlots(self.params.slots, self.params.hold_time)
 
     def process(self, poses: Poses) -> None:
         """Send one frame."""

@@ -19,7 +19,7 @@ def asked(uses: str, **params: Any) -> PlaceTaps:
 
 
 def test_a_sink_without_files_is_taken() -> None:
-    asked("dashboard.tap", rate=5.0).check(PLAN, remote=True)
+    asked("dashboard.tap", picture_rate=5.0).check(PLAN, remote=True)
 
 
 @pytest.mark.parametrize(

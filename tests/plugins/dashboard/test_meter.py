@@ -45,7 +45,7 @@ def test_rate_jitter_and_longest_gap_are_those_of_the_gaps() -> None:
 def test_only_the_window_counts_and_reports_are_rare() -> None:
     post, now = Post(), [0]
     post.wanted = True
-    meter = Meter(Context(post=post), port="color/cam0.blobs", window=1.0, every=0.5)
+    meter = Meter(Context(post=post), port="color/cam0.blobs", window=1.0, report_interval=0.5)
     meter.monotonic_ns = lambda: now[0]  # type: ignore[method-assign]
     meter.setup()
     for number in range(300):

@@ -102,7 +102,7 @@ def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, li
 
 
 def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, listener: Listener) -> None:
-    source = tap(tmp_path, leads=True)
+    source = tap(tmp_path, sets_times=True)
     second = tap(tmp_path, "camera/cam1.out")
     for number in range(200):
         source.process(at(10 * number, frame()))
@@ -117,7 +117,7 @@ def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, lis
 
 
 def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate, listener: Listener) -> None:
-    source = tap(tmp_path, leads=True)
+    source = tap(tmp_path, sets_times=True)
     gate.name(80_000 * MS, next_at=0)
     gate.name(90_000 * MS, next_at=0)
     source.process(at(10, frame()))
@@ -126,7 +126,7 @@ def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate,
 
 
 def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, listener: Listener) -> None:
-    taps = [tap(tmp_path, f"camera/cam{i}.out", leads=True, rate=60.0) for i in range(3)]
+    taps = [tap(tmp_path, f"camera/cam{i}.out", sets_times=True, picture_rate=60.0) for i in range(3)]
     for number in range(1, 9):
         time.sleep(0.02)  # longer than from one picture of the page to the next
         for one in taps:
@@ -136,7 +136,7 @@ def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, 
 
 
 def test_tracks_are_shown_between_pictures_too(tmp_path: Path, gate: Gate, listener: Listener) -> None:
-    tracks = tap(tmp_path, "track.tracks", smooth=0.001)  # whatever pauses the machine makes
+    tracks = tap(tmp_path, "track.tracks", message_rate=0.001)  # whatever pauses the machine makes
     gate.name(10**15, next_at=2**62)  # no moment comes
     tracks.process(at(1, Tracks.empty()))
     tracks.process(at(2, Tracks.empty()))  # too soon after the first

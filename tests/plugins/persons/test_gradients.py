@@ -35,7 +35,7 @@ def ramp(angle, slope=4.0):
 
 @pytest.mark.parametrize("degrees", [0, 30, 45, 90, 120, 135, 170])
 def test_orientation_is_the_direction_in_which_brightness_rises(degrees):
-    found = gradients(ramp(np.deg2rad(degrees)), reach=1)
+    found = gradients(ramp(np.deg2rad(degrees)), spread_radius=1)
     middle = found.orientation[20:28, 28:36] * np.pi / 256
     apart = np.abs((middle - np.deg2rad(degrees) + np.pi / 2) % np.pi - np.pi / 2)
     assert np.median(apart) < np.deg2rad(10)  # whole grey levels on a slope of 4 a pixel
@@ -44,7 +44,7 @@ def test_orientation_is_the_direction_in_which_brightness_rises(degrees):
 def test_orientation_does_not_tell_light_from_dark():
     bright = np.zeros((48, 64, 1), np.uint8)
     bright[10:30, 20:40] = 200
-    a, b = gradients(bright, reach=1), gradients(200 - bright, reach=1)
+    a, b = gradients(bright, spread_radius=1), gradients(200 - bright, spread_radius=1)
     assert np.array_equal(a.magnitude, b.magnitude)
     assert np.array_equal(a.orientation, b.orientation)
 
@@ -85,7 +85,7 @@ def test_spreading_takes_the_strongest_faded_gradient_in_reach(packed, reach):
 def test_a_place_near_an_edge_has_the_orientation_of_the_edge():
     pixels = np.zeros((48, 64, 1), np.uint8)
     pixels[:, 32:] = 255
-    found = gradients(pixels, reach=8)
+    found = gradients(pixels, spread_radius=8)
     assert found.magnitude[20, 31] > 250
     assert 100 < found.magnitude[20, 27] < found.magnitude[20, 29]
     assert (found.orientation[20, 24:38] == 0).all()
@@ -96,9 +96,9 @@ def test_edges_of_a_panorama_spread_across_its_seam():
     pixels = np.zeros((48, 64, 3), np.uint8)
     pixels[10:30, 61:] = 255
     for model, seam_counts in [("cylinder", True), ("pinhole", False)]:
-        found = gradients(pixels, model, reach=8)
+        found = gradients(pixels, model, spread_radius=8)
         assert (found.magnitude[20, 0] > 200) == seam_counts
-        turned = gradients(np.roll(pixels, 20, axis=1), model, reach=8)
+        turned = gradients(np.roll(pixels, 20, axis=1), model, spread_radius=8)
         assert np.array_equal(np.roll(found.magnitude, 20, axis=1), turned.magnitude) == seam_counts
 
 

@@ -144,7 +144,7 @@ def test_files_that_hold_no_weights_are_refused(tmp_path):
 
 @pytest.mark.parametrize("stage", [Hog, PeopleDetector])
 def test_only_every_nth_frame_is_searched(stage):
-    made = ready(stage, perspective(), every=3)
+    made = ready(stage, perspective(), frame_interval=3)
     frame = Frame(camera="c", pixels=np.full((480, 640, 3), 90, np.uint8))
     said = [made.process(stamped(frame, Header("camera", seq, seq))) for seq in range(4)]
     assert [boxes is None for boxes in said] == [False, True, True, False]

@@ -23,7 +23,7 @@ PORT = "fuse.out"
 
 
 def record(path: Path) -> Path:
-    sink = RecordingSink(Context("a"), path=path, port=PORT, chunk=0.001, metadata={"graph": "toy"})
+    sink = RecordingSink(Context("a"), path=path, port=PORT, chunk_size=0.001, metadata={"graph": "toy"})
     sink.setup()
     fill(sink, COUNT)
     sink.close()
@@ -129,7 +129,12 @@ def test_a_full_disk_ends_the_recording_with_one_warning_and_not_the_show(tmp_pa
     said: list[str] = []
     path = tmp_path / "a.mcap"
     sink = RecordingSink(
-        Context("a", warn=said.append), path=path, port=PORT, chunk=0.001, compression="none", essential=False
+        Context("a", warn=said.append),
+        path=path,
+        port=PORT,
+        chunk_size=0.001,
+        compression="none",
+        essential=False,
     )
     sink.setup()
     fill(sink, 200)
@@ -145,7 +150,9 @@ def test_a_full_disk_ends_the_recording_with_one_warning_and_not_the_show(tmp_pa
 
 @pytest.mark.usefixtures("full_disk")
 def test_a_full_disk_ends_a_run_that_is_for_the_recording(tmp_path: Path) -> None:
-    sink = RecordingSink(Context("a"), path=tmp_path / "a.mcap", port=PORT, chunk=0.001, compression="none")
+    sink = RecordingSink(
+        Context("a"), path=tmp_path / "a.mcap", port=PORT, chunk_size=0.001, compression="none"
+    )
     sink.setup()
     with pytest.raises(FollowspotError, match="free space on the disk"):
         fill(sink, 200)

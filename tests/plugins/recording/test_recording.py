@@ -67,7 +67,7 @@ def decoded(recording: Recording, port: str, kind: type[Message], **part: int) -
 
 @pytest.mark.parametrize("compression", ["lz4", "zstd", "none"])
 def test_messages_come_out_bit_for_bit(tmp_path: Path, compression: str) -> None:
-    with Recording(record(tmp_path / "a.mcap", compression=compression, chunk=0.01)) as recording:
+    with Recording(record(tmp_path / "a.mcap", compression=compression, chunk_size=0.01)) as recording:
         assert recording.problem == ""
         assert set(recording.ports) == {"camera/cam0.out", "track.tracks"}
         frames = decoded(recording, "camera/cam0.out", Frame)
@@ -78,14 +78,14 @@ def test_messages_come_out_bit_for_bit(tmp_path: Path, compression: str) -> None
 
 
 def test_a_part_of_a_recording_is_found_by_capture_time(tmp_path: Path) -> None:
-    with Recording(record(tmp_path / "a.mcap", chunk=0.001)) as recording:
+    with Recording(record(tmp_path / "a.mcap", chunk_size=0.001)) as recording:
         part = decoded(recording, "track.tracks", Tracks, start=10 * SPACING, stop=12 * SPACING)
         assert (recording.begin, recording.end) == (0, 39 * SPACING)
     assert [message.header.seq for message in part] == [10, 11, 12]
 
 
 def test_the_reader_of_the_mcap_package_opens_it(tmp_path: Path) -> None:
-    with record(tmp_path / "a.mcap", chunk=0.01).open("rb") as file:
+    with record(tmp_path / "a.mcap", chunk_size=0.01).open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
         messages = list(reader.iter_messages())
@@ -104,7 +104,7 @@ def test_the_reader_of_the_mcap_package_opens_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("pictures", ["jpeg", "png", "raw"])
 def test_what_viewers_are_shown_fits_its_foxglove_schema(tmp_path: Path, pictures: str) -> None:
-    with record(tmp_path / "a.mcap", 3, pictures=pictures).open("rb") as file:
+    with record(tmp_path / "a.mcap", 3, picture_format=pictures).open("rb") as file:
         views = [m for m in make_reader(file).iter_messages() if m[1].message_encoding == "json"]
     names = set()
     for schema, _, message in views:
@@ -212,7 +212,7 @@ def replayed(path: Path, **params: object) -> list[Message]:
 
 def test_a_replay_keeps_times_and_numbers(tmp_path: Path) -> None:
     path = record(tmp_path / "a.mcap")
-    found = replayed(path, start=0.06, stop=0.09)
+    found = replayed(path, start_time=0.06, stop_time=0.09)
     assert [m.header.seq for m in found] == [4, 5]
     assert [m.header.time for m in found] == [4 * SPACING, 5 * SPACING]
     assert found[0].xyz.tobytes() == tracks(4).xyz.tobytes()

@@ -29,7 +29,9 @@ from followspot_sim.actor.visibility import Onlooker
 ROOMS = Path(__file__).parents[3] / "graphs/rooms"
 AHEAD = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 """Rotation of a level camera that looks along x."""
-QUIET = ActorParams(seed=3, people=1, noise=0, size=(8.0, 8.0, 2.7), area=(1.0, -1.2, 3.0, 1.2))
+QUIET = ActorParams(
+    seed=3, people=1, noise_sigma=0, room_size=(8.0, 8.0, 2.7), walking_area=(1.0, -1.2, 3.0, 1.2)
+)
 
 
 def pinhole(width: int = 320, height: int = 240, x: float = -2.0) -> Camera:
@@ -124,7 +126,7 @@ def test_people_stand_on_the_floor_and_are_as_tall_as_people(seed):
 
 
 def test_people_walk_without_jumps_turn_at_a_human_rate_and_keep_apart():
-    truth = truth_of(ActorParams(seed=4, people=3, fps=20, area=(-2, -2, 2, 2)))
+    truth = truth_of(ActorParams(seed=4, people=3, fps=20, walking_area=(-2, -2, 2, 2)))
     poses = [truth.truth(frame) for frame in range(1200)]
     xy = np.array([pose.xy for pose in poses])
     speed = np.linalg.norm(np.diff(xy, axis=0), axis=2) * 20

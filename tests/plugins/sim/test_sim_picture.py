@@ -70,7 +70,7 @@ def test_another_seed_gives_another_picture(name):
 @EVERY
 def test_the_centroid_of_a_free_ball_is_its_projected_centre(name):
     camera = ROOM.cameras[name]
-    picture = Picture(SimParams(alone="green", noise=0), ROOM, camera)
+    picture = Picture(SimParams(only_target="green", noise_sigma=0), ROOM, camera)
     pixels, errors = np.empty(picture.shape, np.uint8), []
     for frame in range(40):
         picture.render(frame, pixels)
@@ -119,7 +119,7 @@ def test_a_hidden_ball_is_invisible_in_every_camera():
         name = list(ROOM.targets)[target]
         for camera in ROOM.cameras:
             pictures = [
-                shot(camera, frame, seed=7, projections=0, noise=0, colors={name: color})
+                shot(camera, frame, seed=7, projections=0, noise_sigma=0, colors={name: color})
                 for color in ((255, 255, 255), (10, 10, 10))
             ]
             assert np.array_equal(*pictures)
@@ -136,7 +136,7 @@ def ball_at(frame: int) -> np.ndarray:
 def test_what_the_truth_calls_visible_is_what_the_picture_shows():
     picture = {
         color: Picture(
-            SimParams(seed=7, projections=0, noise=0, colors={"red": color}), ROOM, ROOM.cameras["cam2"]
+            SimParams(seed=7, projections=0, noise_sigma=0, colors={"red": color}), ROOM, ROOM.cameras["cam2"]
         )
         for color in ((255, 255, 255), (10, 10, 10))
     }
@@ -160,7 +160,7 @@ def test_what_the_truth_calls_visible_is_what_the_picture_shows():
 
 
 def test_noise_has_the_wanted_spread():
-    quiet, loud = (shot("cam1", 0, noise=n).astype(float) for n in (0, 4.0))
+    quiet, loud = (shot("cam1", 0, noise_sigma=n).astype(float) for n in (0, 4.0))
     lit = quiet > 8  # where black does not clip
     assert np.std((loud - quiet)[lit]) == pytest.approx(4.0, rel=0.1)
 
@@ -210,7 +210,7 @@ def test_truth_tells_of_all_targets_in_the_order_of_the_room():
 
 
 def test_an_unknown_target_alone_is_refused_with_the_names_there_are():
-    stage = SimTruth(Context("truth", ROOM), alone="gren")
+    stage = SimTruth(Context("truth", ROOM), only_target="gren")
     with pytest.raises(InputError, match='did you mean "green"'):
         stage.setup()
 
@@ -225,8 +225,8 @@ def test_a_picture_without_any_ball_in_it_is_rendered_too():
 
 def test_a_camera_whose_clock_is_off_by_a_frame_takes_the_neighbouring_picture():
     camera = ROOM.cameras["cam1"]
-    on_time = Picture(SimParams(seed=7, noise=0, fps=50), ROOM, camera)
-    late = Picture(SimParams(seed=7, noise=0, fps=50), ROOM, camera, clock_offset=1 / 50)
+    on_time = Picture(SimParams(seed=7, noise_sigma=0, fps=50), ROOM, camera)
+    late = Picture(SimParams(seed=7, noise_sigma=0, fps=50), ROOM, camera, clock_offset=1 / 50)
     expected, found = np.empty(on_time.shape, np.uint8), np.empty(on_time.shape, np.uint8)
     on_time.render(41, expected)
     late.render(40, found)

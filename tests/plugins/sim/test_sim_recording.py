@@ -90,4 +90,4 @@ def test_cameras_of_a_room_may_differ_in_their_clocks_alone():
     with pytest.raises(InputError, match="clock_offset"):
         parameters_of(room(clock_offset="late"))
     with pytest.raises(InputError, match="same parameters"):
-        parameters_of(room(noise=3))
+        parameters_of(room(noise_sigma=3))

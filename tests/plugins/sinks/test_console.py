@@ -10,7 +10,7 @@ from followspot_sinks.console import Console
 
 
 def test_rate_of_printing_follows_capture_time(capsys: pytest.CaptureFixture[str]) -> None:
-    sink = Console(Context(room=Room(targets={"red": Target("red", 0.1)})), rate=10)
+    sink = Console(Context(room=Room(targets={"red": Target("red", 0.1)})), maximum_rate=10)
     sink.setup()
     for frame in range(60):
         message = Tracks(

@@ -56,7 +56,7 @@ def boxes(*corners: float) -> Boxes:
 
 
 def drawn(folder: Path, room: Room, *inputs: tuple[object, ...]) -> Path:
-    sink = Draw(Context(room=room, out=folder), form="png")
+    sink = Draw(Context(room=room, out=folder), format="png")
     sink.setup()
     sink.process(*inputs)  # type: ignore[arg-type]
     sink.close()

@@ -47,7 +47,7 @@ def film(
     alone = "" if people else target
     colors = {} if color is None else {target: color}
     params = SimParams(
-        frames=2000, seed=3, people=people, projections=0, hide=False, alone=alone, colors=colors
+        frames=2000, seed=3, people=people, projections=0, hide_balls=False, only_target=alone, colors=colors
     )
     room = replace(SIMULATED, targets={target: ball})
     picture = Picture(params, room, room.cameras[camera])

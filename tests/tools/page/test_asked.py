@@ -42,7 +42,7 @@ def test_what_is_looked_at_are_the_ports_that_can_be_shown(plan: Plan) -> None:
         *("camera", "color", "infrared"),
         *("track.tracks", "track.forecast"),
     }
-    assert {tap.port for tap in found if tap.params["leads"]} == {f"camera/cam{i}.out" for i in range(6)}
+    assert {tap.port for tap in found if tap.params["sets_times"]} == {f"camera/cam{i}.out" for i in range(6)}
 
 
 @pytest.mark.parametrize(

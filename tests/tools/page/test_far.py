@@ -63,7 +63,7 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
         network = Network(connect=tuple(locators(worker)))
         far = await FarPreviews.open(network, "run", lambda port, data: seen.append((port, data)))
         posts = {port: post(worker, "run", port) for port in (FRAMES, BLOBS)}
-        taps = {p: Tap(Context(post=way), port=p.name, rate=10.0) for p, way in posts.items()}
+        taps = {p: Tap(Context(post=way), port=p.name, picture_rate=10.0) for p, way in posts.items()}
         for tap in taps.values():
             tap.setup()
         far.look([FRAMES, BLOBS, ShownPort("camera/cam9.out", Frame, "", source=True)])

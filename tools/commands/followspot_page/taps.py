@@ -61,7 +61,7 @@ def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[
     found = []
     for port in looked_at:
         smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
-        look = {"rate": rate, "smooth": smooth, "longest": longest_side(port.size)}
-        place = {} if port.host else {"folder": str(folder), "leads": port.source}
+        look = {"picture_rate": rate, "message_rate": smooth, "maximum_side": longest_side(port.size)}
+        place = {} if port.host else {"folder": str(folder), "sets_times": port.source}
         found.append(Tapping(port.name, TAP, {**place, "port": port.name, **look}))
     return found

@@ -97,8 +97,8 @@ def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) ->
     given: dict[str, Any] = {
         "path": str(clip.path.absolute()),
         "port": port,
-        "start": clip.start,
-        "stop": clip.stop,
+        "start_time": clip.start,
+        "stop_time": clip.stop,
         "speed": clip.speed,
         "loop": clip.loop,
     }

@@ -76,7 +76,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
         raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
     names = chosen_ports(args.record_ports, output_ports(plan), "--record-ports")
     params = {
-        "pictures": args.record_pictures,
+        "picture_format": args.record_pictures,
         "compression": args.record_compression,
         "essential": not plan.live,  # the show goes on
     }

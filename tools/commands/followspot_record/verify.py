@@ -41,7 +41,7 @@ def verify_command(args: argparse.Namespace) -> int:
         names = [port for port in output_ports(plan) if port in old.ports and port not in sources]
         with tempfile.TemporaryDirectory(prefix="followspot-verify-") as folder:
             new_path = Path(folder) / "again.mcap"
-            target = Target(new_path, {"pictures": "none"}, {}, {})
+            target = Target(new_path, {"picture_format": "none"}, {}, {})
             _run(alone(with_recording(plan, names, target)), Path(folder), quiet=args.quiet)
             with Recording(new_path) as new:
                 rows = _compare(old, new, names, sources)
