@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 _BAD, BAD_STYLE = "!", "bold red"
 """First character of a line that reports a fault, and how a terminal shows the line."""
-_WIDEST = 1_000_000
+WIDEST = 1_000_000
 """Columns of plain text: so many that rich wraps no line."""
 
 
@@ -22,27 +22,22 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def grid(head: Sequence[str], rows: Sequence[Sequence[str]], bad: Sequence[bool] = ()) -> Table:
-    """The same table for rich to draw; a narrow terminal cuts its first column.
-
-    bad: whether each row reports a fault.
-    """
+    """The same table for rich to draw. bad: whether each row reports a fault."""
     from rich.table import Table
 
-    drawn = Table(f"  {head[0]}", box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
-    for name in head[1:]:
-        drawn.add_column(name, justify="right", no_wrap=True)
+    drawn = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="")
+    for i, name in enumerate((f"  {head[0]}", *head[1:])):
+        drawn.add_column(name, justify="right" if i else "left", no_wrap=True)
     for row, is_bad in zip(rows, bad or [False] * len(rows), strict=True):
-        first = row[0] if is_bad else f"  {row[0]}"
-        drawn.add_row(line(first, bad=is_bad), *row[1:], style=BAD_STYLE if is_bad else "")
+        drawn.add_row(f"{_BAD if is_bad else ' '} {row[0]}", *row[1:], style=BAD_STYLE if is_bad else "")
     return drawn
 
 
 def line(text: str, *, bad: bool = False) -> Text:
-    """A line for rich to draw, cut at the edge of the terminal. bad: whether it reports a fault."""
+    """A line for rich to draw. bad: whether it reports a fault."""
     from rich.text import Text
 
-    marked = f"{_BAD} {text}" if bad else text
-    return Text(marked, BAD_STYLE if bad else "", no_wrap=True, overflow="ellipsis")
+    return Text(f"{_BAD} {text}" if bad else text, BAD_STYLE if bad else "")
 
 
 def blocks(*parts: Sequence[RenderableType]) -> Group:
@@ -55,7 +50,7 @@ def blocks(*parts: Sequence[RenderableType]) -> Group:
 
 def plain(part: RenderableType) -> str:
     """What rich draws, without escape codes and without wrapped lines."""
-    console = literal_console(width=_WIDEST, color_system=None)
+    console = literal_console(width=WIDEST, color_system=None)
     with console.capture() as capture:
         console.print(part)
     return "\n".join(line.rstrip() for line in capture.get().splitlines())

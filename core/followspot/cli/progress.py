@@ -61,7 +61,7 @@ class ProgressBar:
 
     @cached_property
     def _bar(self) -> Bar:
-        """A bar with its one task, drawn now and whenever `show` is called."""
+        """A bar with its one task, drawn whenever `show` is called."""
         from rich.progress import BarColumn, TextColumn
         from rich.progress import Progress as Bar
         from rich.table import Column
@@ -77,8 +77,7 @@ class ProgressBar:
             redirect_stdout=False,
             speed_estimate_period=_LINE_EVERY,
         )
-        bar.add_task("", total=None, frames="", fault="")
-        bar.start()
+        bar.add_task("", frames="", fault="")
         return bar
 
     def _draw(self, fired: int, expected: int | None, fault: str) -> None:
@@ -86,6 +85,7 @@ class ProgressBar:
         self._bar.update(task.id, completed=fired, total=expected)
         frames = _frames(fired, expected, task.speed or 0.0)
         self._bar.update(task.id, frames=frames, fault=fault, refresh=True)
+        self._bar.start()  # does nothing if it has begun
 
 
 def _frames(fired: int, expected: int | None, rate: float) -> str:

@@ -10,7 +10,7 @@ from rich.console import Console, ConsoleOptions, RenderableType, RenderResult
 from rich.live import Live
 from rich.segment import Segment
 
-from followspot.tables import line, literal_console
+from followspot.tables import WIDEST, line, literal_console
 
 Draw = Callable[[int | None], RenderableType]
 """Draws a report. It gets the most rows to draw of each table, None for all: rich needs 0.7 ms for a row."""
@@ -18,19 +18,21 @@ Draw = Callable[[int | None], RenderableType]
 
 @dataclass(frozen=True)
 class Fitted:
-    """As many lines of a report as fit on the terminal; the last line says that there are more."""
+    """As much of a report as fits on the terminal; the last line says if there are more lines."""
 
     draw: Draw
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
         """What rich calls."""
         height = options.max_height
-        lines = console.render_lines(self.draw(height + 1), options.update(height=None), pad=False)
-        for found in lines if len(lines) <= height else lines[: height - 1]:
-            yield from found
-            yield Segment.line()
+        wide = options.update(width=WIDEST, height=None)
+        lines = console.render_lines(self.draw(height + 1), wide, pad=False)
         if len(lines) > height:
-            yield line("... more lines: make the window larger, or see --json")
+            more = line("... more lines: make the window larger, or see --json")
+            lines = [*lines[: height - 1], *console.render_lines(more, wide, pad=False)]
+        for found in lines:
+            yield from Segment.adjust_line_length(found, options.max_width, pad=False)
+            yield Segment.line()
 
 
 @contextmanager
@@ -48,4 +50,4 @@ def live_screen() -> Iterator[Callable[[Draw], None]]:
         finally:
             live.stop()
             for draw in drawn:
-                console.print(draw(None))
+                console.print(draw(None), width=WIDEST, crop=False)
