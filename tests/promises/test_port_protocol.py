@@ -210,7 +210,7 @@ class PortOfRun(RuleBasedStateMachine):
         """Another one, with rings to those who are there; the others come back later."""
         pairs = {edge: socket.socketpair(*PAIR) for edge in FAR}
         self.output = OutputPort(Picture, self.ledger.words, lateness=SLACK)
-        self.output.patient = not self.live
+        self.output.waits_for_readers = not self.live
         near = self.queue(NEAR)
         self.output.connect([near])
         ring = RingWriter([pairs[LEFT][0], pairs[RIGHT][0]], self.depth)
@@ -303,7 +303,7 @@ class PortOfRun(RuleBasedStateMachine):
             assert known or (reader.over and reader.queue.watermark == END), (
                 f"edge {edge} does not know {self.told}"
             )
-        assert self.over or self.output.has_room() or self.output.patient
+        assert self.over or self.output.has_room() or self.output.waits_for_readers
 
     # The pieces.
 

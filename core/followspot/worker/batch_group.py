@@ -1,8 +1,7 @@
-"""Stage runners of one worker whose stages are alike and can work together, for less than each alone.
+"""Batch groups: alike stages of one worker that process together, at less cost than each alone.
 
-A member that is ready waits for the others, but never for anything from outside: the worker fires those that
-are ready as soon as nothing else can go on. Who fires together never changes a result, for what a stage
-returns together is what it returns alone.
+A ready member waits for the other members, but never for another worker: the scheduler fires the ready ones
+as soon as nothing else can go on. Batching never changes a result, for a stage returns the same either way.
 """
 
 from __future__ import annotations
@@ -17,10 +16,7 @@ from followspot.worker.stage_runner import Firing, StageRunner
 
 
 class BatchGroup:
-    """Stage runners that fire together.
-
-    mark: tells the worker to look at the stage runner of this rank again.
-    """
+    """Stage runners that fire together; mark: schedules the stage runner of a rank."""
 
     def __init__(self, runners: Sequence[StageRunner], mark: Callable[[int], None]) -> None:
         self.runners = tuple(runners)
@@ -30,9 +26,9 @@ class BatchGroup:
         self.living = {runner for runner in runners if not runner.done}
 
     def step(self, runner: StageRunner) -> None:
-        """Look at a member; fire where all that have not ended are ready. Raises StageError.
+        """Note whether a member is ready; fire if all that have not ended are. Raises StageError.
 
-        One that waits and is looked at again has got more to do: the others lag behind, and are left.
+        A waiting member that is scheduled again means the others lag: fire without them.
         """
         lags = runner in self.waiting
         fire_at = runner.due()
@@ -46,7 +42,7 @@ class BatchGroup:
             self.fire()
 
     def fire(self) -> None:
-        """Fire all that are ready. Raises StageError where the policy of one that raises is `fail`."""
+        """Fire all ready members. Raises StageError if one raises whose policy is `fail`."""
         runners = list(self.waiting)
         firings = [runner.take(fire_at) for runner, fire_at in self.waiting.items()]
         self.waiting.clear()
@@ -58,7 +54,7 @@ class BatchGroup:
 
 
 def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) -> list[BatchGroup]:
-    """Teams of two stage runners or more among the stage runners of a worker."""
+    """The batch groups of a worker: two or more runners of one stage class with equal parameters."""
     alike: dict[tuple[type, str], list[StageRunner]] = defaultdict(list)
     for runner in runners:
         if runner.stage.process_together is not None and not isinstance(runner, SourceRunner):
@@ -67,7 +63,7 @@ def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) ->
 
 
 def _together(runners: Sequence[StageRunner], firings: Sequence[Firing]) -> Sequence[Any]:
-    """What the stages return; where that raises, each works alone, so that the guilty one is named."""
+    """What the stages return; if that raises, each works alone, so that the error names the right stage."""
     started = time.monotonic_ns()
     for runner in runners:
         runner.working = True

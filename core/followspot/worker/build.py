@@ -1,4 +1,4 @@
-"""From a plan to the stage runners of one worker: which queue feeds which stage."""
+"""Build one worker from a plan: its stage runners, and the queues and ports between them."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from followspot.worker.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
 _ENDLESS = 1 << 30
-"""Depth of an edge that is never full, for it drops."""
+"""Depth of an edge that drops messages, and so is never full."""
 
 
 class Links(Protocol):
-    """Makes the ends of edges that are not plain references; edges are named by their number in the plan."""
+    """Makes the ends of edges between workers; edges are named by their number in the plan."""
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
@@ -42,26 +42,26 @@ class Links(Protocol):
 
 
 class NoLinks:
-    """For plans in which every edge is a reference."""
+    """Links of a plan whose edges all stay within one worker."""
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
-        """There is none. Raises LookupError."""
+        """Raises LookupError."""
         raise LookupError(f"edge {edge} ({kind.__name__}) has no link")
 
     def writer(self, edges: Sequence[int], kind: EdgeKind) -> PortWriter:
-        """There is none. Raises LookupError."""
+        """Raises LookupError."""
         raise LookupError(f"edges {edges} ({kind}) have no link")
 
 
 def build_worker(
     wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links | None = None
 ) -> Worker:
-    """The worker of that name with all its stages built, none of them set up."""
+    """The worker of that name with all its stages built, and none of them set up."""
     return _Builder(wiring, name, ledger, options, links or NoLinks()).build()
 
 
 class _Builder:
-    """Collects the parts of one worker while its stages are built in order."""
+    """Collects the parts of one worker while it builds the stages in order."""
 
     def __init__(self, wiring: Wiring, name: str, ledger: Ledger, options: RunOptions, links: Links) -> None:
         self.wiring = wiring
@@ -78,7 +78,7 @@ class _Builder:
         self.pace = Pace()
 
     def build(self) -> Worker:
-        """Input queues first, then the stage runners that join them, then the calls that wake them."""
+        """Make input queues, then the stage runners that join them, then the calls that schedule those."""
         for stage in self.mine:
             for number in self.wiring.into[stage.name]:
                 self.queues[number] = self._queue(number)
@@ -116,10 +116,10 @@ class _Builder:
         return queue
 
     def _limits(self, edge: PlannedEdge) -> tuple[int, int | None]:
-        """Messages with which an edge is full for its sender, and beyond which its oldest goes, if ever.
+        """Depth of an edge, and the number of messages beyond which it drops the oldest (None: never).
 
-        What a live stage only samples does not wait for it to fire: else a camera that falls silent, or comes
-        back after a while, would hold up those whose results it samples, and they what it waits for.
+        A sampled input of a live stage does not wait for the stage to fire: else a camera that falls silent
+        would hold up the stages whose results it samples, and these in turn hold up the camera.
         """
         if self.wiring.live and edge.drops:
             return _ENDLESS, edge.depth
@@ -132,7 +132,7 @@ class _Builder:
         warn = partial(self.options.warn, stage.name)
         for output in outputs.values():
             output.refused = warn
-            output.patient = self.options.rejoin and not self.wiring.live
+            output.waits_for_readers = self.options.rejoin and not self.wiring.live
         context = Context(
             name=stage.name,
             room=self.plan.room,
@@ -183,7 +183,7 @@ class _Builder:
         kind = self.plan.edges[numbers[0]].kind
         if kind == "reference":
             for number in numbers:
-                self._bury(number)
+                self._count_lost(number)
             output.connect([self.queues[n] for n in numbers])
             return
         writer = self.links.writer(numbers, kind)
@@ -191,8 +191,8 @@ class _Builder:
         output.attach(writer, names, [self.ledger.row(n) for n in numbers])
         self.writers.append((writer, rank))
 
-    def _bury(self, number: int) -> None:
-        """What was under way within a worker when it died is lost."""
+    def _count_lost(self, number: int) -> None:
+        """Count messages that were in flight within the worker when it died before as lost."""
         self.words[self.ledger.row(number) + LOST] += self.ledger.count(number).in_flight
 
     def _join(self, stage: PlannedStage) -> Join:
@@ -215,19 +215,19 @@ class _Builder:
         return JoinInput(port.name, joined=port.kind == "joined", members=members)
 
     def _way(self, number: int) -> str:
-        """What edges must have in common to share a writer; one that drops has its own."""
+        """What edges must have in common to share a writer; an edge that drops has its own."""
         edge = self.plan.edges[number]
         return f"{edge.way}, {number}" if edge.drops and edge.kind != "reference" else edge.way
 
 
 def _shed(queue: InputQueue, wake: Callable[[], None]) -> None:
-    """What comes to an input that is only sampled takes the place of what is too old."""
+    """Drop what a sampled input no longer keeps when a message comes."""
     queue.shed()
     wake()
 
 
 def _loan(outputs: Sequence[OutputPort], shape: tuple[int, ...], dtype: str) -> Array:
-    """An output array in shared memory where an edge offers it, else in private memory."""
+    """An output array in shared memory if an edge offers one, else in private memory."""
     for output in outputs:
         array = output.loan(shape, dtype)
         if array is not None:

@@ -1,18 +1,18 @@
-"""What must be added to this host's clocks so that they read like those of the host that all go by."""
+"""Offsets from this host's clocks to the run's reference clock."""
 
 from __future__ import annotations
 
 import time
 
 _NEAR = 10_000_000_000
-"""ns from the clock of the host within which a capture time was read from it, and not from a recording."""
+"""ns: a capture time this close to the host's clock was read from it, and not from a recording."""
 
 
 class Clock:
-    """Corrections of one host; the deploying side sets them while the graph runs.
+    """Clock offsets of one host, which the operator sets while the graph runs.
 
-    captured: of capture times of live sources, ns, on the clock that knows the date; steady: of the monotonic
-    clock, by which latency and deadlines are measured, ns.
+    captured: ns to add to capture times of live sources, which the wall clock gives; steady: ns to add to the
+    monotonic clock, which measures latency and deadlines.
     """
 
     __slots__ = ("captured", "steady")
@@ -22,11 +22,11 @@ class Clock:
         self.steady = steady
 
     def now(self) -> int:
-        """The monotonic clock of all, ns."""
+        """The reference host's monotonic clock, ns."""
         return time.monotonic_ns() + self.steady
 
     def capture_time(self, given: int) -> int:
-        """When a live source captured what it says to have captured at `given`, by the clock of all, ns."""
+        """A live source's capture time `given`, ns, on the reference clock; recorded times stay the same."""
         if self.captured and abs(given - time.time_ns()) < _NEAR:
             return given + self.captured
         return given

@@ -1,4 +1,4 @@
-"""The ends of edges that leave a stage's call: rings over socket pairs, and Zenoh keys."""
+"""The ends of edges between workers: rings over socket pairs, and Zenoh keys."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _MATCH_TIMEOUT = 45.0
 
 
 class EdgeLinks:
-    """Makes edge ends for one worker.
+    """Makes the ends of a worker's edges.
 
     sending, receiving: this worker's ends of the ring edges' socket pairs, by edge number;
-    session: open where the worker has Zenoh edges; run: name that keeps the keys of two runs apart;
+    session: open if the worker has Zenoh edges; run: name that keeps the keys of two runs apart;
     incarnation: how often the worker was started before.
     """
 
@@ -57,7 +57,7 @@ class EdgeLinks:
         self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
         self._refused: Counter[str] = Counter()
-        """What ends that were replaced since had refused."""
+        """Refusals of ends that were replaced since, by edge."""
 
     def reader(self, edge: int, kind: type[Message]) -> PortReader:
         """The reading end of one edge."""
@@ -107,7 +107,7 @@ class EdgeLinks:
         return DroppingWriter(writer, planned[0].depth) if drops else writer
 
     def renew(self, worker: Worker, edge: int, sock: socket.socket) -> None:
-        """The worker at the other end of a ring edge was started again; `sock` leads to it."""
+        """Connect a ring edge through `sock`: the worker at the other end was started again."""
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
             self._refused[self.plan.edges[edge].name] += old.strangers
@@ -123,7 +123,7 @@ class EdgeLinks:
         return reader
 
     def wait_matched(self) -> None:
-        """Return when every Zenoh edge has found its other end, so that nothing is lost at the start.
+        """Block until every Zenoh edge has found its other end, so that nothing is lost at the start.
 
         Raises FollowspotError naming the edges that did not.
         """
@@ -138,12 +138,12 @@ class EdgeLinks:
                 time.sleep(0.005)
 
     def remind(self) -> None:
-        """Say again that the ends of Zenoh edges are here: who still waits for them may have missed it."""
+        """Announce the ends of Zenoh edges again: other workers that wait for them may have missed it."""
         for _, end in self._zenoh_ends:
             end.matched()
 
     def strangers(self) -> dict[str, int]:
-        """How much came to each edge that was malformed or not from its other end, where any did."""
+        """Edges that got anything malformed or not from their other end, with how much."""
         found = self._refused.copy()
         for name, end in self._zenoh_ends:
             found[name] += end.strangers
@@ -162,18 +162,18 @@ class EdgeLinks:
             self.session = None
 
     def _depth(self, edges: Sequence[PlannedEdge]) -> int:
-        """Messages on their way to the slowest reader."""
+        """Most messages on their way to the slowest reader."""
         return AHEAD if edges[0].drops and self.plan.live else max(edge.capacity for edge in edges)
 
     def _key(self, edge: int) -> str:
-        """Of the port; an edge that drops has a key of its own, for its messages are not those of others."""
+        """Key of the edge's port; an edge that drops has its own key, for it carries fewer messages."""
         planned = self.plan.edges[edge]
         port = port_key(self.run, self._host[planned.from_stage], planned.from_stage, planned.from_port)
         return f"{port}/{planned.policy}/{edge}" if planned.drops else port
 
 
 def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
-    """Whether any edge (of this worker) goes over Zenoh."""
+    """Whether any edge of the plan, or of this worker, goes over Zenoh."""
     home = {stage.name: stage.worker for stage in plan.stages}
     return any(
         edge.kind == "zenoh" and (worker is None or worker in (home[edge.from_stage], home[edge.to_stage]))
@@ -182,7 +182,7 @@ def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
 
 
 def rows_of(plan: Plan, workers: Collection[str]) -> set[int]:
-    """Where the ledger has the edges to and from these workers."""
+    """Ledger rows of the edges to and from these workers."""
     theirs = {stage.name for stage in plan.stages if stage.worker in workers}
     return {n * COLUMNS for n, e in enumerate(plan.edges) if e.from_stage in theirs or e.to_stage in theirs}
 
@@ -193,5 +193,5 @@ def ring_edges(plan: Plan) -> list[int]:
 
 
 def socket_pair() -> tuple[socket.socket, socket.socket]:
-    """Sending and receiving end of one ring edge. It has no name, so nothing is left behind by a kill."""
+    """Sending and receiving end of one ring edge; they have no name, so a kill leaves nothing behind."""
     return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -1,4 +1,4 @@
-"""Stages that take the place of others in a graph that runs: built beside them, put in between firings."""
+"""Hot swap: replacements are built beside the stages that work, and put in between two firings."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from followspot.worker.stage_runner import StageRunner
 
 @dataclass(frozen=True)
 class Replacement:
-    """A stage that is set up and waits to take the place of the one in a stage runner."""
+    """A stage that is set up and ready to replace the one in a stage runner."""
 
     runner: StageRunner
     stage: Stage
@@ -24,9 +24,9 @@ class Replacement:
 
 
 def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement]:
-    """Build and set up the successors of stages of a worker, in any thread; the old ones work on.
+    """Build and set up replacements for stages of a worker, in any thread, while the old ones work on.
 
-    Raises FollowspotError with the reason where one of them cannot be; then none is left.
+    Raises FollowspotError with the reason if one cannot be built; all are closed then.
     """
     runners = {runner.name: runner for runner in worker.runners}
     replacements: list[Replacement] = []
@@ -47,41 +47,41 @@ def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement
 
 
 def dry_run(replacements: Sequence[Replacement]) -> None:
-    """Let successors carry on from the state that the old ones have now, to see whether they can.
+    """Let replacements restore checkpoints that the old stages make now, to see whether they can.
 
-    Call between two firings, in the worker's thread. Raises FollowspotError; then none is left.
+    Call between two firings, in the worker's thread. Raises FollowspotError; all are closed then.
     """
     try:
         for replacement in replacements:
-            _carry_on(replacement)
+            _restore_checkpoint(replacement)
     except FollowspotError:
         discarded(replacements)
         raise
 
 
 def take_over(worker: Worker, replacements: Sequence[Replacement], *, fresh: bool) -> None:
-    """Put the successors into their stage runners; call between two firings, in the worker's thread.
+    """Put the replacements into their stage runners; call between two firings, in the worker's thread.
 
-    fresh: begin without the state of the old ones; else a successor carries on from it where both know how.
-    Raises FollowspotError where it cannot; then the old ones go on, all of them.
+    fresh: begin without checkpoints; else a replacement restores that of the old stage, if both classes can.
+    Raises FollowspotError if one cannot; all old stages go on then.
     """
     while worker.fire_waiting():
         pass
     dry_run([] if fresh else replacements)
     for replacement in replacements:
         old = replacement.runner.stage
-        replacement.runner.succeed(replacement.stage, replacement.build)
+        replacement.runner.replace_stage(replacement.stage, replacement.build)
         _close(old)
     worker.regroup()
 
 
 def discarded(replacements: Sequence[Replacement]) -> None:
-    """Close successors that will not take over."""
+    """Close replacements that will not take over."""
     for replacement in replacements:
         _close(replacement.stage)
 
 
-def _carry_on(replacement: Replacement) -> None:
+def _restore_checkpoint(replacement: Replacement) -> None:
     if type(replacement.stage).restore is Stage.restore:
         return
     try:
@@ -99,4 +99,4 @@ def _close(stage: Stage) -> None:
     try:
         stage.close()
     except Exception as error:
-        stage.context.warn(f"the stage whose place was taken did not close: {type(error).__name__}: {error}")
+        stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")

@@ -1,4 +1,4 @@
-"""The receiving end of an edge: a queue of messages and the bound before which nothing more will come."""
+"""The receiving end of an edge: a queue of messages and the edge's watermark."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from followspot.transport.token import ABSENT, END, Invalid, Token, Watermark
 from followspot.worker.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED
 
 UNCHANGED = -END
-"""As a bound: nothing new is known; who joins goes on waiting."""
+"""A watermark that is never news: the reading stage goes on waiting."""
 _BEFORE_ALL = -END - 1
-"""Earlier than any bound: the first firings of a feedback edge wait for nothing."""
-_SAMPLED, _AGES = 8, 128
-"""The age of each so many messages is noted, and so many ages are kept."""
+"""Earlier than any watermark: the first firings with a feedback edge wait for nothing."""
+_EVERY, _AGES = 8, 128
+"""Every eighth message has its age noted; the newest 128 ages are kept."""
 
 
 class InputQueue:
     """One edge as its reader sees it.
 
-    lateness: ns beyond its own time for which a message of this edge promises that nothing else comes,
-    0 for a plain source, the window of the join upstream otherwise; wake: marks the reading stage as
-    worth a look; reopened: tells a writer in the same worker that a full queue has room again.
+    lateness: ns after its own time within which a message of this edge announces that nothing else comes, 0
+    for a plain source, else the windows of the joins upstream; wake: schedules the reading stage; reopened:
+    schedules a writer in the same worker when a full queue has room again.
     """
 
     __slots__ = (
@@ -51,9 +51,9 @@ class InputQueue:
     def __init__(
         self, name: str, words: memoryview, row: int, *, depth: int, lateness: int, keep: int | None = None
     ) -> None:
-        """depth: messages with which it is full for its writer.
+        """words, row: the edge's counts in the ledger; depth: messages with which the queue is full.
 
-        keep: messages beyond which the oldest is dropped, None where none is.
+        keep: messages beyond which the oldest is dropped, None to drop none.
         """
         self.name = name
         self.words = words
@@ -70,34 +70,34 @@ class InputQueue:
         self.missing = 0
         """Messages among the invalid ones that were lost on their way."""
         self.after_loss = END
-        """The bound when the writer dies: `ABSENT` or `UNCHANGED` where it is started again."""
+        """The watermark when the writer dies: `ABSENT` or `UNCHANGED` if it is started again."""
         self.ages: deque[int] = deque(maxlen=_AGES)
-        """How long before they were taken some messages had entered the graph, ns by this host's clock."""
+        """Ages of some messages when they were taken, ns since they entered the graph."""
         self.unfit: Misfit | None = None
-        """Says why a message from another worker cannot be of the room."""
+        """Says why a message from another worker does not fit the room."""
         self.stale = 0
-        """Messages in the queue that a former writer sent; the present one gets no credit for them."""
+        """Messages in the queue from a former writer: the present one gets no credit for them."""
 
     def put(self, message: Message) -> None:
-        """A message from a stage of the same worker, which counted it; the call is the edge."""
+        """Take a message from a stage of the same worker, which counted it."""
         self.messages.append(message)
         self.watermark = message.header.time + 1 + self.lateness
         self.wake()
 
     def advance(self, watermark: int) -> None:
-        """Nothing earlier than `watermark`, ns, will come."""
+        """Advance the watermark to `watermark`, ns: nothing earlier will come."""
         if watermark > self.watermark or self.watermark == ABSENT:
             self.watermark = watermark
             self.wake()
 
     def poll(self) -> bool:
-        """Take over what has arrived from another worker; whether nothing more comes from its reader."""
+        """Take what has arrived from another worker; whether the reader is broken."""
         assert self.reader is not None
         self._receive(self.reader)
         return self.reader.broken
 
     def adopt(self, reader: PortReader) -> None:
-        """Another writer feeds this edge from now on, after all that the former one sent."""
+        """Read from another writer from now on, after everything that the former one sent."""
         assert self.reader is not None
         while self._receive(self.reader):
             pass
@@ -106,7 +106,7 @@ class InputQueue:
         self.stale = len(self.messages)
 
     def accept(self, token: Token) -> None:
-        """One token from another worker; the sender counted it."""
+        """Take one token from another worker, which counted it."""
         if isinstance(token, Watermark):
             self.advance(token.time)
         elif isinstance(token, Invalid):
@@ -122,7 +122,7 @@ class InputQueue:
             self.wake()
 
     def refuse(self, reason: str) -> None:
-        """Count a message that does not match its contract."""
+        """Count a message that breaks its contract as invalid."""
         self.words[self.row + INVALID] += 1
         self.invalid_reason = reason
 
@@ -131,7 +131,7 @@ class InputQueue:
         count = self.words[self.row + DELIVERED] + 1
         self.words[self.row + DELIVERED] = count
         message = self._pop()
-        if count % _SAMPLED == 1:
+        if count % _EVERY == 1:
             self.ages.append(time.monotonic_ns() - message.header.entered)
         return message
 
@@ -141,7 +141,7 @@ class InputQueue:
         self._pop()
 
     def shed(self) -> None:
-        """Drop the oldest messages of an edge that keeps only so many."""
+        """Drop the oldest messages beyond those that the edge keeps."""
         assert self.keep is not None
         while len(self.messages) > self.keep:
             self.discard(DROPPED)
@@ -152,17 +152,17 @@ class InputQueue:
             self.discard(column)
 
     def clear(self) -> None:
-        """Discard what nobody will ask for any more: the reading stage has ended."""
+        """Discard all messages: the reading stage has ended."""
         while self.messages:
             self.discard(UNMATCHED)
 
     def give_credit(self) -> None:
-        """Let the sender in another worker send one more."""
+        """Give the writer in another worker credit for one more message."""
         if self.reader is not None:
             self.reader.consumed()
 
     def _receive(self, reader: PortReader) -> bool:
-        """Take over what the reader has, which may be a part of what has arrived; whether it had anything."""
+        """Take what the reader gives at once; whether it gave anything."""
         tokens = reader.poll()
         for token in tokens:
             self.accept(token)
@@ -182,7 +182,7 @@ class InputQueue:
 
 
 class SampledInput:
-    """An input that is sampled at a firing and never fires: `Latest`, or a feedback edge with `delay`."""
+    """A sampled input, which never fires: `Latest`, or a feedback edge with `delay`."""
 
     __slots__ = ("delay", "past", "queue", "sampled", "timed")
 
@@ -195,11 +195,11 @@ class SampledInput:
         self.past: deque[int] = deque([_BEFORE_ALL] * delay, maxlen=max(1, delay))
 
     def ready(self, time: int) -> bool:
-        """Whether the sample for a firing at `time`, ns, is certain."""
+        """Whether the sample for a firing at `time`, ns, is certain: the watermark has passed it."""
         return not self.timed or self.queue.watermark > self._due(time)
 
     def sample(self, time: int) -> Message | None:
-        """The newest message due at a firing at `time`; older ones that no firing saw count as dropped."""
+        """The newest message up to the firing at `time`, ns; older ones without a firing count as dropped."""
         messages = self.queue.messages
         due = self._due(time) if self.timed else END
         while messages and messages[0].header.time <= due:
@@ -212,9 +212,9 @@ class SampledInput:
         return self.sampled
 
     def _due(self, time: int) -> int:
-        """Capture time up to which messages count: of this firing, or of the one `delay` firings ago."""
+        """Latest capture time, ns, to sample: of this firing, or of the one `delay` firings ago."""
         return self.past[0] if self.delay else time
 
 
 def _nothing() -> None:
-    """An end that nobody watches."""
+    """The default of calls that the builder of a worker sets."""

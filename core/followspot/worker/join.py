@@ -1,8 +1,8 @@
 """When a stage fires: the join of its inputs by capture time and watermark.
 
-A join is complete when every member either has a message in the window or is known to have none. The rule
-reads the streams alone, never the clock of the wall, so any placement fires the same messages together;
-only the deadline of a live join looks at the time.
+A join is complete when every member has a message in the window, or a watermark beyond the window. The rule
+reads the streams alone and no clock, so any placement fires the same messages together. Only the deadline of
+a live join depends on the time.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from followspot.worker.ledger import LATE, UNMATCHED
 
 @dataclass(frozen=True)
 class JoinInput:
-    """One parameter of `process` and the edges that feed it: members of the join, or one held edge.
+    """One parameter of `process` and the edges that feed it: members of the join, or one sampled input.
 
-    An optional input that nothing is connected to has neither; it gets None.
+    An optional input without an edge has neither; the stage gets None.
     """
 
     name: str
@@ -34,7 +34,7 @@ class Join:
     """The inputs of one stage.
 
     window: largest difference in capture time between members, ns; lateness: ns after a firing's time within
-    which nothing else fires (the window, and what the inputs themselves promise).
+    which nothing else fires (the window, plus the lateness of the inputs).
     """
 
     def __init__(self, ports: Sequence[JoinInput], *, window: int, lateness: int) -> None:
@@ -49,12 +49,12 @@ class Join:
         self.window = window
         self.lateness = lateness
         self.closed = -END - 1
-        """Capture time, ns, up to which everything was fired or given up; before any at first."""
+        """Capture time, ns, up to which everything was fired or discarded; before all times at first."""
         self.in_time = UNMATCHED
-        """Column for messages that come after their window closed; `LATE` once a deadline closed one."""
+        """Ledger column of messages after their window closed: `LATE` once a deadline closed one."""
 
     def read_by(self, inputs: Sequence[InputSpec]) -> Join:
-        """The same inputs for a stage with these ports, which may stand in another order."""
+        """The same inputs for a stage that declares these ports, perhaps in another order."""
         known = {port.name: port for port in self.ports}
         arranged = [known.get(p.name) or JoinInput(p.name, joined=p.kind == "joined") for p in inputs]
         join = Join(arranged, window=self.window, lateness=self.lateness)
@@ -64,8 +64,8 @@ class Join:
     def ready(self, *, overdue: bool = False) -> int | None:
         """Capture time, ns, of the next firing, or None while it is not certain.
 
-        overdue: the deadline of a live join has passed; fire with what is there.
-        Messages that lack a required partner are counted as unmatched and removed on the way.
+        overdue: the deadline of a live join has passed: fire with the members that are there.
+        Discards messages that lack a required partner, and counts them as unmatched.
         """
         if len(self.members) == 1:
             messages = self.members[0].messages
@@ -83,7 +83,7 @@ class Join:
                 self.in_time = LATE
             if self._all_required(time + self.window):
                 return self._sampled_ready(time)
-            self._give_up(time)
+            self._discard(time)
 
     def take(self, time: int) -> tuple[list[object], list[Message]]:
         """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
@@ -107,9 +107,9 @@ class Join:
         return arguments, fired
 
     def watermark(self) -> int:
-        """Nothing fires earlier than this capture time, ns.
+        """The watermark of the stage: nothing fires earlier than this capture time, ns.
 
-        `END` when the stage will not fire again; `ABSENT` when all that could still come is away.
+        `END` if the stage will not fire again; `ABSENT` if all inputs that have not ended are absent.
         """
         earliest = END
         for queue in self.members:
@@ -119,13 +119,13 @@ class Join:
         return max(earliest, self.closed + 1) if earliest < ABSENT else earliest
 
     def waiting_since(self) -> int | None:
-        """When the oldest message that waits for others entered the graph, ns; None where none waits."""
+        """When the oldest message that waits for others entered the graph, ns; None if none waits."""
         return min(
             (queue.messages[0].header.entered for queue in self.members if queue.messages), default=None
         )
 
     def _earliest(self) -> int | None:
-        """Time of the first message that no closed window claims, ns."""
+        """Capture time, ns, of the first message after all closed windows; None if there is none."""
         earliest = END
         for queue in self.members:
             if queue.messages and queue.messages[0].header.time <= self.closed:
@@ -135,14 +135,14 @@ class Join:
         return earliest if earliest < END else None
 
     def _certain(self, limit: int) -> bool:
-        """Whether every member has its message, or is known to have none up to `limit`."""
+        """Whether every member has a message, or a watermark beyond `limit`, ns."""
         for queue in self.members:  # noqa: SIM110  # asked for every firing; all() costs twice as much
             if not queue.messages and queue.watermark <= limit:
                 return False
         return True
 
     def _all_required(self, limit: int) -> bool:
-        """Whether every member that cannot be missed has a message in the window."""
+        """Whether every required member has a message in the window."""
         for queue in self.required:  # likewise
             if not queue.messages or queue.messages[0].header.time > limit:
                 return False
@@ -154,8 +154,8 @@ class Join:
                 return None
         return time
 
-    def _give_up(self, time: int) -> None:
-        """A required partner is missing: what is there at this time has no match."""
+    def _discard(self, time: int) -> None:
+        """Discard the messages of this window: a required partner is missing."""
         for queue in self.members:
             queue.discard_until(time + self.window, UNMATCHED)
         self.closed = time + self.lateness

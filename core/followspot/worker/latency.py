@@ -14,7 +14,7 @@ _BINS = 1400
 
 
 class LatencyHistogram:
-    """Counts of one path; memory does not grow with the run."""
+    """Latencies of one path from a source to a sink; memory does not grow with the run."""
 
     __slots__ = ("bins", "count", "worst", "worst_id")
 
@@ -25,14 +25,14 @@ class LatencyHistogram:
         self.worst_id = ""
 
     def add(self, elapsed: int, source: str, seq: int) -> None:
-        """elapsed: ns from entering the graph to the sink's firing."""
+        """Count one message; elapsed: ns from entering the graph to the sink's firing."""
         self.bins[min(_BINS - 1, int(math.log(elapsed) / _GROWTH)) if elapsed > 1 else 0] += 1
         self.count += 1
         if elapsed > self.worst:
             self.worst, self.worst_id = elapsed, f"{source}#{seq}"
 
     def quantile(self, share: float) -> float:
-        """The latency in ms below which this share of the messages lies, to 2 %."""
+        """The latency, ms, below which this share of the messages lies, accurate to 2 %."""
         if not self.count:
             return 0.0
         counts = list(accumulate(self.bins))
@@ -40,7 +40,7 @@ class LatencyHistogram:
         return math.exp((index + 0.5) * _GROWTH) / 1e6
 
     def summary(self, origin: str, sink: str) -> PathLatency:
-        """The path's figures."""
+        """Median, 95th percentile and maximum of the path."""
         return PathLatency(
             origin,
             sink,

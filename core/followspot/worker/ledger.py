@@ -11,20 +11,20 @@ from dataclasses import dataclass, replace
 DELIVERED, DROPPED, LATE, UNMATCHED, INVALID = range(5)
 """Words of an edge's row that the reader stores."""
 SHED, OVERRUN, REFUSED, LOST, AWAY, PRODUCED = range(8, 14)
-"""Words that the sender stores: dropped before it left, dropped by a live source, refused before it left, on
+"""Words that the sender stores: dropped before sending, dropped by a live source, refused before sending, on
 the way to readers that died, produced while the reader was away, and produced at all.
 
-Each word has one writer, so a row may lie in memory that two processes share. Of a live source, the thread
-that takes what the device gives stores PRODUCED and OVERRUN, the worker's thread the others. A message counts
-as produced before it counts as anything else, so whoever reads a row from its first word to its last never
-finds more messages accounted for than were produced, even while both ends count.
+Each word has one writer, so two processes may share a row. The thread of a live source stores PRODUCED and
+OVERRUN, the worker's thread the others. A message counts as produced before it counts as anything else, so a
+process that reads a row from its first word to its last never finds more messages accounted for than were
+produced, even while both ends count.
 """
 COLUMNS = 16
-"""Words in a row: one cache line for each end of the edge; some are spare."""
+"""Words in a row: one cache line for each end of the edge; some are unused."""
 LOSSES = ("dropped", "late", "unmatched", "invalid", "lost")
 """Columns of messages that were sent and will not be delivered."""
 COUNTS = ("produced", "away", "sent", "delivered", *LOSSES, "in_flight")
-"""Columns as they are shown."""
+"""Columns in the order in which they are shown."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,9 @@ class EdgeCount:
     """What became of the messages of one edge. No column is negative."""
 
     produced: int
-    """What the stage made: sent + away."""
+    """Messages that the stage made: sent + away."""
     away: int
-    """Not sent, for the reader was not there."""
+    """Messages that were not sent, because the reader was away."""
     sent: int
     delivered: int
     dropped: int
@@ -42,23 +42,22 @@ class EdgeCount:
     unmatched: int
     invalid: int
     in_flight: int
-    """Sent and not yet accounted for by the reader: 0 after a clean end."""
+    """Messages that were sent and that the reader has not yet accounted for: 0 after a clean end."""
     lost: int = 0
-    """On their way to or from a worker when it died, or to one that was cut off and did not come back."""
+    """Messages on their way to or from a worker that died, or to one that was cut off for good."""
     surplus: int = 0
-    """Accounted for by the reader beyond what the sender is known to have sent.
+    """Messages that the reader accounts for beyond those that the sender is known to have sent.
 
-    While a run goes on that is a sender whose counts are older than those of the reader. At the end, when all
-    have told theirs, it is a bug.
+    During a run the sender's counts may be older than the reader's. At the end of a run a surplus is a bug.
     """
 
     @property
     def balanced(self) -> bool:
-        """Whether every message is accounted for, once; holds at the end of every run that ended cleanly."""
+        """Whether every message is accounted for once; holds at the end of every run that ended cleanly."""
         return self.in_flight == 0 == self.surplus
 
     def with_lost(self, most: int) -> EdgeCount:
-        """At the end of a run nothing is under way: what seems to be was lost with a worker, up to `most`."""
+        """The count at the end of a run: up to `most` messages in flight were lost with a worker."""
         more = min(self.in_flight, most)
         return replace(self, in_flight=self.in_flight - more, lost=self.lost + more)
 
@@ -84,10 +83,10 @@ class Ledger:
 
 
 def tally(row: Sequence[int]) -> EdgeCount:
-    """Sum up one row; what is missing is in flight.
+    """Sum up one row; a message that is not accounted for is in flight.
 
-    Rows of several hosts that were added up are not of one moment: what readers account for was sent, even
-    where the sender has not told of it yet.
+    Rows of several hosts that were added up are not of one moment: what readers account for was sent, even if
+    the sender has not reported it yet.
     """
     delivered, dropped, late, unmatched, invalid = row[:5]
     shed, overrun, refused, lost, away, produced = row[SHED : PRODUCED + 1]

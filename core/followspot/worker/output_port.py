@@ -1,4 +1,4 @@
-"""The sending end of all edges of one output port."""
+"""An output port: the sending end of all its edges, their watermark, and their backpressure."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ from followspot.transport.token import ABSENT, END, Watermark
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import AWAY, LOST, OVERRUN, PRODUCED, REFUSED, SHED
 
-_PLENTY = 1 << 30
 _TAPPING = Lock()
-"""Taps come from any thread and go in that of the worker."""
+"""Any thread adds taps; the worker's thread removes them."""
 
 
 class OutputPort:
-    """One output port: it checks and stamps each message once and hands it to every edge.
+    """One output port: checks and stamps each message once, and sends it along every edge.
 
     queues: readers in the same worker; writers: one for each kind of edge to other workers;
     rows: ledger rows of the edges behind each writer; lateness: see `InputQueue`.
@@ -31,16 +30,16 @@ class OutputPort:
         "_away",
         "_living",
         "_lost",
+        "announced",
         "counts",
         "edges",
         "lateness",
-        "patient",
         "queues",
         "refused",
         "rows",
         "taps",
-        "told",
         "type",
+        "waits_for_readers",
         "watermark",
         "words",
         "writers",
@@ -54,25 +53,25 @@ class OutputPort:
         self.writers: list[PortWriter] = []
         self.rows: list[list[int]] = []
         self.edges: list[tuple[str, int]] = []
-        """Names and ledger rows of the edges to other workers that may be full."""
+        """Names and ledger rows of the edges to other workers that exert backpressure."""
         self._all_rows: list[int] = []
-        """Of every edge."""
+        """Ledger rows of all edges."""
         self._living: list[tuple[PortWriter, list[int]]] = []
         """Writers with the rows of their living readers."""
         self._away: list[int] = []
-        """Rows of the edges whose readers are away."""
+        """Ledger rows of the edges whose readers are away."""
         self._lost: list[frozenset[int]] = []
-        """Readers of each writer that are away, as of the last look."""
+        """Readers of each writer that were away at the last update."""
         self.counts = True
-        """Whether `send` counts what is produced; a source with a thread of its own does so there."""
+        """Whether `send` counts messages as produced; a live source counts them in its thread."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
         """Called with every message; see `followspot.worker.tapping`."""
         self.watermark = -END
-        self.told = -END
-        """What readers know: the bound, or that nothing comes for now."""
+        self.announced = -END
+        """What readers were told last: the watermark, or `ABSENT`."""
         self.refused: Callable[[str], None] = _nothing
-        self.patient = False
-        """Whether to wait for a reader that is away and will be back: in replays, which lose nothing."""
+        self.waits_for_readers = False
+        """Whether to wait for a reader that is away and comes back: in replays, which lose nothing."""
 
     def connect(self, queues: Sequence[InputQueue]) -> None:
         """Add edges to readers in the same worker."""
@@ -89,12 +88,13 @@ class OutputPort:
         self.writers.append(writer)
         self.rows.append(rows)
         self._all_rows += rows
-        self.look()
+        self.update_readers()
 
-    def look(self) -> None:
-        """Take note of which readers are away: what is produced until they are back counts as such.
+    def update_readers(self) -> None:
+        """Take note of which readers are away: messages count as away until those are back.
 
-        What was on its way to one that died is lost. One that is there again is told how far the stream is.
+        Messages that were on their way to a dead reader count as lost. A reader that is back is told the
+        watermark.
         """
         for writer, rows in zip(self.writers, self.rows, strict=True):
             for index, count in writer.perished():
@@ -112,40 +112,38 @@ class OutputPort:
                 self.returned(writer)
 
     def returned(self, writer: PortWriter) -> None:
-        """Another reader is there: tell it how far the stream is."""
-        if writer in self.writers and -END < self.told < END:
-            writer.send(Watermark(self.told))
+        """Tell a reader that is back the watermark."""
+        if writer in self.writers and -END < self.announced < END:
+            writer.send(Watermark(self.announced))
 
     def has_room(self) -> bool:
-        """Whether every edge takes another message."""
+        """Whether every edge has credit for another message."""
         for queue in self.queues:
             if len(queue.messages) >= queue.depth:
                 return False
         if not self.writers:
             return True
-        if self.patient and any(writer.lost for writer in self.writers):
+        if self.waits_for_readers and any(writer.lost for writer in self.writers):
             return False
         return all(writer.credit() > 0 for writer in self.writers)
 
     def send(self, message: Message, header: Header) -> None:
-        """Stamp, check and deliver; one that breaks its contract is counted as invalid on every edge."""
+        """Stamp, check and send a message; it counts as invalid on every edge if it breaks its contract."""
         words = self.words
         if self.counts:
             for row in self._all_rows:
                 words[row + PRODUCED] += 1
         try:
             if header.time < self.watermark:
-                raise InvalidMessage(
-                    f"time {header.time} ns lies before {self.watermark} ns, which was settled"
-                )
-            if not message.header.source:  # else it was sent before, and sealed then
+                raise InvalidMessage(f"time {header.time} ns lies before the watermark {self.watermark} ns")
+            if not message.header.source:  # else it was sealed when it was sent before
                 seal(message)
         except InvalidMessage as error:
             self._refuse(str(error), header)
             return
         if message.header is not header:
             message = stamped(message, header)
-        self.watermark = self.told = header.time + 1 + self.lateness
+        self.watermark = self.announced = header.time + 1 + self.lateness
         for tap in self.taps:
             tap(message)
         for queue in self.queues:
@@ -160,54 +158,54 @@ class OutputPort:
                 self.refused(str(error))
 
     def advance(self, watermark: int) -> None:
-        """Tell every reader that nothing earlier than `watermark`, ns, will come."""
+        """Advance the watermark, ns, and tell every reader."""
         if watermark <= self.watermark:
             return
-        self.watermark = self.told = watermark
+        self.watermark = self.announced = watermark
         for queue in self.queues:
             queue.advance(watermark)
         for writer in self.writers:
             writer.send(Watermark(watermark))
 
     def absent(self) -> None:
-        """Nothing comes for now, for nothing comes in; readers need not wait."""
+        """Announce that nothing comes for now, so that joins downstream do not wait."""
         if self.watermark == END:
             return
-        self.told = ABSENT
+        self.announced = ABSENT
         for queue in self.queues:
             queue.advance(ABSENT)
         for writer in self.writers:
             writer.send(Watermark(ABSENT))
 
     def end(self) -> None:
-        """Nothing more will come."""
+        """End the stream."""
         self.advance(END)
 
     def produced(self) -> None:
-        """Count a message that a live source has made, in the thread in which it made it."""
+        """Count a message that a live source has made; called in the source's thread."""
         self._count(self._all_rows, PRODUCED)
 
     def invalid(self) -> None:
-        """Count a message that was produced and breaks its contract."""
+        """Count a message that breaks its contract, and that counts as produced already."""
         self._count(self._present(), REFUSED)
         self._count(self._away, AWAY)
 
     def overrun(self) -> None:
-        """Count a message that a live source has made and dropped before it left, in that thread."""
+        """Count a message that a live source has made and dropped; called in the source's thread."""
         self._count(self._all_rows, OVERRUN)
 
     def tap(self, by: Callable[[Message], None]) -> None:
-        """Call it with every message from now on. Safe from any thread."""
+        """Call `by` with every message from now on. Safe from any thread."""
         with _TAPPING:
             self.taps = (*self.taps, by)
 
     def untap(self, by: Callable[[Message], None]) -> None:
-        """Call it no more. Safe from any thread."""
+        """Call `by` no more. Safe from any thread."""
         with _TAPPING:
             self.taps = tuple(tap for tap in self.taps if tap is not by)
 
     def loan(self, shape: tuple[int, ...], dtype: str) -> Array | None:
-        """An array in the memory of the first writer that has one to lend."""
+        """An array in the shared memory of the first writer that has a free slot; None if there is none."""
         for writer in self.writers:
             array: Array | None = writer.loan(shape, dtype)
             if array is not None:
@@ -220,7 +218,7 @@ class OutputPort:
         self.advance(header.time + 1)
 
     def _refused_later(self, rows: list[int], reason: str) -> None:
-        """A message that had to wait turned out to be too large to travel."""
+        """Count a message that was queued and turned out too large to send."""
         self._count(rows, REFUSED)
         self.refused(reason)
 
@@ -229,9 +227,9 @@ class OutputPort:
             self.words[row + column] += 1
 
     def _present(self) -> list[int]:
-        """Rows of every edge whose reader is there."""
+        """Ledger rows of every edge whose reader is present."""
         return [queue.row for queue in self.queues] + [row for _, rows in self._living for row in rows]
 
 
 def _nothing(_: Any) -> None:
-    """Nobody listens for refusals."""
+    """The default: refusals are not reported."""

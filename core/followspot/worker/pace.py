@@ -1,4 +1,4 @@
-"""The waiting of sources that keep a pace of their own."""
+"""Interruptible waiting for sources that keep a pace of their own."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from followspot.transport.wakeup_event import WakeupEvent
 
 
 class Pace:
-    """Lets the sources of a worker wait until a message is due, but not beyond the end of the run."""
+    """Lets the sources of a worker wait until a message is due; the end of the run ends the wait."""
 
     def __init__(self) -> None:
         self._end = WakeupEvent()
@@ -24,7 +24,7 @@ class Pace:
         self._watched[fd] = callback
 
     def wait(self, seconds: float) -> bool:
-        """Wait so long; False, and at once, if the run is to end. For the worker's thread alone."""
+        """Wait so long; returns False at once when the run is to end. For the worker's thread alone."""
         return self._wait(seconds, self._watched)
 
     def wait_aside(self, seconds: float) -> bool:

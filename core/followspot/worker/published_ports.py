@@ -36,7 +36,7 @@ class PublishedPort:
             self._publisher.put(pack(message))
 
     def _matched(self, status: zenoh.MatchingStatus) -> None:
-        """Somebody came, or the last one went; from a thread of Zenoh."""
+        """Follow the first subscriber that comes or the last one that leaves; in a thread of Zenoh."""
         self._worker.between_firings(self._follow)
 
     def _follow(self) -> None:
@@ -46,18 +46,18 @@ class PublishedPort:
 
 
 def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
-    """The ports of a worker whose messages no edge puts on their key already; none without a session.
+    """Publish the ports of a worker whose messages no edge puts on their key already; none without a session.
 
     They end with the session of the links.
     """
     if links.session is None:
         return []
     hosts = {w.name: w.host for w in links.plan.workers}
-    home = {stage.name: hosts[stage.worker] for stage in links.plan.stages}
+    host_of = {stage.name: hosts[stage.worker] for stage in links.plan.stages}
     taken = _on_their_keys(links.plan)
     return [
         PublishedPort(
-            links.session, port_key(links.run, home[runner.name], runner.name, port), output, worker
+            links.session, port_key(links.run, host_of[runner.name], runner.name, port), output, worker
         )
         for runner in worker.runners
         for port, output in runner.outputs
@@ -66,7 +66,7 @@ def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
 
 
 def _on_their_keys(plan: Plan) -> set[tuple[str, str]]:
-    """Ports with an edge over Zenoh on the port's very key: raw, and without a policy that drops."""
+    """Ports with a Zenoh edge on the port's own key: raw, and without a policy that drops."""
     return {
         (edge.from_stage, edge.from_port)
         for edge in plan.edges

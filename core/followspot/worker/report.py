@@ -1,4 +1,4 @@
-"""The report of a worker that has ended, and what its stages warned of."""
+"""The report of a worker that has ended, and the warnings of its stages."""
 
 from __future__ import annotations
 
@@ -12,10 +12,7 @@ MAX_WARNINGS = 200
 
 
 class Warnings:
-    """Collects what stages warn of; the same text is kept once.
-
-    tell: gets the stage and text of each.
-    """
+    """Collects the warnings of stages, equal ones once; tell: gets stage and text of each."""
 
     def __init__(self, tell: Callable[[str, str], None] = lambda stage, text: None) -> None:
         self._tell = tell

@@ -1,7 +1,8 @@
-"""One worker: a single thread that fires ready stages, and pulls sources when nothing else is ready.
+"""The scheduler of a worker: one thread fires ready stages, and pulls sources when no stage is ready.
 
-Stages nearest to the sinks go first, so work in flight is finished before new work is taken in. Which stage
-goes first never changes a result, for a firing depends on the streams alone.
+Stages nearest to the sinks fire first, so messages in flight are finished before sources yield more. The
+order never changes a result, for a firing depends on the streams alone. Backpressure reaches a stage through
+its outputs: a stage without credit is blocked until a reader wakes the worker.
 """
 
 from __future__ import annotations
@@ -26,10 +27,10 @@ from followspot.worker.pace import Pace
 from followspot.worker.source import LiveSourceRunner, SourceRunner
 from followspot.worker.stage_runner import StageError, StageRunner
 
-_TURNS = 32
-"""Firings between two looks at what other workers sent."""
-_NAP_MS = 100
-"""Longest sleep, ms; a wake-up that was missed costs no more."""
+_FIRINGS_PER_TURN = 32
+"""Firings between two polls of what other workers sent."""
+_LONGEST_SLEEP_MS = 100
+"""Longest sleep, ms: what a missed wake-up costs at most."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
 
@@ -45,21 +46,21 @@ class StuckError(FollowspotError):
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a worker, or a run, is."""
+    """How far a worker or a run has come."""
 
     fired: int
-    """Firings of its sinks; of its sources where it has no sinks."""
+    """Firings of the sink that is furthest behind; of the sources if there are no sinks."""
     time: int
     """Newest capture time that a source sent, ns; -1 before the first."""
     faults: tuple[str, ...] = ()
-    """What is absent or was not heard lately, a line each; of a run."""
+    """Of a run: one line for each part that is absent or silent."""
 
 
 class Worker:
     """Runs the stage runners of one process.
 
-    runners: by rank; readers: input queues fed by other workers; writers: with the rank of the stage runner
-    that owns each; pace: by which the sources wait.
+    runners: in topological order; readers: input queues that other workers feed; writers: each with the rank
+    of the stage runner that owns it; pace: the sources wait with it.
     """
 
     def __init__(
@@ -79,20 +80,20 @@ class Worker:
         self._ready: list[int] = []
         self._marked = [False] * len(runners)
         self._stopping = False
-        self._errands: deque[Callable[[], None]] = deque()
+        self._actions: deque[Callable[[], None]] = deque()
         self._poll = select.poll()
         self._watched: dict[int, Callable[[], bool]] = {}
         self._wakeup = WakeupEvent()
         self._connect()
 
     def mark(self, rank: int) -> None:
-        """The inputs or outputs of this stage runner changed; look at it."""
+        """Schedule this stage runner: its inputs or outputs changed."""
         if not self._marked[rank]:
             self._marked[rank] = True
             heappush(self._ready, -rank)
 
     def mark_waiting(self, runner: StageRunner) -> None:
-        """Feedback came for this stage runner; look at it if that may be what it waits for."""
+        """Schedule this stage runner after feedback came, if it has messages to fire with."""
         if runner.done:
             self.mark(runner.rank)
             return
@@ -102,7 +103,7 @@ class Worker:
                 return
 
     def regroup(self) -> None:
-        """Form the teams: stages that are alike now."""
+        """Form the batch groups of the stages that are alike now."""
         self.batch_groups = batch_groups(self.runners, self.mark)
         self._steps: list[Callable[[], None]] = [runner.step for runner in self.runners]
         for group in self.batch_groups:
@@ -110,43 +111,43 @@ class Worker:
                 self._steps[runner.rank] = partial(group.step, runner)
 
     def fire_waiting(self) -> bool:
-        """Fire members of a team without those that are not ready; False where none waits."""
+        """Fire the ready members of a batch group without the others; False if no member waits."""
         for group in self.batch_groups:
             if group.waiting:
                 group.fire()
                 return True
         return False
 
-    def between_firings(self, errand: Callable[[], None]) -> None:
-        """Let the worker's thread do something as soon as no stage is at work. Safe from any thread."""
-        self._errands.append(errand)
-        self.ring()
+    def between_firings(self, action: Callable[[], None]) -> None:
+        """Let the worker's thread call `action` as soon as no stage is at work. Safe from any thread."""
+        self._actions.append(action)
+        self.wake()
 
     def watch(self, fd: int, callback: Callable[[], bool]) -> None:
-        """Call back when the descriptor is readable, until the callback says that it is over."""
+        """Call back when the descriptor is readable, until the callback returns True."""
         self._watched[fd] = callback
         self._poll.register(fd, select.POLLIN)
 
     def adopt_reader(self, old: PortReader, new: PortReader) -> None:
-        """The worker that wrote to `old` was started again, and writes to `new`."""
+        """Read from `new`: the worker that wrote to `old` was started again."""
         queue = next(queue for queue in self.readers if queue.reader is old)
         self._unwatch(old.fileno())
         queue.adopt(new)
         self.watch(new.fileno(), queue.poll)
 
     def adopt_link(self, writer: PortWriter, fd: int) -> None:
-        """The worker that read from `writer` was started again, and reads through `fd`."""
+        """Watch `fd` for credit: the worker that reads from `writer` was started again."""
         rank = next(rank for known, rank in self.writers if known is writer)
         self.watch(fd, partial(self._credited, fd, writer, rank))
         for _, output in self.runners[rank].outputs:
-            output.look()
+            output.update_readers()
             output.returned(writer)
         self.mark(rank)
 
     def give_up(self, rows: Container[int]) -> None:
-        """Who is away at the other ends of these edges, or dies from now on, does not come back.
+        """Wait no longer for workers at the other ends of these edges: one that is away stays away.
 
-        rows: of the edges in the ledger.
+        rows: ledger rows of the edges.
         """
         for queue in self.readers:
             if queue.row in rows:
@@ -154,21 +155,21 @@ class Worker:
                 queue.poll()
         for runner in self.runners:
             for _, output in runner.outputs:
-                output.patient &= not any(row in rows for group in output.rows for row in group)
+                output.waits_for_readers &= not any(row in rows for group in output.rows for row in group)
             self.mark(runner.rank)
 
     def stop(self) -> None:
-        """End all sources; what is in flight is still finished. Safe in signal handlers and threads."""
+        """End all sources; messages in flight are still processed. Safe in signal handlers and threads."""
         self._stopping = True
         self.pace.end()
-        self.ring()
+        self.wake()
 
-    def ring(self) -> None:
+    def wake(self) -> None:
         """Wake the worker from another thread."""
         self._wakeup.set()
 
     def setup(self) -> None:
-        """Set all stages up, in order. Raises StageError."""
+        """Set up all stages, in order. Raises StageError."""
         sys.setswitchinterval(_SWITCH_INTERVAL)
         if "cv2" in sys.modules:
             sys.modules["cv2"].setNumThreads(1)  # workers are the parallelism
@@ -176,7 +177,7 @@ class Worker:
             runner.setup()
 
     def run(self) -> None:
-        """Run to the end of all streams. Stages are closed however it ends. Raises StageError, StuckError."""
+        """Run to the end of all streams, then close all stages. Raises StageError, StuckError."""
         problems: list[StageError] = []
         try:
             for source in self.live:
@@ -191,7 +192,7 @@ class Worker:
             raise problems[0]
 
     def close(self) -> list[StageError]:
-        """Close stages and edges, all of them whatever one of them raises; what was raised."""
+        """Close all stages and edges; returns what stages raised."""
         problems = []
         for runner in self.runners:
             try:
@@ -204,7 +205,7 @@ class Worker:
             writer.close()
         for runner in self.runners:
             for _, output in runner.outputs:
-                output.look()  # what was on its way to readers that were cut off
+                output.update_readers()  # counts what was on its way to readers that were cut off
         for queue in self.readers:
             if queue.reader is not None:
                 queue.reader.close()
@@ -212,19 +213,19 @@ class Worker:
         return problems
 
     def progress(self) -> Progress:
-        """How far the worker is."""
+        """How far the worker has come."""
         counted = [runner.count.fired for runner in self.runners if runner.is_sink] or [
             s.yielded for s in self.sources
         ]
         return Progress(min(counted, default=0), max((s.watermark for s in self.sources), default=-1))
 
     def expected(self) -> int | None:
-        """Messages that the longest source will yield, None where none of them knows."""
+        """Messages that the longest source will yield; None if no source knows."""
         known = [n for n in (source.expected() for source in self.sources) if n is not None]
         return max(known, default=None)
 
     def _connect(self) -> None:
-        self.watch(self._wakeup.fileno(), self._answer_bell)
+        self.watch(self._wakeup.fileno(), self._clear_wakeup)
         for queue in self.readers:
             assert queue.reader is not None
             self.watch(queue.reader.fileno(), queue.poll)
@@ -232,11 +233,11 @@ class Worker:
             for fd in writer.filenos():
                 self.watch(fd, partial(self._credited, fd, writer, rank))
         for source in self.live:
-            source.notify = self.ring
+            source.notify = self.wake
 
     def _turn(self) -> bool:
-        """One round; False when everything has ended."""
-        for _ in range(_TURNS):
+        """Fire what is ready, receive, and pull a source or sleep; False when all streams have ended."""
+        for _ in range(_FIRINGS_PER_TURN):
             if not self._ready:
                 break
             rank = -heappop(self._ready)
@@ -244,8 +245,8 @@ class Worker:
             self._steps[rank]()
         if len(self._watched) > 1:
             self._receive(0)
-        while self._errands:
-            self._errands.popleft()()
+        while self._actions:
+            self._actions.popleft()()
         if self._stopping:
             self._stop_sources()
         if self._ready or self._pull() or self.fire_waiting():
@@ -256,7 +257,7 @@ class Worker:
         return True
 
     def _pull(self) -> bool:
-        """Let the source that is furthest behind yield, and all that then are; False where none can."""
+        """Pull the source with the earliest watermark, then those that are earliest; False if none yields."""
         candidates = [s for s in self.sources if not s.done]
         candidates.sort(key=_watermark)
         reached = END
@@ -269,29 +270,29 @@ class Worker:
         return reached < END
 
     def _finished(self) -> bool:
-        """Whether all is done, sent, and received: feedback to a stage that has ended is still counted."""
+        """Whether all stages are done and all edges are flushed; the ledger counts even late feedback."""
         flushed = [writer.flush() for writer, _ in self.writers]
         received = all(queue.watermark == END for queue in self.readers)
         return received and all(flushed) and all(runner.done for runner in self.runners)
 
     def _wait(self) -> None:
-        """Sleep until another worker, a thread or a deadline has something for us."""
+        """Sleep until a message, credit, another thread or the deadline of a live join wakes the worker."""
         if self._credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
         if not (deadlines or self.readers or self.writers or self.live):
             raise StuckError(self._why_stuck())
         if not deadlines:
-            self._receive(_NAP_MS)
+            self._receive(_LONGEST_SLEEP_MS)
             return
         left_ms = (min(deadlines) - time.monotonic()) * 1000
-        self._receive(int(min(max(left_ms, 0), _NAP_MS)) + 1)
+        self._receive(int(min(max(left_ms, 0), _LONGEST_SLEEP_MS)) + 1)
         for runner in self.runners:
             if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
                 self.mark(runner.rank)
 
     def _credit_came(self) -> bool:
-        """Ask readers to wake us when they take a message; whether one already did."""
+        """Ask the readers of blocked stages for a wake-up; whether credit has come already."""
         came = False
         for writer, rank in self.writers:
             runner = self.runners[rank]
@@ -312,14 +313,14 @@ class Worker:
         if self._watched.pop(fd, None) is not None:
             self._poll.unregister(fd)
 
-    def _answer_bell(self) -> bool:
+    def _clear_wakeup(self) -> bool:
         self._wakeup.clear()
         return False
 
     def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
         writer.drain()
         for _, output in self.runners[rank].outputs:
-            output.look()
+            output.update_readers()
         self.mark(rank)
         return fd not in writer.filenos()
 
@@ -331,7 +332,7 @@ class Worker:
                 source.stop()
 
     def _why_stuck(self) -> str:
-        """Name the stages that wait, and for which edges."""
+        """Name the stages that wait, and the edges for which they wait."""
         lines = []
         for runner in self.runners:
             full = [i.name for _, o in runner.outputs for i in o.queues if len(i.messages) >= i.depth]

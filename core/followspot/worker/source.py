@@ -1,4 +1,4 @@
-"""Sources at work: pulled one message at a time, or live on a thread of their own with the oldest dropped."""
+"""Source runners: the scheduler pulls a source; a live source has a thread, and drops its oldest frames."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from followspot.worker.output_port import OutputPort
 from followspot.worker.stage_runner import StageRunner
 
 LIVE_DEPTH = 2
-"""Frames that wait for the graph before the oldest is dropped: one to take, one being written."""
+"""Frames that wait for the graph before the oldest is dropped: one to take, and the one after it."""
 _NOTHING = object()
-"""Stands for an item that a source has not got now."""
+"""Stands for the item of a source that has none now."""
 
 
 class SourceRunner(StageRunner):
-    """A stage without inputs. It yields when its outputs have room: nothing is lost, nothing piles up.
+    """Runs a stage without inputs, which yields when its outputs have credit: no message is lost or piles up.
 
     limit: number of messages after which it ends, None for all.
     """
@@ -36,7 +36,7 @@ class SourceRunner(StageRunner):
     _items: Iterator[Any] | None = None
 
     def pull(self) -> bool:
-        """Send the next message; False where there is none now. Raises StageError."""
+        """Send the next message; False if there is none now. Raises StageError."""
         item = self._next()
         if item is _NOTHING:
             return False
@@ -52,16 +52,16 @@ class SourceRunner(StageRunner):
         return True
 
     def expected(self) -> int | None:
-        """How many messages will come, where the source knows."""
+        """How many messages will come; None if the source does not know."""
         length = self.stage.length()
         return self.limit if length is None or (self.limit or length) < length else length
 
     def stop(self) -> None:
-        """End at the next pull, as if the stream had ended."""
+        """End the stream at the next pull."""
         self.stopped = True
 
     def step(self) -> None:
-        """A source has nothing to do when its readers change; the worker pulls it."""
+        """Do nothing when readers change: the scheduler pulls sources."""
 
     def _next(self) -> Any:
         if self.stopped or self.yielded == self.limit:
@@ -87,7 +87,7 @@ class SourceRunner(StageRunner):
         return item
 
     def _failed(self, error: Exception) -> None:
-        """A generator that raised is over: `restart` opens it anew, `skip` ends the stream."""
+        """Apply the error policy: `restart` opens another generator, `skip` ends the stream."""
         self._recover(Header(self.name, self.yielded, max(0, self.watermark)), error)
         if self.on_error == "skip":
             self.finish()
@@ -95,18 +95,18 @@ class SourceRunner(StageRunner):
             self._open_anew()
 
     def _left_out(self, item: Any, error: Exception) -> None:
-        """A generator that yielded what it must not can go on: `skip` leaves that out alone."""
+        """Apply the error policy to a wrong item: `skip` leaves it out, and the generator goes on."""
         self._recover(Header(self.name, self.yielded, max(0, self.watermark)), error)
         self.yielded += 1
         if self.on_error == "restart":
             self._open_anew()
 
     def _open_anew(self) -> None:
-        """The stage was built anew; what the generator of the old one has yet to give is not taken."""
+        """Begin a generator of the stage that was built again; the old one gives nothing more."""
         self._items = None
 
     def _stamp(self, item: Any) -> Header:
-        """The header of what the source yielded: its capture time, the runtime's name and number.
+        """Header of an item: its capture time, the name of the stage, the number of the message.
 
         Raises WrongOutput.
         """
@@ -119,45 +119,45 @@ class SourceRunner(StageRunner):
 
 
 class LiveSourceRunner(SourceRunner):
-    """A source that delivers in its own time. Its thread keeps the newest frames; the oldest is dropped.
+    """Runs a source that delivers in its own time: its thread keeps the newest frames and drops the oldest.
 
-    What the device gives counts as produced in that very moment, so that it stands in the ledger whatever
-    happens to the worker before the graph takes it.
+    A frame counts as produced when the device gives it. The ledger so has it, even if the worker dies before
+    the graph takes the frame.
     """
 
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
     _thread: threading.Thread | None = None
-    _came = 0
-    """When the last message was there, ns since 1970 by the clock of this host."""
+    _arrived_at = 0
+    """When the last message came, ns since 1970 by the clock of this host."""
 
     def start(self) -> None:
-        """Begin to grab."""
+        """Start the thread that grabs frames."""
         self._lock = threading.Lock()
-        self._box: deque[Any] = deque()
+        self._newest: deque[Any] = deque()
         self._grabbed = self._overrun = 0
-        """Messages that came; those of them that were dropped since the worker last looked."""
+        """Messages that came; those that were dropped since the worker last took one."""
         self._shut = False
-        """Whether nothing more is taken from the thread."""
+        """Whether the thread may add no more."""
         for _, output in self.outputs:
             output.counts = False
         self._begin()
 
     @property
     def grabbing(self) -> bool:
-        """Whether nothing waits for the worker: the device has yet to give it."""
-        return self._thread is None or not self._box
+        """Whether no frame waits for the worker: the device has yet to give one."""
+        return self._thread is None or not self._newest
 
     def stop(self) -> None:
-        """Stop grabbing; what was grabbed is still sent."""
+        """Stop grabbing; frames that were grabbed are still sent."""
         super().stop()
         self.close()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
 
-    def succeed(self, stage: Stage, build: Callable[[], Stage]) -> None:
-        """Another device delivers from now on; what the old one's thread has yet to give is dropped."""
-        super().succeed(stage, build)
+    def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Take frames from another device from now on; those that the old one still gives are dropped."""
+        super().replace_stage(stage, build)
         self._begin()
 
     def _begin(self) -> None:
@@ -167,12 +167,12 @@ class LiveSourceRunner(SourceRunner):
         self._thread.start()
 
     def _time(self, given: Header) -> int:
-        """By the clock of all; of a camera that has no clock, the time at which its picture came."""
-        return self.clock.capture_time(self._came if given is UNSTAMPED else given.time)
+        """Capture time, ns, on the reference clock; the time of arrival if the device gives none."""
+        return self.clock.capture_time(self._arrived_at if given is UNSTAMPED else given.time)
 
     def _left_out(self, item: Any, error: Exception) -> None:
-        for output in self._said(item):
-            output.invalid()  # it counts as produced
+        for output in self._outputs_of(item):
+            output.invalid()  # its thread has counted it as produced
         super()._left_out(item, error)
 
     def _open_anew(self) -> None:
@@ -192,28 +192,28 @@ class LiveSourceRunner(SourceRunner):
             self.notify()
 
     def _keep(self, item: Any, stage: Stage) -> bool:
-        """Count what came and put it into the box; whether more is wanted."""
+        """Count an item and keep it for the worker; whether to go on."""
         with self._lock:
             if self._shut:
                 return False
             self._grabbed += 1
-            for output in self._said(item):
+            for output in self._outputs_of(item):
                 output.produced()
             if self.stage is not stage:
                 self._drop(item)
                 return False
-            if len(self._box) == LIVE_DEPTH:
-                self._drop(self._box.popleft()[0])
-            self._box.append((item, self.clock.now(), time.time_ns()))
+            if len(self._newest) == LIVE_DEPTH:
+                self._drop(self._newest.popleft()[0])
+            self._newest.append((item, self.clock.now(), time.time_ns()))
             return not self.stopped and self._grabbed != self.limit
 
     def _drop(self, item: Any) -> None:
         self._overrun += 1
-        for output in self._said(item):
+        for output in self._outputs_of(item):
             output.overrun()
 
-    def _said(self, item: Any) -> Iterator[OutputPort]:
-        """The outputs that have a message in what came."""
+    def _outputs_of(self, item: Any) -> Iterator[OutputPort]:
+        """The outputs for which an item has a message."""
         for port, output in self.outputs:
             if self.single is not None or getattr(item, port, None) is not None:
                 yield output
@@ -221,12 +221,15 @@ class LiveSourceRunner(SourceRunner):
     def _next(self) -> Any:
         with self._lock:
             overrun, self._overrun = self._overrun, 0
-            item = self._box.popleft() if self._box else None
-            over, error = self._over, self._error  # now, for what came later would be in the box by then
+            item = self._newest.popleft() if self._newest else None
+            over, error = (
+                self._over,
+                self._error,
+            )  # under the lock: what comes later is seen next time
             self._shut = item is None and error is None and (over or self.stopped)
         self.yielded += overrun
         if item is not None:
-            found, self.entered, self._came = item
+            found, self.entered, self._arrived_at = item
             return found
         if error is not None:
             self._failed(error)

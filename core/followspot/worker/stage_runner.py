@@ -1,4 +1,4 @@
-"""A stage at work: its inputs, its outputs, and what happens when it raises."""
+"""A stage runner: one stage with its join, its output ports and its error policy."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _capture_time = attrgetter("time")
 RESTARTS = 5
 """How often a stage with policy `restart` is rebuilt before the run fails."""
 MOST_PATHS = 64
-"""Sources whose latency to a sink is measured apart; whoever sends names without end fills no memory."""
+"""Sources whose latency to a sink is measured one by one; more names than these take no memory."""
 OTHERS = "others"
-"""Stands for the sources beyond those."""
+"""Stands for all further sources."""
 FIRST_BACK_OFF = 0.1
-"""Wait before the first restart, s; it doubles each time."""
+"""Pause before the first restart, s; it doubles each time."""
 
 
 class StageError(FollowspotError):
-    """A stage raised; the text names the stage, the message it was given, and the traceback."""
+    """A stage raised; the text names the stage, the message it was given, and shows the traceback."""
 
     def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
         when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
@@ -43,7 +43,7 @@ class StageError(FollowspotError):
 
 @dataclass
 class RunnerCount:
-    """What a stage did."""
+    """How often a stage fired, was skipped or restarted, and how long it worked."""
 
     fired: int = 0
     skipped: int = 0
@@ -52,16 +52,17 @@ class RunnerCount:
 
 
 class Firing(NamedTuple):
-    """What a stage is given, and the header of what it makes of that."""
+    """The arguments of `process`, and the header of its outputs."""
 
     arguments: Sequence[object]
     header: Header
 
 
 class StageRunner:
-    """One stage instance of this worker.
+    """Runs one stage instance of this worker.
 
-    build: makes the stage anew (policy `restart`); join: its inputs, empty for a source; outputs: by port.
+    build: makes the stage, again for the policy `restart`; join: its inputs, empty for a source; outputs: by
+    port.
     """
 
     def __init__(
@@ -74,13 +75,12 @@ class StageRunner:
         *,
         on_error: ErrorPolicy = "fail",
         deadline: float | None = None,
-        clock: Clock = Clock(),  # of a host that nobody corrects
+        clock: Clock = Clock(),  # of a host without offsets
     ) -> None:
-        """Build the stage. Raises StageError where that fails.
+        """Build the stage. Raises StageError if that fails.
 
         rank: place in the topological order; deadline: longest time, s, from a message's entering the graph
-        until a live join fires without those that are missing; None where it waits for ever; clock: of this
-        host.
+        until a live join fires without its missing partners, None to wait for ever; clock: of this host.
         """
         self.name = name
         self.rank = rank
@@ -101,17 +101,17 @@ class StageRunner:
         self.ready = False
         """Whether `setup` succeeded."""
         self.blocked = False
-        """Whether an output is full; its reader's credit wakes this stage."""
+        """Whether backpressure holds the stage up: an output is full until its reader gives credit."""
         self.working = False
-        """Whether the stage is at work on its own."""
+        """Whether the stage is in `process` now."""
         self.absent = False
-        """Whether the outputs were declared absent."""
+        """Whether the outputs have announced `ABSENT`."""
         self.count = RunnerCount()
         self.paths: dict[str, LatencyHistogram] = {}
         self.is_sink = not self.outputs
         self.clock = clock
         self._passed = -END
-        """The bound that the outputs know."""
+        """The watermark that the outputs have announced."""
 
     def setup(self) -> None:
         """Set the stage up. Raises StageError."""
@@ -123,7 +123,7 @@ class StageRunner:
         self.ready = True
 
     def step(self) -> None:
-        """Fire as often as inputs and outputs allow. Raises StageError where the policy is `fail`."""
+        """Fire as often as inputs and outputs allow. Raises StageError if the policy is `fail`."""
         while (fire_at := self.due()) is not None:
             firing = self.take(fire_at)
             self.deliver(self.run(firing), firing.header)
@@ -131,7 +131,7 @@ class StageRunner:
                 break
 
     def due(self) -> int | None:
-        """Capture time, ns, of the firing that inputs and outputs allow now; None where they allow none."""
+        """Capture time, ns, of the firing that inputs and outputs allow now; None if they allow none."""
         if self.done:
             self._discard_rest()
             return None
@@ -141,7 +141,7 @@ class StageRunner:
         fire_at = self.join.ready(overdue=overdue)
         if fire_at is None:
             self._idle()
-            if overdue:  # it waits for feedback, which no deadline cuts short
+            if overdue:  # the stage waits for feedback, which no deadline cuts short
                 self.overdue_at = None
             return None
         self.blocked = not self.has_room()
@@ -155,7 +155,7 @@ class StageRunner:
         return Firing(arguments, _header(fired, fire_at))
 
     def run(self, firing: Firing) -> Any:
-        """What the stage returns, None where it raised. Raises StageError where the policy is `fail`."""
+        """What the stage returns, None if it raised. Raises StageError if the policy is `fail`."""
         started = time.monotonic_ns()
         self.working = True
         try:
@@ -168,9 +168,9 @@ class StageRunner:
         return result
 
     def deliver(self, result: Any, header: Header) -> None:
-        """The firing is over: hand out its result, or note how long it took to the end of the graph.
+        """End a firing: send its result, or note the latency if the stage is a sink.
 
-        Raises StageError where the result is not what the stage declares and the policy is `fail`.
+        Raises StageError if the result is not what the stage declares and the policy is `fail`.
         """
         self.count.fired += 1
         if result is not None and (type(result) is not self._only or not untimed(result.header)):
@@ -181,7 +181,7 @@ class StageRunner:
             self.send(result, header)
 
     def has_more(self) -> bool:
-        """Whether inputs may hold more than the last firing took: messages, or a bound to pass on."""
+        """Whether inputs may hold more than the last firing took: messages, or a later watermark."""
         if self.deadline is not None:
             return True
         for queue in self.join.members:  # noqa: SIM110  # asked after every firing; any() costs twice as much
@@ -190,21 +190,21 @@ class StageRunner:
         return False
 
     def has_room(self) -> bool:
-        """Whether every output takes a message."""
+        """Whether every output has credit for a message."""
         if self.single is not None:
             return self.single.has_room()
         return all(output.has_room() for _, output in self.outputs)
 
     def send(self, result: Any, header: Header) -> None:
-        """Hand out what `process` returned; a port with nothing to say still settles its time."""
+        """Send what `process` returned; a port without a message still advances its watermark."""
         if self.single is not None:
-            self._say(self.single, result, header)
+            self._send_to(self.single, result, header)
             return
         for port, output in self.outputs:
-            self._say(output, None if result is None else getattr(result, port), header)
+            self._send_to(output, None if result is None else getattr(result, port), header)
 
-    def succeed(self, stage: Stage, build: Callable[[], Stage]) -> None:
-        """Another stage, which is set up and fits the edges, does the work from the next firing on."""
+    def replace_stage(self, stage: Stage, build: Callable[[], Stage]) -> None:
+        """Run another stage, which is set up and fits the edges, from the next firing on (hot swap)."""
         self.stage = stage
         self.build = build
         found = ports(type(stage))
@@ -213,13 +213,13 @@ class StageRunner:
         self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
 
     def _declare(self) -> None:
-        """Read what the stage says that it hands out."""
+        """Read the output types that the stage declares."""
         self.declared = ports(type(self.stage)).outputs
         self._only = self.declared[0].type if len(self.declared) == 1 else None
-        """The type of all results but None, where there is one; dataclasses of messages have another."""
+        """Type of all results but None, if the stage has one output; None for dataclasses of messages."""
 
     def _checked(self, result: Any, header: Header) -> Any:
-        """The result, or None where it is not what the stage declares. Raises StageError as :meth:`run`."""
+        """The result, or None if it is not what the stage declares. Raises StageError as :meth:`run`."""
         try:
             check_returned(self.declared, result)
         except WrongOutput as error:
@@ -228,7 +228,7 @@ class StageRunner:
         return result
 
     def finish(self) -> None:
-        """No more input: close the stage and end its outputs."""
+        """Close the stage and end its outputs, for no input comes any more."""
         self.done = True
         self.close()
         self._discard_rest()
@@ -236,25 +236,25 @@ class StageRunner:
             output.end()
 
     def close(self) -> None:
-        """Close the stage; once, whoever asks first. Raises StageError: outputs may be incomplete."""
+        """Close the stage, once. Raises StageError, for outputs may be incomplete then."""
         if not self.open:
             return
         self.open = False
         try:
             self.stage.close()
         except Exception as error:
-            if self.ready:  # else it is half set up, and why was said already
+            if self.ready:  # else `setup` has raised already
                 raise StageError(self.name, None, error) from error
 
     def _discard_rest(self) -> None:
-        """What comes after the last firing has no reader: feedback, or a sender that was started again."""
+        """Discard messages after the last firing: feedback, or from a sender that was started again."""
         for sampled in self.join.sampled:
             sampled.queue.clear()
         for queue in self.join.members:
             queue.clear()
 
     def _idle(self) -> None:
-        """Nothing to fire: pass the bound on, end with the last input, or start the deadline."""
+        """Without a firing, pass the watermark on, or end with the last input."""
         watermark = self.join.watermark()
         if watermark == END:
             self.finish()
@@ -265,25 +265,25 @@ class StageRunner:
         self.absent = False
         if watermark > self._passed:
             self._passed = watermark
-            self.join.closed = max(self.join.closed, watermark - 1)  # for members that come back late
+            self.join.closed = max(self.join.closed, watermark - 1)  # what comes back late is too late
             for _, output in self.outputs:
                 output.advance(watermark)
 
     def _pass_on_absence(self) -> None:
-        """All inputs are away: who joins the outputs need not wait for them either; said once."""
+        """Announce once that all inputs are absent, so that joins downstream do not wait for them."""
         if not self.absent:
             self.absent = True
             for _, output in self.outputs:
                 output.absent()
 
     def _overdue(self, deadline: float) -> bool:
-        """Whether a message of a live join waits longer than it may; notes when one will."""
+        """Whether a message of a live join has waited beyond the deadline; notes when the next one will."""
         since = self.join.waiting_since()
         self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
         return self.overdue_at is not None and time.monotonic() >= self.overdue_at
 
     def _recover(self, header: Header, error: Exception) -> None:
-        """Apply the error policy. Raises StageError where the run is to fail."""
+        """Apply the error policy. Raises StageError if the run is to fail."""
         if self.on_error == "fail" or (self.on_error == "restart" and self.count.restarts >= RESTARTS):
             raise StageError(self.name, header, error) from error
         self.count.skipped += 1
@@ -295,7 +295,7 @@ class StageRunner:
                 raise StageError(self.name, header, second) from error
 
     def _restart(self) -> None:
-        """Build the stage anew after a wait; it carries on from the old one's state where it has one."""
+        """Build the stage again after a pause; it restores the checkpoint of the old one, if there is one."""
         self.stage.context.pause(FIRST_BACK_OFF * 2**self.count.restarts)
         self.count.restarts += 1
         state = self.stage.state()
@@ -314,7 +314,7 @@ class StageRunner:
         path.add(now - header.entered, header.source, header.seq)
 
     @staticmethod
-    def _say(output: OutputPort, message: Message | None, header: Header) -> None:
+    def _send_to(output: OutputPort, message: Message | None, header: Header) -> None:
         if message is None:
             output.advance(header.time + 1 + output.lateness)
         else:
@@ -322,7 +322,7 @@ class StageRunner:
 
 
 def _header(fired: Sequence[Message], time: int) -> Header:
-    """Header of an output: of the input that fired; for a join, of its first member at the join's time."""
+    """Header of an output: that of the only input, or of a join's earliest member at the join's time."""
     if len(fired) == 1:
         return fired[0].header
     headers = [message.header for message in fired]

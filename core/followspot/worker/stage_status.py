@@ -1,4 +1,4 @@
-"""What a stage is doing right now, and on whom it waits: answers "why is it slow" at a glance."""
+"""Status of stages: what each is doing now, and for which edges or stages it waits."""
 
 from __future__ import annotations
 
@@ -18,36 +18,30 @@ from followspot.worker.stage_runner import StageRunner
 
 
 def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:
-    """All stages of a worker; safe from another thread, which may see them between two steps.
-
-    errors: the last warning of each stage.
-    """
+    """Status of all stages of a worker; safe from another thread. errors: the last warning of each stage."""
     at_work = next((runner.name for runner in worker.runners if runner.working), "")
     return tuple(_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
 
 
 class Idleness:
-    """Since when each stage has not fired, as far as whoever looks again and again can tell.
-
-    monotonic: a clock, s.
-    """
+    """Time since each stage fired last, from status reports one after the other; monotonic: a clock, s."""
 
     def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
         self._clock = monotonic
         self._since: dict[str, tuple[int, float]] = {}
 
     def noted(self, stages: Iterable[StageStatus]) -> Iterator[StageStatus]:
-        """The same stages as they are now, with the time in which they have not fired."""
+        """The same statuses, with the time for which each stage has not fired."""
         now = self._clock()
         for stage in stages:
             fired, since = self._since.get(stage.stage, (-1, now))
             since = since if fired == stage.fired else now
             self._since[stage.stage] = stage.fired, since
-            yield replace(stage, idle_s=round(max(0.0, now - since), 3))  # two threads may look at once
+            yield replace(stage, idle_s=round(max(0.0, now - since), 3))  # two threads may ask at once
 
 
 def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
-    """Latency of all paths that end in a worker; safe from another thread."""
+    """Latency of all paths that end in this worker; safe from another thread."""
     return tuple(
         PathStatus(origin, runner.name, path.quantile(0.5), path.quantile(0.95))
         for runner in worker.runners
@@ -83,7 +77,7 @@ def _age(queue: InputQueue, clock: Clock) -> EdgeAge:
 
 
 def _full(output: OutputPort) -> Iterator[str]:
-    """Edges that hold up an output: the full ones of this worker, of those to others who is behind most."""
+    """Edges whose backpressure blocks an output: full queues here, and the slowest edges to other workers."""
     yield from (queue.name for queue in output.queues if len(queue.messages) >= queue.depth)
     words = output.words
     behind = {name: tally(words[row : row + COLUMNS].tolist()).in_flight for name, row in output.edges}
@@ -92,7 +86,7 @@ def _full(output: OutputPort) -> Iterator[str]:
 
 
 def _state(runner: StageRunner, at_work: str) -> tuple[StageState, tuple[str, ...]]:
-    """What a stage is doing, and on whom it waits; at_work: the stage that its worker is at, "" for none."""
+    """State of a stage, and for what it waits; at_work: the stage that its worker runs now, "" for none."""
     if runner.done:
         return "over", ()
     if runner.absent:
@@ -101,16 +95,16 @@ def _state(runner: StageRunner, at_work: str) -> tuple[StageState, tuple[str, ..
         return "sending", tuple(name for _, output in runner.outputs for name in _full(output))
     if runner.working:
         return "processing", ()
-    dry = tuple(i.name for i in runner.join.members if not i.messages and i.watermark != END) or _held_up(
-        runner
-    )
+    dry = tuple(
+        i.name for i in runner.join.members if not i.messages and i.watermark != END
+    ) or _awaited_feedback(runner)
     if dry or (isinstance(runner, LiveSourceRunner) and runner.grabbing):
         return "getting", dry
     return "waiting", (at_work,) if at_work else ()
 
 
-def _held_up(runner: StageRunner) -> tuple[str, ...]:
-    """Feedback that the next firing waits for."""
+def _awaited_feedback(runner: StageRunner) -> tuple[str, ...]:
+    """Feedback edges for which the next firing waits."""
     times = [
         messages[0].header.time for messages in (i.messages.copy() for i in runner.join.members) if messages
     ]

@@ -1,6 +1,6 @@
-"""Looking at ports of a graph that runs: sinks that are called with every message, beside the graph.
+"""Taps at ports of a running graph: sinks that get every message, beside the graph.
 
-A tap has no edge: it neither fires nor counts, and nothing waits for it. One that fails is taken away.
+A tap has no edge: it neither fires nor counts, and no stage waits for it. A tap that fails is removed.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from followspot.worker.scheduler import Worker
 
 
 class Tap:
-    """One sink at one output port; one that raises EOFError has nobody left to tell."""
+    """One sink at one output port; a sink that raises EOFError has lost its receiver."""
 
     def __init__(self, tapping: Tapping, output: OutputPort, stage: Stage) -> None:
         self.tapping = tapping
@@ -25,7 +25,7 @@ class Tap:
         self._stage = stage
 
     def __call__(self, message: Message) -> None:
-        """Hand the message to the sink; whatever it raises ends there."""
+        """Give the message to the sink; if it raises, the tap is removed."""
         try:
             self._stage.process(message)
         except Exception as error:
@@ -34,13 +34,13 @@ class Tap:
                 self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
 
     def close(self) -> None:
-        """Look no more."""
+        """Remove the tap from its port, and close its sink."""
         self._output.untap(self)
         self._stage.close()
 
 
 def close_taps(worker: Worker) -> None:
-    """Let every sink that looks at the worker's ports complete what it does; the last thing in its life."""
+    """Close all taps of a worker that ends, so that their sinks complete what they do."""
     for runner in worker.runners:
         for _, output in runner.outputs:
             for found in output.taps:
@@ -51,9 +51,9 @@ def close_taps(worker: Worker) -> None:
 def tap(
     worker: Worker, tappings: Iterable[Tapping], post: Callable[[Tapping], Post | None] = lambda tapping: None
 ) -> None:
-    """Look at those of the ports that the worker has, once; safe from any thread. Raises what sinks raise.
+    """Add the taps at ports of this worker that it does not have yet. Safe from any thread.
 
-    post: the way of a tap to those who look on from other hosts.
+    post: the channel of a tap to observers on other hosts. Raises what sinks raise.
     """
     outputs = {
         f"{runner.name}.{port}": (runner, output)

@@ -1,4 +1,4 @@
-"""The taps of one worker; on another host than the operator's, what they see travels over Zenoh."""
+"""The taps of one worker; on another host than the operator's, their messages travel over Zenoh."""
 
 from __future__ import annotations
 
@@ -14,10 +14,7 @@ from followspot.worker.tapping import close_taps, tap
 
 
 class WorkerTaps:
-    """Places taps from a thread, for what they import and open must not hold up the stages.
-
-    name: of the worker.
-    """
+    """Adds taps from a thread, so that imports and files do not hold up the stages; name: of the worker."""
 
     def __init__(self, name: str, worker: Worker, links: EdgeLinks, warn: Callable[[str], None]) -> None:
         self._host = next(w.host for w in links.plan.workers if w.name == name)
@@ -28,11 +25,11 @@ class WorkerTaps:
         self._over = False
 
     def place(self, tappings: Iterable[Tapping]) -> None:
-        """Begin to look; whoever calls does not wait for it."""
+        """Begin to add taps, and return at once."""
         threading.Thread(target=self._place, args=(tuple(tappings),), name="taps", daemon=True).start()
 
     def close(self) -> None:
-        """Look no more."""
+        """Close all taps, and add no more."""
         with self._one:
             self._over = True
             close_taps(self._worker)
@@ -44,7 +41,7 @@ class WorkerTaps:
             try:
                 tap(self._worker, tappings, self._post)
             except Exception as error:
-                self._warn(f"they cannot be made: {error}")
+                self._warn(f"taps cannot be made: {error}")
 
     def _post(self, tapping: Tapping) -> Post | None:
         session = self._links.session

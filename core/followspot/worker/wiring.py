@@ -1,4 +1,4 @@
-"""What the workers of a plan agree on: types of ports, windows of joins, what may be promised when."""
+"""What all workers of a plan agree on: types of ports, windows and deadlines of joins, allowed lateness."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from followspot.worker.clock import Clock
 
 @dataclass(frozen=True)
 class RunOptions:
-    """What the user said about this run and not about the graph.
+    """Options of a run that are not part of the graph.
 
-    out: folder for outputs; frames: messages per source, None for all; warn: stage name and text;
-    rejoin: whether workers that die are started again: live joins then go on without them, others wait;
+    out: folder for outputs; frames: messages per source, None for all; warn: gets stage name and text;
+    rejoin: whether workers that die are started again, while live joins go on without them and others wait;
     clock: of this host.
     """
 
@@ -34,7 +34,7 @@ class RunOptions:
 
 
 class Wiring:
-    """What the workers of a plan agree on: port types, windows, which held inputs are sampled by time."""
+    """What all workers of a plan agree on: port types, windows, and how sampled inputs are sampled."""
 
     def __init__(self, plan: Plan) -> None:
         """Raises InputError if the plan is a replay whose result would depend on timing."""
@@ -63,11 +63,11 @@ class Wiring:
         return next(port for port in self.ports[edge.to_stage].inputs if port.name == edge.to_port)
 
     def sampled(self, edge: PlannedEdge) -> bool:
-        """Whether the edge is sampled at a firing instead of firing itself."""
+        """Whether the edge is a sampled input, which never fires."""
         return edge.delay > 0 or self.input_port(edge).kind == "latest"
 
     def timed(self, edge: PlannedEdge) -> bool:
-        """Whether a held edge is sampled by capture time, not by arrival as a `Latest` of a live run is."""
+        """Whether a sampled input goes by capture time; a `Latest` of a live run goes by arrival."""
         return edge.delay > 0 or not self.live
 
     def window(self, stage: PlannedStage) -> int:
@@ -76,10 +76,10 @@ class Wiring:
         return round(stage.tolerance * 1e9) if len(members) > 1 else 0
 
     def _latenesses(self) -> dict[str, int]:
-        """For each stage, ns after a message's time for which the message promises that nothing else comes.
+        """Allowed lateness of each stage, ns: a message announces that nothing else comes within it.
 
-        A join takes the earliest time of its members as its own and gives up what comes within its window
-        later; that lets a feedback edge be certain as soon as its message is there.
+        A join fires at the earliest time of its members and discards what comes later within its window. A
+        feedback edge is therefore certain as soon as its message is there.
         """
         lateness: dict[str, int] = {}
         for stage in self.plan.stages:
@@ -89,9 +89,9 @@ class Wiring:
         return lateness
 
     def _deadlines(self) -> dict[str, float]:
-        """For each stage, s from a message's entering the graph until those still missing are given up.
+        """Deadline of each stage, s from a message's entering the graph until it fires without the missing.
 
-        A join waits on top of what joins upstream of it wait: else what they make of the rest comes too late.
+        A join adds its own deadline to those of the joins upstream: else their outputs would come too late.
         """
         deadline: dict[str, float] = {}
         for stage in self.plan.stages:

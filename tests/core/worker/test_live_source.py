@@ -137,7 +137,7 @@ def test_what_the_device_before_a_swap_still_gives_is_dropped() -> None:
     bench.begin()
     old = bench.runner._thread
     assert old is not None
-    bench.runner.succeed(second, lambda: second)
+    bench.runner.replace_stage(second, lambda: second)
     first.wanted.release()
     old.join(60)
     assert (bench.count().produced, bench.count().dropped) == (1, 1)

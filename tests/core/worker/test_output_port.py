@@ -71,7 +71,7 @@ class Rings:
         self.ends[edge].close()
         for writer in self.output.writers:
             writer.drain()
-        self.output.look()
+        self.output.update_readers()
 
     def revive(self, edge: int) -> None:
         """As the worker takes up a reader that was started again."""
@@ -81,7 +81,7 @@ class Rings:
             self.dropping.replace(0, ours)
         else:
             self.ring.replace(edge, ours)
-        self.output.look()
+        self.output.update_readers()
 
     def send(self, count: int, message: Message = Note("short")) -> None:
         for _ in range(count):

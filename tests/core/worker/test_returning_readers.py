@@ -77,7 +77,7 @@ def test_what_was_on_its_way_to_a_reader_that_is_not_reached_again_is_lost_at_th
         reader.close()
         while not writer.lost and time.monotonic() < deadline:
             writer.drain()
-        output.look()
+        output.update_readers()
         assert ledger.count(0).in_flight == 3, "it may come back"
         worker.close()
     count = ledger.count(0)

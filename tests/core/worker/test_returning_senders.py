@@ -53,7 +53,7 @@ class Reading:
         self.worker = Worker([self.runner], [self.queue], [], Pace())
         self.queue.wake = lambda: self.worker.mark(0)
 
-    def succeed(self) -> None:
+    def replace_writer(self) -> None:
         """The writer dies, and another takes its place."""
         self.writer.close()
         ours, theirs = pair()
@@ -73,7 +73,7 @@ def test_all_that_a_sender_had_sent_is_taken_over_however_much_it_is() -> None:
         reading.writer.send(Watermark(watermark))
     reading.writer.send(note(100))
     assert reading.writer.flush()
-    reading.succeed()
+    reading.replace_writer()
     assert [message.header.seq for message in reading.queue.messages] == [100]
 
 
@@ -82,7 +82,7 @@ def test_a_sender_that_is_started_again_after_its_end_is_not_held_up_by_a_stage_
     reading.writer.send(Watermark(END))
     reading.work()
     assert reading.runner.done
-    reading.succeed()
+    reading.replace_writer()
     reading.work()
     for number in range(3 * DEPTH):
         assert reading.writer.credit() > 0
@@ -107,10 +107,10 @@ def test_a_port_that_is_absent_stays_so_for_all_when_one_of_its_readers_comes_ba
     output.absent()
     gone.close()
     ring.drain()
-    output.look()
+    output.update_readers()
     again, last = pair()
     ring.replace(1, again)
-    output.look()
+    output.update_readers()
     returns.reader = RingReader(last, Note)
     stays.poll()
     returns.poll()
