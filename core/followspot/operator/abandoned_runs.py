@@ -1,4 +1,4 @@
-"""Runs that operators left with an agent when they died: ended by the next operator of the same machine."""
+"""Abandoned runs: an agent still has them, but their operator died; the next operator here ends them."""
 
 from __future__ import annotations
 
@@ -13,40 +13,41 @@ from followspot.control.origin import Origin
 from followspot.control.zenoh_rpc import RpcClient
 from followspot.host.operator_timeout import SILENT
 
-_ENDING = 20.0
+_END_TIMEOUT = 20.0
 """Seconds that workers may take to complete their outputs."""
 _POLL_INTERVAL = 0.1
-"""Seconds between two looks at them."""
+"""Seconds between two polls of the workers."""
 
 
-def end_left_behind(client: RpcClient, host: str, here: Origin) -> Iterator[str]:
-    """End what dead operators of this machine left with an agent; a line for each, and for who is silent.
+def end_abandoned_runs(client: RpcClient, host: str, here: Origin) -> Iterator[str]:
+    """End the runs at an agent whose operators were processes of this machine that have died.
 
-    Raises HostLost, FollowspotError.
+    Yields a line for each run that was ended, and for each run whose operator has been silent for long.
+    Raises HostLost if the agent does not answer, FollowspotError if it refuses.
     """
     try:
-        parts = client.ask(host, ListRuns())
-    except HostRefused:  # who may not know may not begin a run either, and is told so then
+        runs = client.ask(host, ListRuns())
+    except HostRefused:  # an operator without this right cannot start a run either; PrepareRun says so
         return
-    for part in parts:
-        if part.over or part.detached:
+    for run in runs:
+        if run.over or run.detached:
             continue
-        name = f"run {part.run[:8]} of {part.graph}"
-        if part.origin.dead(here):
-            with suppress(HostRefused):  # somebody else was faster
-                _end(client, host, part.run)
+        name = f"run {run.run[:8]} of {run.graph}"
+        if run.origin.dead(here):
+            with suppress(HostRefused):  # another operator has ended it already
+                _end_run(client, host, run.run)
             yield f"{name} was left there by a process of this machine that has died; it was ended"
-        elif part.silent_s > SILENT:
+        elif run.silent_s > SILENT:
             yield (
-                f"{name} goes on there, whose operator has been silent for {part.silent_s:.0f} s; "
-                f"followspot attach {part.run[:8]} --stop ends it"
+                f"{name} goes on there, whose operator has been silent for {run.silent_s:.0f} s; "
+                f"followspot attach {run.run[:8]} --stop ends it"
             )
 
 
-def _end(client: RpcClient, host: str, run: str) -> None:
-    """As its operator would: outputs are complete."""
+def _end_run(client: RpcClient, host: str, run: str) -> None:
+    """Stop a run as its operator would, so that its outputs are complete."""
     client.ask(host, StopRun(run=run))
-    deadline = time.monotonic() + _ENDING
+    deadline = time.monotonic() + _END_TIMEOUT
     while time.monotonic() < deadline:
         if client.ask(host, GetHostStatus(run=run)).all("over"):
             break

@@ -1,4 +1,4 @@
-"""The operator's side of a run: all hosts ready, all begin, one report, whatever the hosts are."""
+"""The operator's side of a run: prepares all hosts, starts them together, watches them, merges a report."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
 from followspot.worker.wiring import RunOptions
 
-_GRACE = 20.0
-"""Seconds that hosts have to end after a stop."""
-_REUNION = 5.0
-"""Seconds of these that a host has to answer again, to be told of the stop."""
+_STOP_TIMEOUT = 20.0
+"""Seconds that hosts have to end their workers after a stop."""
+_DELIVERY_TIMEOUT = 5.0
+"""Seconds after a stop in which the operator waits for a silent host, to deliver the stop to it."""
 
 
 def order_of(plan: Plan, options: RunOptions, *, restart: bool, detached: bool = False) -> RunOrder:
-    """A new order. restart: whether workers that die are started again; detached: see `RunOrder`."""
+    """A new order for a plan. restart: whether hosts restart workers that die; detached: see `RunOrder`."""
     out = str(options.out.resolve())
     shipped, by = plan_to_data(plan), reference(plan)
     return RunOrder(uuid.uuid4().hex, shipped, options.frames, out, restart, detached, reference=by)
@@ -55,10 +55,10 @@ class Coordinator:
         *,
         begun: bool = False,
     ) -> None:
-        """hosts: every host that the plan names; order: what they were, or are to be, told.
+        """hosts: every host that the plan names; order: the order that the hosts get, or have got already.
 
-        others: those that may join while it runs; None for a run without a network; begun: whether it has,
-        under another operator.
+        others: hosts that may join during the run; None for a run without a network; begun: whether another
+        operator has started the run already.
         """
         self.plan = plan
         self.hosts = list(hosts)
@@ -70,30 +70,30 @@ class Coordinator:
         self._leaving = False
         self._stop_asked = False
         self._ended: set[str] = set()
-        """Workers whose end the hosts know of."""
-        self._give_up_at: float | None = None
+        """Workers that have ended, as announced to the hosts."""
+        self._stop_deadline: float | None = None
         self._silent: dict[str, str] = {}
-        """Hosts that do not answer, and what is known of that."""
+        """Hosts that do not answer, each with the reason as far as it is known."""
         self._news: list[str] = []
         self._one_change = Lock()
         self._begun = begun
         self._prepared = list(hosts) if begun else []
-        self._early: list[Relayed] = []
-        """Orders that came before the hosts had their parts."""
+        self._pending_orders: list[Relayed] = []
+        """Orders relayed before all hosts were prepared; each host gets them after its preparation."""
         self._one_relay = Lock()
 
     def stop(self) -> None:
-        """End the sources everywhere; what is in flight is finished. Safe in a signal handler."""
+        """End all sources; workers finish the messages in flight. Safe in a signal handler."""
         self.stopped = True
         self._stop_asked = True
 
     def execute(
         self, on_progress: OnProgress | None = None, on_begin: Callable[[], None] = lambda: None
     ) -> RunReport:
-        """Start all workers together, run to the end, gather the report. Leaves nothing behind.
+        """Start all workers together, run to the end, return the report, and close all hosts.
 
-        on_begin: called when all have begun, or will not. Raises FollowspotError where a host refuses its
-        part.
+        on_begin: called once all workers have started, or once it is known that they will not. Raises
+        FollowspotError if a host refuses its workers.
         """
         try:
             begun = self.begin()
@@ -103,7 +103,7 @@ class Coordinator:
             self._close()
 
     def begin(self) -> bool:
-        """Prepare all hosts and start them together; whether all were ready. Raises FollowspotError."""
+        """Prepare all hosts and start them together; False if not all got ready. Raises FollowspotError."""
         for host in self.hosts:
             host.prepare(self.order)
             self._relay_to(host)
@@ -116,29 +116,31 @@ class Coordinator:
         return True
 
     def _close(self) -> None:
-        """Leave nothing behind; say where that was not possible."""
+        """Close all hosts; log a warning for each that does not answer."""
         for host in self.hosts:
             if not host.close():
-                line = f"host {host.name} was not told that the run is over; its part ends after the agent's "
-                line += f"--operator-timeout, or by followspot attach {self.name[:8]} --stop"
-                self._tell_news(line, "warning")
+                line = f"host {host.name} was not told that the run is over; its workers end after the "
+                line += f"agent's --operator-timeout, or by followspot attach {self.name[:8]} --stop"
+
+                self._report_event(line, "warning")
 
     def watch(self, on_progress: OnProgress | None = None) -> RunReport:
-        """Look on to the end of a run that has begun, or until `leave`."""
+        """Block until a run that has begun ends, or until `leave`; return its report."""
         started = time.monotonic()
-        self._attend(on_progress)
+        self._watch_to_end(on_progress)
         self.log.gather()
         return self._view().report(time.monotonic() - started, self._silent, stopped=self.stopped)
 
     def status(self) -> RunStatus:
-        """The newest picture of the whole run."""
+        """The newest status of the whole run."""
         return self._view().status()
 
     def change(self, words: Sequence[str], folder: Path, *, fresh: bool = False) -> Changed:
-        """Swap stages and set parameters while the run goes on; safe beside the thread that watches.
+        """Hot swap: replace stages and set parameters during the run. Safe from any thread.
 
-        words, folder: as `changed_stages` takes them; fresh: without the state of the old stages. Raises
-        InputError, or FollowspotError where a successor cannot be built or cannot carry on: the old ones do.
+        words, folder: see `changed_stages`; fresh: whether replacements start without the state of the old
+        stages. Raises InputError for mistakes in words, FollowspotError if a replacement cannot be built or
+        cannot restore that state; the old stages then go on.
         """
         with self._one_change:
             self._check_begun()
@@ -150,10 +152,11 @@ class Coordinator:
             return report
 
     def move(self, names: Sequence[str], place: str) -> Moved:
-        """Bring stages of a live run to another worker or host; safe beside the thread that watches.
+        """Move stages of a live run to another worker or host. Safe from any thread.
 
-        Workers whose stages or kinds of edges change begin anew, with the state of their stages; what is
-        under way to and from them is lost, and counted. Raises InputError, FollowspotError.
+        Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
+        flight to and from them are lost and counted. Raises InputError for mistakes in the arguments,
+        FollowspotError if a host refuses or a worker cannot start at its new place.
         """
         with self._one_change:
             self._check_begun()
@@ -166,7 +169,7 @@ class Coordinator:
             return report
 
     def _join(self, names: Iterable[str]) -> None:
-        """Let hosts take part in the run, with no workers yet. Raises FollowspotError where one refuses."""
+        """Add hosts to the run, with no workers yet. Raises FollowspotError if a host refuses."""
         for name in names:
             assert self._others is not None
             host = self._others.host(name)
@@ -183,96 +186,97 @@ class Coordinator:
             raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def relay(self, order: Relayed) -> None:
-        """Tell all workers, as soon as their hosts have their parts; safe from any thread.
+        """Send an order to all workers, once their hosts are prepared. Safe from any thread.
 
-        Raises FollowspotError if a run of this plan refuses the order.
+        Raises FollowspotError if the order does not fit the plan.
         """
         order.check(self.plan, remote=False)
         with self._one_relay:
             if not self._begun:
-                self._early = with_order(self._early, order)
+                self._pending_orders = with_order(self._pending_orders, order)
             for host in self._prepared:
                 host.relay(order)
 
     def _relay_to(self, host: Host) -> None:
-        """The host has its part: tell it what came before."""
+        """Send the pending orders to a host that has just been prepared."""
         with self._one_relay:
             self._prepared.append(host)
-            for order in self._early:
+            for order in self._pending_orders:
                 host.relay(order)
 
     def records(self, after: int) -> LogPage:
-        """What was logged on all hosts after the record of this number; safe from any thread."""
+        """Log records of all hosts after the record of this number. Safe from any thread."""
         self.log.gather()
         return self.log.after(after)
 
     def leave(self) -> None:
-        """Look on no longer; the run goes on. Safe in a signal handler."""
+        """Make `watch` return while the run goes on. Safe in a signal handler."""
         self._leaving = True
 
     def _all_ready(self) -> bool:
-        """Wait for every worker everywhere; False where one failed or the user stopped."""
+        """Wait until all workers are ready; False if one failed or the user stopped the run."""
         while not all(worker.phase == "ready" for worker in self._workers()):
-            self._look(None)
+            self._poll_hosts(None)
             if self._stop_asked or self._failed():
                 return False
         return True
 
-    def _attend(self, on_progress: OnProgress | None) -> None:
-        """Watch until every worker has ended, or nobody can tell."""
+    def _watch_to_end(self, on_progress: OnProgress | None) -> None:
+        """Poll until every worker has ended or is on a host that no longer answers."""
         while not (self._leaving or all(self._over(host) for host in self.hosts)):
-            self._look(on_progress)
+            self._poll_hosts(on_progress)
             if self._stop_asked or self._failed():
                 self._end_early()
-            if self._give_up_at is not None and time.monotonic() > self._give_up_at:
+            if self._stop_deadline is not None and time.monotonic() > self._stop_deadline:
                 return
             if self.order.restart:
-                self._tell_ends()
+                self._announce_ended_workers()
 
-    def _tell_ends(self) -> None:
-        """Let all hosts know which workers have come to their end, where those that die are started again."""
+    def _announce_ended_workers(self) -> None:
+        """Tell all hosts which workers have ended, so that a restarted worker does not wait for them."""
         ended = {worker.name for worker in self._workers() if worker.phase == "over"}
         if not ended <= self._ended:
             self._ended |= ended
             for host in self.hosts:
                 host.ended(sorted(self._ended))
 
-    def _look(self, on_progress: OnProgress | None) -> None:
+    def _poll_hosts(self, on_progress: OnProgress | None) -> None:
         for host in self.hosts:
             try:
                 host.attend(PROGRESS_PERIOD / len(self.hosts))
                 if self._silent.pop(host.name, None):
-                    self._tell_news(f"host {host.name} is back", "info")
+                    self._report_event(f"host {host.name} is back", "info")
             except HostLost as error:
                 if host.name not in self._silent:
-                    self._tell_news(str(error), "warning")
+                    self._report_event(str(error), "warning")
                 self._silent[host.name] = str(error)
         self.log.gather()
         if on_progress is not None:
             whole = self._view()
             on_progress(whole.progress(), whole.expected())
 
-    def _tell_news(self, line: str, level: Level) -> None:
+    def _report_event(self, line: str, level: Level) -> None:
         self.log.say(level, line)
         self._news.append(line)
 
     def _end_early(self) -> None:
-        """Ask every worker to finish what is in flight; once."""
+        """Ask every host to stop, once: workers finish the messages in flight."""
         self._stop_asked = False
-        if self._give_up_at is None:
-            self._give_up_at = time.monotonic() + _GRACE
+        if self._stop_deadline is None:
+            self._stop_deadline = time.monotonic() + _STOP_TIMEOUT
             for host in self.hosts:
                 host.stop()
 
     def _over(self, host: Host) -> bool:
-        """Whether nothing more is to be expected of a host."""
+        """True if all workers of a host have ended, or if the operator no longer waits for the host."""
         if host.name in self._silent:
-            parted = self._give_up_at is not None and time.monotonic() > self._give_up_at - _GRACE + _REUNION
-            return parted or not self.order.restart
+            end = self._stop_deadline
+            undelivered = end is not None and time.monotonic() > end - _STOP_TIMEOUT + _DELIVERY_TIMEOUT
+            return undelivered or not self.order.restart
         return host.status().all("over")
 
     def _failed(self) -> bool:
-        """Whether something ended in a way that ends the run."""
+        """True if a worker failed, or a host was lost in a run without restarts: either ends the run."""
         lost = bool(self._silent) and not self.order.restart
         return lost or any(w.phase == "over" and w.report and w.report.error for w in self._workers())
 

@@ -1,4 +1,4 @@
-"""From the hosts that a plan names to the agents that stand there."""
+"""Discovery: finds the agents of the hosts that a plan names."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
 
 _DISCOVERY = 2.0
-"""Seconds until nobody else can be expected to be discovered."""
+"""Seconds after which no further peer is expected to be discovered."""
 _TIMEOUT = 5.0
-"""Seconds for agents to be found; links between hosts may only just be made."""
+"""Seconds that agents have to be found: links between hosts may still be connecting."""
 
 
 @contextmanager
 def operating(network: Network) -> Iterator[zenoh.Session]:
-    """An operator's session. Raises FollowspotError."""
+    """An operator's Zenoh session. Raises FollowspotError if it cannot connect."""
     session = connected(network)
     try:
         if network.discover:
-            _await_anybody(session)
+            _await_peer(session)
         yield session
     finally:
         close_session(session)
@@ -41,17 +41,17 @@ def operating(network: Network) -> Iterator[zenoh.Session]:
 
 @dataclass(frozen=True)
 class Agents:
-    """`Others` that a session leads to. media: folder here whose files they have below their own."""
+    """`Others` reached over Zenoh. media: local folder whose files agents have below their own --media."""
 
     client: RpcClient
     media: Path = Path()
 
     def names(self) -> Collection[str]:
-        """Of all agents that are there."""
+        """The hosts of all agents that are alive."""
         return agents(self.client.session)
 
     def host(self, name: str) -> RemoteHost:
-        """One of them."""
+        """The host of this name."""
         return RemoteHost(self.client, name, self.media)
 
 
@@ -59,10 +59,10 @@ class Agents:
 def reached(
     plan: Plan, network: Network, media: Path, start: Start = start_process
 ) -> Iterator[tuple[Sequence[Host], Others]]:
-    """The hosts of a plan: this one, and agents for the others; and whoever else there is.
+    """The hosts of a plan, the local one included, and the other hosts that may join the run.
 
-    media: folder here whose files agents have below their own; start: of a worker here. Raises InputError
-    where an agent is missing.
+    media: local folder whose files agents have below their own --media; start: starts a worker of this host.
+    Raises InputError if an agent is missing.
     """
     names = dict.fromkeys(worker.host for worker in plan.workers)
     with operating(network) as session:
@@ -73,22 +73,25 @@ def reached(
         yield [others.host(name) if name else near for name in names], others
 
 
-def _await_anybody(session: zenoh.Session) -> None:
-    """Return when somebody was discovered, or nobody is there."""
+def _await_peer(session: zenoh.Session) -> None:
+    """Return when a peer was discovered, or after `_DISCOVERY` seconds."""
     deadline = time.monotonic() + _DISCOVERY
     while not session.info.peers_zid() and time.monotonic() < deadline:
         time.sleep(0.02)
 
 
 def await_named(session: zenoh.Session, network: Network) -> None:
-    """Return when as many agents are there as endpoints were named; some may be off, or not be agents."""
+    """Return when there are as many agents as named endpoints, or after `_DISCOVERY` seconds.
+
+    Some endpoints may be down, or belong to a router.
+    """
     deadline = time.monotonic() + _DISCOVERY
     while len(agents(session)) < len(network.connect) and time.monotonic() < deadline:
         time.sleep(0.02)
 
 
 def await_agents(session: zenoh.Session, names: Sequence[str], network: Network) -> None:
-    """Return when all these agents are there. Raises InputError naming those that are not."""
+    """Return when all these agents are alive. Raises InputError naming those that are missing."""
     deadline = time.monotonic() + _TIMEOUT
     while missing := sorted(set(names) - agents(session)):
         if time.monotonic() > deadline:

@@ -1,4 +1,4 @@
-"""Run a plan: in this thread where it has one worker, else under an agent in this process and others."""
+"""Starts a run of a plan: its workers are threads or processes of this host, or belong to remote agents."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from followspot.worker.wiring import RunOptions
 
 
 class Run(Protocol):
-    """What can be executed, and stopped meanwhile."""
+    """A run that `interruptible` can execute and stop."""
 
     stopped: bool
 
     def stop(self) -> None:
-        """End the sources; safe in a signal handler."""
+        """End the sources. Safe in a signal handler."""
 
     def execute(self, on_progress: OnProgress | None = None) -> RunReport:
-        """Run to the end."""
+        """Block until the run ends; return its report."""
 
 
 def run_plan(
@@ -46,12 +46,11 @@ def run_plan(
     restart: bool = False,
     on_log: OnLog | None = None,
 ) -> RunReport:
-    """Run to the end of all sources, or until it is interrupted; see `interruptible`.
+    """Run until all sources end or the user interrupts; see `interruptible`.
 
-    network: leads to the agents of other hosts that the plan names; media: folder here whose files agents
-    have below their own --media folder; restart: whether workers that die are started again in a replay,
-    too, as they are in live runs; on_log: gets each record of the log. Raises InputError where an agent is
-    missing.
+    network: leads to the agents of the other hosts that the plan names; media: local folder whose files
+    agents have below their own --media folder; restart: whether workers that die are restarted in a replay
+    too, as they are in live runs; on_log: gets each log record. Raises InputError if an agent is missing.
     """
     ready = prepared(plan, options, network=network, media=media, restart=restart, on_log=on_log)
     with ready as (run, around):
@@ -69,16 +68,16 @@ def prepared(
     on_log: OnLog | None = None,
     in_process: Collection[str] = (),
 ) -> Iterator[tuple[Coordinator, Surroundings]]:
-    """A run that has not begun, and what is around it; see `run_plan`.
+    """A run that has not begun, and its surroundings; see `run_plan` and `Surroundings`.
 
-    in_process: workers of this host that are threads of this process; a plan's only worker always is.
-    Raises InputError where an agent is missing.
+    in_process: workers of this host that run as threads of this process; a plan's only worker always does.
+    Raises InputError if an agent is missing.
     """
     restart = restart or plan.live
     if network.public or any(worker.host for worker in plan.workers):
         from followspot.operator.discovery import reached
 
-        start = partial(_started, in_process)
+        start = partial(_start_worker, in_process)
         order = order_of(plan, options, restart=restart)
         with reached(plan, network, media, start) as (hosts, others):
             around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
@@ -97,14 +96,14 @@ def local_run(
     in_process: Collection[str] = (),
 ) -> Coordinator:
     """A run on this host alone; see `prepared`."""
-    if len(plan.workers) == 1:  # a thread cannot be started again in place of one that hangs
+    if len(plan.workers) == 1:  # a thread that hangs cannot be killed and replaced
         in_process, restart = (plan.workers[0].name,), False
-    host = LocalHost("", start=partial(_started, in_process))
+    host = LocalHost("", start=partial(_start_worker, in_process))
     return Coordinator(plan, [host], order_of(plan, options, restart=restart), on_log)
 
 
-def _started(in_process: Collection[str], name: str, end: socket.socket) -> Process:
-    """A worker of this host: a thread of this process, or a process of its own. Raises OSError."""
+def _start_worker(in_process: Collection[str], name: str, end: socket.socket) -> Process:
+    """Start a worker of this host: a thread if it is in `in_process`, else a process. Raises OSError."""
     if name not in in_process:
         return start_process(name, end)
     from followspot.host.worker_thread import WorkerThread
@@ -113,15 +112,15 @@ def _started(in_process: Collection[str], name: str, end: socket.socket) -> Proc
 
 
 def _reachable(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:
-    """Execute; meanwhile other processes of the user can find the run, look at it and change it."""
+    """Execute the run; meanwhile other processes of the user can find, watch and change it."""
     with reachable(run.name, run.plan.graph, run_dispatcher(run, surroundings)):
         return interruptible(run, on_progress)
 
 
 def interruptible(run: Run, on_progress: OnProgress | None = None) -> RunReport:
-    """Execute; Ctrl-C and SIGTERM end the sources, and outputs are complete either way.
+    """Execute the run; on Ctrl-C or SIGTERM its sources end, and its outputs are still complete.
 
-    A second Ctrl-C raises KeyboardInterrupt. Call from the main thread.
+    A second Ctrl-C raises KeyboardInterrupt. Call this from the main thread.
     """
 
     def stop(number: int, frame: FrameType | None) -> None:

@@ -29,7 +29,7 @@ from followspot.graph.change import with_stages
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.host.heartbeat import SILENCE, Heartbeat
 from followspot.log.run_log import RunLog
-from followspot.operator.abandoned_runs import end_left_behind
+from followspot.operator.abandoned_runs import end_abandoned_runs
 from followspot.transport.zenoh.network import UNPROVEN
 
 _PERIOD = 0.2
@@ -93,7 +93,7 @@ class RemoteHost:
         self.run = order.run
         own = self._client.own
         order = replace(order, origin=own_origin("" if own == UNPROVEN else own.name))
-        for line in end_left_behind(self._client, self.name, order.origin):
+        for line in end_abandoned_runs(self._client, self.name, order.origin):
             self._before += (line,)
             self.log.say("warning", line)
         plan = packed(plan_from_data(order.plan), self.name, self._media)

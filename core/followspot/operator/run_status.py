@@ -1,4 +1,4 @@
-"""A run at one moment, for those who look on: the operator's page, `followspot top`, metrics."""
+"""The status of a run at one moment, as the page, `followspot top` and the metrics show it."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from followspot.ranges import Age, Count
 from followspot.worker.ledger import COLUMNS, EdgeCount, tally
 
 OLD = 1.0
-"""Age, s, from which on a status is shown as old; workers speak and hosts are asked five times a second."""
+"""Age, s, above which a status counts as old; workers report and hosts are polled five times a second."""
 
 
 @dataclass(frozen=True)
 class SeenHost:
-    """One of the other hosts. age_s: None where it was never heard; absent: whether it does not answer."""
+    """A remote host. age_s: age of its last answer, None if it never answered; absent: it is silent."""
 
     name: str
     age_s: Age | None
@@ -26,11 +26,12 @@ class SeenHost:
 
 @dataclass(frozen=True)
 class RunStatus:
-    """One moment.
+    """The status of a run at one moment.
 
-    workers: all of the plan, with their ages; counts: words of the ledger, of all edges of the plan; fired,
-    expected: frames done and to be done; clocks: of the hosts that go by that of another one, "" for the
-    operator's own.
+    workers: all workers of the plan, with their ages; counts: the ledger's columns of all edges of the plan,
+    one edge after the other; fired: frames done; expected: frames to be done, None if no source knows; news:
+    events of the run, a line each; clocks: of the hosts that follow a reference clock, "" for the operator's
+    own; hosts: the remote hosts.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -42,20 +43,20 @@ class RunStatus:
     hosts: tuple[SeenHost, ...] = ()
 
     def later(self, seconds: float) -> RunStatus:
-        """The same status when it has become older by so many seconds, s."""
+        """The same status, older by `seconds`."""
         workers = (w if w.age_s is None else replace(w, age_s=w.age_s + seconds) for w in self.workers)
         hosts = (h if h.age_s is None else replace(h, age_s=h.age_s + seconds) for h in self.hosts)
         return replace(self, workers=tuple(workers), hosts=tuple(hosts))
 
     def faults(self) -> tuple[str, ...]:
-        """What is absent or was not heard lately, a line each; workers of such a host are not named again."""
+        """A line for each host or worker that is absent or old; a faulty host's workers have no own line."""
         return faults(self.hosts, self.workers)
 
     def edges(self, plan: Plan) -> Iterator[tuple[PlannedEdge, EdgeCount]]:
         """Each edge with its counts."""
         for number, edge in enumerate(plan.edges):
             row = self.counts[number * COLUMNS : (number + 1) * COLUMNS]
-            if row:  # a host that has not answered yet has none
+            if row:  # empty until all hosts have answered once
                 yield edge, tally(row)
 
 
@@ -67,17 +68,17 @@ def faults(hosts: Iterable[SeenHost], workers: Iterable[WorkerStatus]) -> tuple[
 
 
 def is_old(worker: WorkerStatus) -> bool:
-    """Whether a worker that should be heard was not heard lately."""
+    """True if a running worker's last report is older than `OLD`."""
     return worker.phase == "running" and worker.age_s is not None and worker.age_s > OLD
 
 
 def is_unheard(worker: WorkerStatus) -> bool:
-    """Whether only what a worker said some time ago is known of it."""
+    """True if a worker is absent or its last report is old: its figures are not current."""
     return worker.phase == "absent" or is_old(worker)
 
 
 def _host_fault(host: SeenHost) -> str:
-    """What is wrong with a host, "" for nothing."""
+    """The fault of a host as a line, "" if there is none."""
     if host.age_s is None:
         return f"host {host.name} is absent: nothing is heard of the run there"
     if host.absent:
@@ -86,7 +87,7 @@ def _host_fault(host: SeenHost) -> str:
 
 
 def _worker_fault(worker: WorkerStatus) -> str:
-    """What is wrong with a worker, "" for nothing."""
+    """The fault of a worker as a line, "" if there is none."""
     if worker.phase == "absent":
         when = "never heard" if worker.age_s is None else f"last heard {worker.age_s:.0f} s ago"
         return f"worker {worker.name} is absent: {when}"

@@ -1,4 +1,4 @@
-"""The newest pictures of all hosts of a run, as one: how far it is, its status, and its report at the end."""
+"""Merges the newest statuses of a run's hosts: its progress, its status, and its report at the end."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ from followspot.worker.scheduler import Progress
 
 @dataclass(frozen=True)
 class RunView:
-    """hosts: their pictures, by name, "" for the operator's own; news: that no host knows of.
+    """One view of a run on all its hosts.
 
-    begun: whether all hosts had been heard once: one that was never heard here is not in reach.
+    hosts: the newest status of each, by name, "" for the operator's own; news: events that the operator
+    itself noticed; begun: whether the run has started: a host without a status is then out of reach.
     """
 
     plan: Plan
@@ -29,35 +30,35 @@ class RunView:
     begun: bool = False
 
     def workers(self) -> Iterator[WorkerStatus]:
-        """Of all hosts."""
+        """The workers of all hosts."""
         return (worker for status in self.hosts.values() for worker in status.workers)
 
     def progress(self) -> Progress:
-        """Of the sink that is furthest behind; of the sources where no stage is a sink."""
+        """Frames done by the sink that is furthest behind, or by the sources if the graph has no sink."""
         senders = {edge.from_stage for edge in self.plan.edges}
         sinks = {stage.worker for stage in self.plan.stages if stage.name not in senders}
         fired = [worker.fired for worker in self.workers() if worker.name in sinks]
         newest = max((worker.time for worker in self.workers()), default=-1)
-        return Progress(min(fired, default=0), newest, faults(self._seen_hosts(), self._seen()))
+        return Progress(min(fired, default=0), newest, faults(self._host_statuses(), self._worker_statuses()))
 
     def expected(self) -> int | None:
-        """Frames that will be done, where a source knows."""
+        """Frames that the run will process; None if no source knows."""
         return max((w.expected for w in self.workers() if w.expected is not None), default=None)
 
     def status(self) -> RunStatus:
-        """For those who look on."""
+        """The status of the run, as the handle, the page and `top` show it."""
         return RunStatus(
-            tuple(self._seen()),
+            tuple(self._worker_statuses()),
             tuple(self._ledger().words.tolist()),
             self.progress().fired,
             self.expected(),
             self._news(),
             self._clocks(),
-            tuple(self._seen_hosts()),
+            tuple(self._host_statuses()),
         )
 
-    def _seen_hosts(self) -> Iterator[SeenHost]:
-        """All other hosts of which something is to be heard."""
+    def _host_statuses(self) -> Iterator[SeenHost]:
+        """The remote hosts that should answer: all whose workers have not ended."""
         for name, status in self.hosts.items():
             if not name:
                 continue
@@ -66,8 +67,8 @@ class RunView:
             elif status.age_s is not None and not status.all("over"):
                 yield SeenHost(name, status.age_s, absent=status.age_s > SILENCE)
 
-    def _seen(self) -> Iterator[WorkerStatus]:
-        """The workers with their hosts and ages; those of a host that does not answer are absent."""
+    def _worker_statuses(self) -> Iterator[WorkerStatus]:
+        """All workers with their hosts and ages; the workers of a host that does not answer are absent."""
         known = set()
         for host, status in self.hosts.items():
             age = status.age_s or 0.0
@@ -79,12 +80,12 @@ class RunView:
                 phase = "absent" if age > SILENCE else worker.phase
                 yield replace(worker, host=host, phase=phase, age_s=age + (worker.age_s or 0.0))
         for missing in self.plan.workers:
-            if missing.name not in known and missing.host in self.hosts:  # else it is of another operator
+            if missing.name not in known and missing.host in self.hosts:  # else another operator watches it
                 never = self.begun and self.hosts[missing.host].age_s is None
                 yield WorkerStatus(missing.name, "absent" if never else "starting", host=missing.host)
 
     def report(self, seconds: float, silent: Mapping[str, str], *, stopped: bool) -> RunReport:
-        """At the end, workers in the order of the plan. silent: hosts that do not answer, and why."""
+        """The final report, workers in the order of the plan. silent: hosts that do not answer, and why."""
         found = {worker.name: worker for worker in self.workers()}
         reports = [
             _report(found.get(w.name), silent.get(w.host, "nothing is known of how it ended"), w.name)
@@ -110,12 +111,12 @@ class RunView:
         return (*self.news, *(f"{name}: {line}" if name else line for name, line in told))
 
     def _clocks(self) -> dict[str, ClockStatus]:
-        """Of the hosts that go by the clock of another one."""
+        """The clocks of the hosts that follow a reference clock."""
         return {name: status.clock for name, status in self.hosts.items() if status.clock.reference}
 
 
 def _report(found: WorkerStatus | None, why: str, name: str) -> WorkerReport:
-    """A worker's own, or why there is none."""
+    """The worker's own report, or one that says why there is none."""
     if found is not None and found.report is not None:
         return found.report
     return WorkerReport(name, 0, error=f"worker {name} was not there at the end: {why}", absent=True)

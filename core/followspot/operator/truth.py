@@ -1,4 +1,4 @@
-"""What the tracks and poses of a run are measured against: the ground truth that its room declares."""
+"""Scores the tracks and poses of a run against the ground truth that its room declares."""
 
 from __future__ import annotations
 
@@ -34,24 +34,24 @@ from followspot.stage import Context
 
 T = TypeVar("T")
 TRACKS = "tracks.csv"
-"""The tracks within a run's output folder, by the default of `sinks.csv`."""
+"""File of the tracks in a run's output folder: the default of `sinks.csv`."""
 POSES = "poses.csv"
-"""The poses of persons, by the default of `sinks.csv_poses`."""
+"""File of the persons' poses there: the default of `sinks.csv_poses`."""
 
 
 def room_truth(
     plan: Plan, frames: int | None = None, seconds: float = math.inf
 ) -> TruthTable | PoseTruthTable | None:
-    """The truth of the room's first frames, or all; None where the room knows none.
+    """The ground truth of the room's first `frames` frames, or of all; None if the room declares none.
 
-    A source that keeps a pace gives it at once. Raises what the truth's source raises where it cannot be
-    read, and FollowspotError where that takes longer than `seconds`.
+    A source that normally waits between frames does not wait here. Raises the errors of the truth's source,
+    and FollowspotError if reading takes longer than `seconds`.
     """
     use = plan.room.truth
     if use is None:
         return None
     stage = load_stage(use.uses)
-    context = Context(name="truth", room=plan.room, seed=plan.seed, pause=_at_once)
+    context = Context(name="truth", room=plan.room, seed=plan.seed, pause=_no_pause)
     source = stage(context, **use.params)
     source.setup()
     try:
@@ -63,13 +63,13 @@ def room_truth(
         source.close()
 
 
-def _at_once(_seconds: float) -> bool:
-    """The pace of a source whose messages are read for a table."""
+def _no_pause(_seconds: float) -> bool:
+    """`Context.pause` that does not wait."""
     return True
 
 
 def _within(seconds: float, messages: Iterable[T]) -> Iterator[T]:
-    """The messages. Raises FollowspotError where they take longer."""
+    """The messages. Raises FollowspotError if they take longer than `seconds`."""
     deadline = time.monotonic() + seconds
     for read, message in enumerate(messages):
         if time.monotonic() > deadline:
@@ -78,9 +78,9 @@ def _within(seconds: float, messages: Iterable[T]) -> Iterator[T]:
 
 
 def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> dict[str, TargetScore]:
-    """Scores of the tracks in a run's output folder; empty where there is no truth or there are no tracks.
+    """Scores of the tracks in a run's output folder; empty if there is no truth or there are no tracks.
 
-    Raises as :func:`room_truth`.
+    Raises the errors of :func:`room_truth`.
     """
     if not (out / TRACKS).exists():
         return {}
@@ -89,9 +89,9 @@ def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) ->
 
 
 def run_person_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> PersonsScore | None:
-    """Scores of the poses in a run's output folder; None where there is no truth or there are no poses.
+    """Scores of the poses in a run's output folder; None if there is no truth or there are no poses.
 
-    Raises as :func:`room_truth`.
+    Raises the errors of :func:`room_truth`.
     """
     if not (out / POSES).exists():
         return None
@@ -105,6 +105,6 @@ def poses_score(room: Room, out: Path, truth: PoseTruthTable) -> PersonsScore:
 
 
 def viewpoint(room: Room) -> Array:
-    """From where directions and distances are told, (2,) m: the only camera, or the origin."""
+    """Point that directions and distances are measured from, (2,) m: the only camera, or the origin."""
     places = [camera.center[:2] for camera in room.cameras.values()]
     return places[0] if len(places) == 1 else np.zeros(2)
