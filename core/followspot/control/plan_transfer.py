@@ -21,10 +21,9 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
 
     Raises FollowspotError where a stage there reads a file from elsewhere.
     """
-    mine = {worker.name for worker in plan.workers if worker.host == host}
 
     def stage_for(stage: PlannedStage) -> PlannedStage:
-        if stage.worker not in mine:
+        if plan.host_of(stage.worker) != host:
             return replace(stage, params={})
         return _with_inputs(stage, lambda path: _name_below(path, media, stage.name))
 
@@ -42,14 +41,8 @@ def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]
     plan = plan_from_data(data)
     if plan.plugin_files:
         raise FollowspotError("the plan brings code of its own; an agent runs only installed plugins")
-    mine = {worker.name for worker in plan.workers if worker.host == host}
 
-    def stage_here(stage: PlannedStage) -> PlannedStage:
-        if stage.worker not in mine:
-            return stage
-        return _granted(stage, grants)
-
-    stages = tuple(stage_here(stage) for stage in plan.stages)
+    stages = tuple(_granted(s, grants) if plan.host_of(s.worker) == host else s for s in plan.stages)
     return plan_to_data(replace(plan, stages=stages, plugin_files=plugin_files))
 
 

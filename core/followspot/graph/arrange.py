@@ -9,9 +9,10 @@ from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.placement import Placed
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
 
 EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
+_NEAREST_FIRST: tuple[EdgeKind, ...] = ("reference", "ring", "zenoh")
 
 
 def plan(
@@ -40,15 +41,15 @@ def plan(
 def on_host(plan: Plan, host: str) -> Plan:
     """The plan with the workers that were to run on the operator's host on another one."""
     workers = tuple(replace(worker, host=worker.host or host) for worker in plan.workers)
-    host_of = {worker.name: worker.host for worker in workers}
-    before = {worker.name: worker.host for worker in plan.workers}
-    home = {stage.name: stage.worker for stage in plan.stages}
+    moved = replace(plan, workers=workers)
     edges = []
     for edge in plan.edges:
-        ends = home[edge.from_stage], home[edge.to_stage]
-        joined = host_of[ends[0]] == host_of[ends[1]] and before[ends[0]] != before[ends[1]]
+        before, after = (
+            {found.host_of_stage(end) for end in (edge.from_stage, edge.to_stage)} for found in (plan, moved)
+        )
+        joined = len(after) == 1 < len(before)
         edges.append(replace(edge, kind="ring", codec="raw") if joined else edge)
-    return replace(plan, workers=workers, edges=tuple(edges))
+    return replace(moved, edges=tuple(edges))
 
 
 def _order(checked: Checked) -> list[str]:
@@ -98,13 +99,9 @@ def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
 
 def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:
     """The kind that was asked for where it can be; else the nearest."""
-    hosts = {worker.name: worker.host for worker in placed.workers}
-    start, end = placed.worker_of[source], placed.worker_of[target]
-    if choice == "zenoh" or hosts[start] != hosts[end]:
-        return "zenoh"
-    if choice == "ring" or start != end:
-        return "ring"
-    return "reference"
+    workers = {worker.name: worker for worker in placed.workers}
+    nearest = nearest_kind(workers[placed.worker_of[source]], workers[placed.worker_of[target]])
+    return nearest if choice == "auto" else max(nearest, choice, key=_NEAREST_FIRST.index)
 
 
 def _notes(edges: list[PlannedEdge], choice: EdgeChoice) -> list[str]:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, did_you_mean
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedWorker
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedWorker, nearest_kind
 
 _ALONE = "; another host joins only a run that was begun with agents, --listen or --router"
 
@@ -41,13 +41,14 @@ def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] 
 
 def anew(old: Plan, new: Plan) -> set[str]:
     """The workers, of either plan, that must begin anew: their stages or the kinds of their edges differ."""
-    homes, later = _homes(old), _homes(new)
-    hosts = {w.name: w.host for w in (*old.workers, *new.workers)}
-    found = {w for name in homes if homes[name] != later[name] for w in (homes[name], later[name])}
+    plans = (old, new)
+    pairs = ({plan.worker_of(stage.name) for plan in plans} for stage in old.stages)
+    found = {worker for pair in pairs if len(pair) > 1 for worker in pair}
     for before, after in zip(old.edges, new.edges, strict=True):
-        keys = [(hosts[home[before.from_stage]], hosts[home[before.to_stage]]) for home in (homes, later)]
-        if before.kind != after.kind or (after.kind == "zenoh" and keys[0] != keys[1]):
-            found |= {home[end] for home in (homes, later) for end in (before.from_stage, before.to_stage)}
+        ends = (before.from_stage, before.to_stage)
+        keys = {tuple(map(plan.host_of_stage, ends)) for plan in plans}
+        if before.kind != after.kind or (after.kind == "zenoh" and len(keys) > 1):
+            found |= {plan.worker_of(end) for plan in plans for end in ends}
     return found
 
 
@@ -56,23 +57,19 @@ def _arranged(plan: Plan, going: Collection[str], worker: PlannedWorker) -> Plan
     stages = tuple(replace(s, worker=worker.name) if s.name in going else s for s in plan.stages)
     kept = {stage.worker for stage in stages}
     workers = tuple(w for w in dict.fromkeys((*plan.workers, worker)) if w.name in kept)
-    homes = {stage.name: stage.worker for stage in stages}
-    hosts = {w.name: w.host for w in workers}
+    there = {w.name: w for w in workers}
+    place = {stage.name: there[stage.worker] for stage in stages}
     edges = tuple(
-        _edge(edge, homes, hosts) if {edge.from_stage, edge.to_stage} & set(going) else edge
+        _edge(edge, nearest_kind(place[edge.from_stage], place[edge.to_stage]))
+        if {edge.from_stage, edge.to_stage} & set(going)
+        else edge
         for edge in plan.edges
     )
     return replace(plan, stages=stages, workers=workers, edges=edges)
 
 
-def _edge(edge: PlannedEdge, homes: Mapping[str, str], hosts: Mapping[str, str]) -> PlannedEdge:
-    start, end = homes[edge.from_stage], homes[edge.to_stage]
-    kind: EdgeKind = "zenoh" if hosts[start] != hosts[end] else "reference" if start == end else "ring"
+def _edge(edge: PlannedEdge, kind: EdgeKind) -> PlannedEdge:
     return replace(edge, kind=kind, codec=edge.codec if kind == "zenoh" else "raw")
-
-
-def _homes(plan: Plan) -> dict[str, str]:
-    return {stage.name: stage.worker for stage in plan.stages}
 
 
 def host_workers(plan: Plan, host: str) -> list[PlannedWorker]:

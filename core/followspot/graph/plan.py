@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -95,6 +96,13 @@ class PlannedWorker:
     host: str = ""
 
 
+def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
+    """The kind of an edge from one worker to another, unless a farther one is asked for."""
+    if start.host != end.host:
+        return "zenoh"
+    return "reference" if start.name == end.name else "ring"
+
+
 @dataclass(frozen=True)
 class Plan:
     """What a run will be: stages in a topological order (feedback edges aside), edges, workers."""
@@ -114,3 +122,28 @@ class Plan:
     def live(self) -> bool:
         """Whether any source delivers in its own time; else nothing is dropped."""
         return any(stage.live for stage in self.stages)
+
+    def worker_of(self, stage: str) -> str:
+        """Name of the worker that runs this stage. Raises KeyError."""
+        return self._workers[stage]
+
+    def host_of(self, worker: str) -> str:
+        """Host of this worker, "" for the operator's own. Raises KeyError."""
+        return self._hosts[worker]
+
+    def host_of_stage(self, stage: str) -> str:
+        """Host of the worker that runs this stage. Raises KeyError."""
+        return self.host_of(self.worker_of(stage))
+
+    def placed(self, stage: str) -> PlannedWorker:
+        """The worker that runs this stage, with its host. Raises KeyError."""
+        worker = self.worker_of(stage)
+        return PlannedWorker(worker, self.host_of(worker))
+
+    @cached_property
+    def _workers(self) -> Mapping[str, str]:
+        return {stage.name: stage.worker for stage in self.stages}
+
+    @cached_property
+    def _hosts(self) -> Mapping[str, str]:
+        return {worker.name: worker.host for worker in self.workers}

@@ -63,11 +63,11 @@ class RestartPolicy:
 
 def fed(plan: Plan, worker: str, over: Collection[str]) -> bool:
     """Whether anything can still come to a worker: it has a source, or one that feeds it is not over."""
-    home = {stage.name: stage.worker for stage in plan.stages}
-    feeders = {edge.to_stage: home[edge.from_stage] for edge in plan.edges}
+    fed_stages = {edge.to_stage for edge in plan.edges}
     mine = [stage.name for stage in plan.stages if stage.worker == worker]
-    return any(stage not in feeders for stage in mine) or any(
-        home[edge.to_stage] == worker and home[edge.from_stage] not in {worker, *over} for edge in plan.edges
+    return any(stage not in fed_stages for stage in mine) or any(
+        plan.worker_of(edge.to_stage) == worker and plan.worker_of(edge.from_stage) not in {worker, *over}
+        for edge in plan.edges
     )
 
 

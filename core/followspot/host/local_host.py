@@ -118,7 +118,7 @@ class LocalHost:
         """One step of a change to stages of this host. Raises FollowspotError. Safe beside `attend`."""
         if self._change.in_the_way_of(order):
             raise FollowspotError("another change is under way; try again when it is done")
-        change = HostChange(order, self.plan, self.name)
+        change = HostChange(order, self.plan)
         if self.status().all("over"):
             raise FollowspotError("the run has ended")
         for name in change.parts:

@@ -39,8 +39,8 @@ class Rings:
 
     def rearrange(self, plan: Plan, workers: set[str]) -> None:
         """The plan is another one now; new edges get their ends when a worker of theirs starts again."""
-        home = {stage.name: stage.worker for stage in plan.stages}
-        ends = {n: (home[plan.edges[n].from_stage], home[plan.edges[n].to_stage]) for n in ring_edges(plan)}
+        rings = ((number, plan.edges[number]) for number in ring_edges(plan))
+        ends = {n: (plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)) for n, edge in rings}
         self._homes = {edge: pair for edge, pair in ends.items() if pair[0] in workers}
 
     def take(self, worker: str) -> list[RingEnd]:

@@ -16,7 +16,7 @@ _AFTER: Mapping[Step, ChangePhase] = {"build": "built", "take_over": "done", "gi
 class HostChange:
     """The newest step of the newest change."""
 
-    def __init__(self, order: ChangeOrder | None = None, plan: Plan | None = None, host: str = "") -> None:
+    def __init__(self, order: ChangeOrder | None = None, plan: Plan | None = None) -> None:
         """plan: tells which worker of this host has which of the stages."""
         self.order = order
         self.parts: dict[str, ChangeOrder] = {}
@@ -24,10 +24,8 @@ class HostChange:
         self._answers: dict[str, ChangeStatus] = {}
         self._until = time.monotonic() + _ABANDONED
         if order is not None and plan is not None:
-            mine = {worker.name for worker in plan.workers if worker.host == host}
-            homes = {stage.name: stage.worker for stage in plan.stages if stage.worker in mine}
-            for worker in dict.fromkeys(homes[stage.name] for stage in order.stages):
-                own = tuple(stage for stage in order.stages if homes[stage.name] == worker)
+            for worker in dict.fromkeys(plan.worker_of(stage.name) for stage in order.stages):
+                own = tuple(stage for stage in order.stages if plan.worker_of(stage.name) == worker)
                 self.parts[worker] = order.model_copy(update={"stages": own})
 
     def in_the_way_of(self, order: ChangeOrder) -> bool:

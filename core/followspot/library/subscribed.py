@@ -9,7 +9,7 @@ from uuid import uuid4
 
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.library.sink import SINK, offer_subscriptions, withdraw_subscriptions
 from followspot.library.subscription import Subscription
 from followspot.plugins.registry import OFFERED
@@ -85,16 +85,9 @@ class Subscribed:
         worker = self.in_process[0]
         name = f"subscription-{port.replace('/', '-').replace('.', '-')}"
         sink = PlannedStage(name, name, SINK, {"key": key}, None, worker, live=False)
-        edge = PlannedEdge(sender, output, name, "message", _kind(plan, sender, worker))
+        kind = nearest_kind(plan.placed(sender), PlannedWorker(worker))
+        edge = PlannedEdge(sender, output, name, "message", kind)
         return replace(plan, stages=(*plan.stages, sink), edges=(*plan.edges, edge))
-
-
-def _kind(plan: Plan, sender: str, worker: str) -> EdgeKind:
-    """The nearest kind of edge from a stage to a worker of this host."""
-    (home,) = (stage.worker for stage in plan.stages if stage.name == sender)
-    if home == worker:
-        return "reference"
-    return "zenoh" if any(found.host for found in plan.workers if found.name == home) else "ring"
 
 
 def _check_offered(plan: Plan) -> None:

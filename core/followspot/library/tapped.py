@@ -98,9 +98,7 @@ class _Feed:
     def _follow(self) -> None:
         """Tap the ports where their stages are now. Raises FollowspotError."""
         plan = self._run.plan()
-        hosts = {worker.name: worker.host for worker in plan.workers}
-        stages = {stage.name: hosts[stage.worker] for stage in plan.stages}
-        homes = {name: stages[name.rpartition(".")[0]] for name in self._types}
+        homes = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in self._types}
         if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
             raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
         moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,6 +16,7 @@ from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
+from followspot.operator.connect import chosen, listing
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, operating, reached
 from followspot.operator.progress import OnProgress
@@ -35,6 +36,12 @@ class Found:
     graph: str
     hosts: tuple[str, ...]
     over: bool
+    pid: int | None = None
+
+    @property
+    def label(self) -> str:
+        """For lists of runs."""
+        return f"{self.graph} ({self.run[:8]})"
 
 
 def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> str:
@@ -74,17 +81,6 @@ def _found(run: str, hosts: Mapping[str, ListedRun]) -> Found:
     return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
 
 
-def chosen(runs: Sequence[Found], wanted: str | None) -> Found:
-    """The run that is meant: by the name of its graph or the beginning of its own. Raises FollowspotError."""
-    fitting = [r for r in runs if wanted is None or r.graph == wanted or r.run.startswith(wanted)]
-    fitting = [run for run in fitting if not run.over] or fitting
-    if len(fitting) == 1:
-        return fitting[0]
-    listing = ", ".join(f"{run.graph} ({run.run[:8]})" for run in runs) or "none"
-    which = "there is no run" if not fitting else "there are several runs"
-    raise FollowspotError(f"{which} {wanted or ''}".rstrip() + f"; runs in reach: {listing}")
-
-
 class Attachment:
     """Looking on at a run; a stop only ends the looking."""
 
@@ -109,7 +105,12 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
     with operating(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)
-        run = chosen(found(client), wanted)
+        runs = found(client)
+        run = chosen([run for run in runs if not run.over], wanted) or chosen(runs, wanted)
+        if run is None:
+            raise FollowspotError(
+                f"there is no run {wanted or ''}".rstrip() + f"; runs in reach: {listing(runs)}"
+            )
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         onlooker = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
         order = orders[run.hosts[0]]
@@ -157,10 +158,8 @@ def _let_go(coordinator: Coordinator) -> None:
 def _view(orders: Mapping[str, RunOrder]) -> Plan:
     """The plan of a run, the parameters of each stage from the host that it runs on: others have none."""
     plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
-    first = next(iter(plans.values()))
-    place = {worker.name: worker.host for worker in first.workers}
-    own = [stage for name, plan in plans.items() for stage in plan.stages if place.get(stage.worker) == name]
-    return with_stages(first, own)
+    own = [s for name, plan in plans.items() for s in plan.stages if plan.host_of(s.worker) == name]
+    return with_stages(next(iter(plans.values())), own)
 
 
 def _order(client: RpcClient, host: str, run: str) -> RunOrder:

@@ -56,14 +56,13 @@ class Moved:
     @staticmethod
     def of(run: str, old: Plan, new: Plan) -> Moved:
         """What differs between two plans."""
-        before = {stage.name: stage.worker for stage in old.stages}
-        gone = [stage for stage in new.stages if stage.worker != before[stage.name]]
+        gone = [stage for stage in new.stages if stage.worker != old.worker_of(stage.name)]
         if not gone:
             return Moved(run, old.graph, ())
-        hosts = {worker.name: worker.host for worker in new.workers}
         worker = gone[0].worker
         names = tuple(stage.name for stage in gone)
-        return Moved(run, old.graph, names, worker, hosts[worker], tuple(sorted(anew(old, new) & set(hosts))))
+        again = tuple(sorted(anew(old, new) & {found.name for found in new.workers}))
+        return Moved(run, old.graph, names, worker, new.host_of(worker), again)
 
 
 def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from typing import Protocol, TypeVar
 
 from followspot.errors import FollowspotError
 from followspot.operator.control_socket import runs_here
 from followspot.operator.run_handle import RunHandle
 from followspot.transport.zenoh.network import Network
+
+Run = TypeVar("Run", bound="Listed")
 
 
 @contextmanager
@@ -20,7 +23,7 @@ def connected_run(wanted: str | None = None, network: Network | None = None) -> 
     Raises FollowspotError if there is no such run, or several.
     """
     here = runs_here(wanted)
-    found = chosen(here, wanted)
+    found = _chosen_here(here, wanted)
     if found is not None:
         yield found
         return
@@ -32,41 +35,64 @@ def connected_run(wanted: str | None = None, network: Network | None = None) -> 
         try:
             attachment = stack.enter_context(attached(network, wanted))
         except FollowspotError as error:
-            raise FollowspotError(f"{error}; on this machine: {_listing(here)}") from None
+            raise FollowspotError(f"{error}; on this machine: {listing(here)}") from None
         yield handle_of(attachment, network)
 
 
 def run_here(wanted: str | None = None) -> RunHandle:
     """The run of this machine that is meant, as `connected_run` has it. Raises FollowspotError."""
     here = runs_here(wanted)
-    found = chosen(here, wanted)
+    found = _chosen_here(here, wanted)
     if found is None:
         raise FollowspotError(_missing(wanted, here))
     return found
 
 
-def chosen(runs: Sequence[RunHandle], wanted: str | None) -> RunHandle | None:
-    """The run that is meant; None if none is.
+class Listed(Protocol):
+    """A run in a list of runs. label: how the list shows it; pid: of its operator's process, if known."""
 
-    Raises FollowspotError if several are, NoAnswer if the one that is meant does not answer.
+    @property
+    def run(self) -> str: ...
+
+    @property
+    def graph(self) -> str: ...
+
+    @property
+    def pid(self) -> int | None: ...
+
+    @property
+    def label(self) -> str: ...
+
+
+def chosen(runs: Sequence[Run], wanted: str | None) -> Run | None:
+    """The run that is meant; None if none is. wanted: as in `connected_run`.
+
+    Raises FollowspotError if several are.
     """
     fitting = [
         run
         for run in runs
         if wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
     ]
-    if len(fitting) == 1 and not fitting[0].graph:
-        fitting[0].status(timeout=0.5)  # raises what is the matter with it
     if len(fitting) > 1:
         raise FollowspotError(
-            f"there are several runs: {_listing(fitting)}; name one by what stands in brackets"
+            f"there are several runs: {listing(fitting)}; name one by what stands in brackets"
         )
     return fitting[0] if fitting else None
 
 
-def _missing(wanted: str | None, runs: Sequence[RunHandle]) -> str:
-    return f"there is no run {wanted or ''}".rstrip() + f"; runs on this machine: {_listing(runs)}"
-
-
-def _listing(runs: Sequence[RunHandle]) -> str:
+def listing(runs: Sequence[Listed]) -> str:
+    """Runs in one line."""
     return ", ".join(run.label for run in runs) or "none"
+
+
+def _chosen_here(runs: Sequence[RunHandle], wanted: str | None) -> RunHandle | None:
+    """Raises NoAnswer if the run that is meant does not answer."""
+    found = chosen(runs, wanted)
+    if found is not None and not found.graph:
+        found.status(timeout=0.5)  # raises what is the matter with it
+    return found
+
+
+def _missing(wanted: str | None, runs: Sequence[RunHandle]) -> str:
+    return f"there is no run {wanted or ''}".rstrip() + f"; runs on this machine: {listing(runs)}"

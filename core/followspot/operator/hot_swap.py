@@ -54,9 +54,9 @@ class _Change:
     ) -> None:
         self.id = uuid4().hex
         self.fresh = fresh
-        place = {worker.name: worker.host for worker in plan.workers}
         self.parts: Mapping[str, tuple[PlannedStage, ...]] = {
-            host.name: tuple(stage for stage in stages if place[stage.worker] == host.name) for host in hosts
+            host.name: tuple(stage for stage in stages if plan.host_of(stage.worker) == host.name)
+            for host in hosts
         }
         self.hosts = [host for host in hosts if self.parts[host.name]]
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from followspot.control.host import Host, WorkerStatus
 from followspot.control.move import MoveOrder
 from followspot.errors import FollowspotError
-from followspot.graph.move import anew, host_workers
+from followspot.graph.move import anew
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 
@@ -41,10 +41,8 @@ def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     _await_absent(leaving, hosts)
     states = {stage: state for host in hosts for stage, state in host.states().items()}
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
-    home = {stage.name: stage.worker for stage in new.stages}
     for host in hosts:
-        mine = {worker.name for worker in host_workers(new, host.name)}
-        own = {stage: state for stage, state in states.items() if home[stage] in mine}
+        own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
         host.move(MoveOrder(plan=plan_to_data(new), states=own))
     _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
 

@@ -152,8 +152,7 @@ class RemoteHost:
         """Tell the workers there."""
         assert self.order is not None
         plan = plan_from_data(self.order.plan)
-        here = {worker.name for worker in plan.workers if worker.host == self.name}
-        mine = {stage.name for stage in plan.stages if stage.worker in here}
+        mine = {stage.name for stage in plan.stages if plan.host_of(stage.worker) == self.name}
         order = order.part_for(mine).model_copy(update={"run": self.run})
         self._standing = with_order(self._standing, order)
         self._insist(order)

@@ -69,14 +69,14 @@ def edge_counts(
     At most as many are lost with one as may be under way: those that the writer sent ahead to its slowest
     reader, as many from a writer before that are not read yet, and what a live source has made.
     """
-    home = {stage.name: stage.worker for stage in plan.stages}
     ahead: dict[tuple[str, str], int] = {}
     for edge in plan.edges:
         port = edge.from_stage, edge.from_port
         ahead[port] = max(ahead.get(port, 0), edge.capacity)
     counted = []
     for number, edge in enumerate(plan.edges):
-        deaths = sum(restarts.get(worker, 0) for worker in {home[edge.from_stage], home[edge.to_stage]})
+        ends = {plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)}
+        deaths = sum(restarts.get(worker, 0) for worker in ends)
         under_way = 2 * ahead[edge.from_stage, edge.from_port] + LIVE_DEPTH + 1
         counted.append((edge, ledger.count(number).with_lost(deaths * under_way)))
     return tuple(counted)

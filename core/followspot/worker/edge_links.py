@@ -51,8 +51,6 @@ class EdgeLinks:
         self.session = session
         self.run = run
         self.incarnation = incarnation
-        hosts = {worker.name: worker.host for worker in plan.workers}
-        self._host = {stage.name: hosts[stage.worker] for stage in plan.stages}
         self._ring_readers: dict[int, tuple[RingReader, type[Message]]] = {}
         self._ring_writers: dict[int, tuple[RingWriter | DroppingWriter, int]] = {}
         self._zenoh_ends: list[tuple[str, ZenohReader | ZenohWriter]] = []
@@ -74,7 +72,7 @@ class EdgeLinks:
             kind,
             self._depth([planned]),
             codec=planned.codec,
-            host=self._host[planned.to_stage],
+            host=self.plan.host_of_stage(planned.to_stage),
             incarnation=self.incarnation,
         )
         self._zenoh_ends.append((planned.name, reader))
@@ -94,7 +92,7 @@ class EdgeLinks:
         from followspot.transport.zenoh.edge import ZenohWriter
 
         assert self.session is not None
-        readers = {str(edge): self._host[self.plan.edges[edge].to_stage] for edge in edges}
+        readers = {str(edge): self.plan.host_of_stage(self.plan.edges[edge].to_stage) for edge in edges}
         writer = ZenohWriter(
             self.session,
             self._key(edges[0]),
@@ -168,15 +166,16 @@ class EdgeLinks:
     def _key(self, edge: int) -> str:
         """Key of the edge's port; an edge that drops has its own key, for it carries fewer messages."""
         planned = self.plan.edges[edge]
-        port = port_key(self.run, self._host[planned.from_stage], planned.from_stage, planned.from_port)
+        host = self.plan.host_of_stage(planned.from_stage)
+        port = port_key(self.run, host, planned.from_stage, planned.from_port)
         return f"{port}/{planned.policy}/{edge}" if planned.drops else port
 
 
 def uses_zenoh(plan: Plan, worker: str | None = None) -> bool:
     """Whether any edge of the plan, or of this worker, goes over Zenoh."""
-    home = {stage.name: stage.worker for stage in plan.stages}
     return any(
-        edge.kind == "zenoh" and (worker is None or worker in (home[edge.from_stage], home[edge.to_stage]))
+        edge.kind == "zenoh"
+        and (worker is None or worker in map(plan.worker_of, (edge.from_stage, edge.to_stage)))
         for edge in plan.edges
     )
 

@@ -52,14 +52,10 @@ def published(worker: Worker, links: EdgeLinks) -> list[PublishedPort]:
     """
     if links.session is None:
         return []
-    hosts = {w.name: w.host for w in links.plan.workers}
-    host_of = {stage.name: hosts[stage.worker] for stage in links.plan.stages}
     taken = _on_their_keys(links.plan)
     return [
-        PublishedPort(
-            links.session, port_key(links.run, host_of[runner.name], runner.name, port), output, worker
-        )
-        for runner in worker.runners
+        PublishedPort(links.session, port_key(links.run, host, runner.name, port), output, worker)
+        for runner, host in ((runner, links.plan.host_of_stage(runner.name)) for runner in worker.runners)
         for port, output in runner.outputs
         if (runner.name, port) not in taken
     ]

@@ -17,7 +17,7 @@ class WorkerTaps:
     """Adds taps from a thread, so that imports and files do not hold up the stages; name: of the worker."""
 
     def __init__(self, name: str, worker: Worker, links: EdgeLinks, warn: Callable[[str], None]) -> None:
-        self._host = next(w.host for w in links.plan.workers if w.name == name)
+        self._host = links.plan.host_of(name)
         self._worker = worker
         self._links = links
         self._warn = warn

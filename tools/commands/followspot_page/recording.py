@@ -131,9 +131,7 @@ def recordable(plan: Plan) -> list[str]:
 
 def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
     """The ports on other hosts, with the Zenoh keys of their taps."""
-    hosts = {worker.name: worker.host for worker in plan.workers}
-    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
-    there = {name: home[name.rpartition(".")[0]] for name in names}
+    there = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in names}
     return {name: look_key(run, host, name, TAP) for name, host in there.items() if host}
 
 

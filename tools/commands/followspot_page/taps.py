@@ -37,7 +37,6 @@ class ShownPort:
 
 def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
     """The ports of a graph that the page can show."""
-    hosts = {worker.name: worker.host for worker in plan.workers}
     found = []
     for stage in plan.stages:
         its = ports(load_stage(stage.uses))
@@ -45,7 +44,7 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
         for port in its.outputs:
             if port.type in SHOWN:
                 name = f"{stage.name}.{port.name}"
-                found.append(ShownPort(name, port.type, hosts[stage.worker], its.source, size))
+                found.append(ShownPort(name, port.type, plan.host_of(stage.worker), its.source, size))
     return tuple(found)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, nearest_kind
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot_recording.contract import type_name
@@ -76,13 +76,10 @@ def played(plan: Plan, chosen: Mapping[str, str], clip: Clip) -> Plan:
 
 def here(plan: Plan) -> Plan:
     """The plan on this host alone: what ran on others runs in the same workers here."""
-    home = {stage.name: stage.worker for stage in plan.stages}
-    edges = []
-    for edge in plan.edges:
-        inside = home[edge.from_stage] == home[edge.to_stage]
-        edges.append(replace(edge, kind="reference" if inside else "ring", codec="raw"))
-    workers = tuple(replace(worker, host="") for worker in plan.workers)
-    return replace(plan, workers=workers, edges=tuple(edges))
+    near = replace(plan, workers=tuple(replace(worker, host="") for worker in plan.workers))
+    ends = ((edge, near.placed(edge.from_stage), near.placed(edge.to_stage)) for edge in plan.edges)
+    edges = tuple(replace(edge, kind=nearest_kind(start, end), codec="raw") for edge, start, end in ends)
+    return replace(near, edges=edges)
 
 
 def alone(plan: Plan) -> Plan:

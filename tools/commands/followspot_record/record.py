@@ -18,7 +18,7 @@ from followspot.document import Node, child, read
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.files import read_text
 from followspot.graph.output_ports import chosen_ports, output_ports
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.ship import plan_to_data
 from followspot.plugins.registry import catalogue, load_stage
 
@@ -94,8 +94,6 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
     """The plan with a recording sink for each of these ports, in a worker of its own."""
     worker = _free(WORKER, {worker.name for worker in plan.workers})
     taken = {stage.name for stage in plan.stages}
-    hosts = {w.name: w.host for w in plan.workers}
-    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
     depths = {stage.name: _depth(plan, stage) for stage in plan.stages}
     stages: list[PlannedStage] = []
     edges: list[PlannedEdge] = []
@@ -105,7 +103,7 @@ def with_recording(plan: Plan, names: Sequence[str], target: Target) -> Plan:
         taken.add(sink)
         params = target.sink_params(name, first=not stages)
         stages.append(PlannedStage(sink, sink, SINK, params, None, worker, live=False))
-        kind: EdgeKind = "zenoh" if home[stage] else "ring"
+        kind = nearest_kind(plan.placed(stage), PlannedWorker(worker))
         edges.append(PlannedEdge(stage, port, sink, "message", kind, depth=depths[stage]))
     return replace(
         plan,

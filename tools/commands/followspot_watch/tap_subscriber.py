@@ -47,10 +47,9 @@ def chosen(word: str | None, run: RunHandle) -> list[HeardPort]:
     heard there only.
     """
     plan, near = run.plan(), run.surroundings().out is not None
-    hosts = {worker.name: worker.host for worker in plan.workers}
-    home = {stage.name: hosts[stage.worker] for stage in plan.stages}
     known = [
-        HeardPort(name, kind, home[name.rpartition(".")[0]]) for name, kind in output_ports(plan).items()
+        HeardPort(name, kind, plan.host_of_stage(name.rpartition(".")[0]))
+        for name, kind in output_ports(plan).items()
     ]
     found = [port for port in known if word is None or word in port_names(port.name)]
     if not found:
