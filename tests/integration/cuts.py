@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hosts import Agent, Hosts
-from running import STAGES, Finished, children, finish, wait_until, write_graph
+from tests.integration.hosts import Agent, Hosts
+from tests.integration.running import STAGES, Finished, children, finish, wait_until, write_graph
 
 GRAPH = """
 there: {uses: ticks.live, with: {count: 1000000, period: 0.02}}

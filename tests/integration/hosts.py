@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from running import COMMAND, STAGES
+from tests.integration.running import COMMAND, STAGES
 
 PORT = 7450
 

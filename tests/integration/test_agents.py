@@ -11,8 +11,8 @@ from threading import Timer
 from typing import Any
 
 import pytest
-from hosts import Agent, free_port, near_agent
-from running import (
+from tests.integration.hosts import Agent, free_port, near_agent
+from tests.integration.running import (
     COMMAND,
     STAGES,
     Finished,

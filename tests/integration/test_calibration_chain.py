@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from running import COMMAND, balanced
+from tests.integration.running import COMMAND, balanced
 
 from followspot import Room
 from followspot.messages import Array

@@ -20,9 +20,9 @@ from urllib.parse import urlsplit
 from urllib.request import urlopen
 
 import pytest
-from browser import CHROMIUM, browser
-from hosts import Agent, near_agent
-from solo import Solo
+from tests.core.worker.solo import Solo
+from tests.integration.hosts import Agent, near_agent
+from tests.tools.page.browser import CHROMIUM, browser
 from websockets.sync.client import ClientConnection, connect
 
 from followspot.graph.compile import compile_graph

@@ -8,7 +8,7 @@ import socket
 from pathlib import Path
 
 import pytest
-from running import (
+from tests.integration.running import (
     Finished,
     alive,
     balanced,

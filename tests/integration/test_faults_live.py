@@ -9,7 +9,16 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from running import Finished, alive, balanced, children, finish, start, wait_until, write_graph
+from tests.integration.running import (
+    Finished,
+    alive,
+    balanced,
+    children,
+    finish,
+    start,
+    wait_until,
+    write_graph,
+)
 
 from followspot.operator.connect import run_here
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hosts import namespaces_are_permitted
+from tests.integration.hosts import namespaces_are_permitted
 
 SOAK = Path(__file__).parents[2] / "tools" / "soak.py"
 KINDS = ["clock steps", "disk full", "worker killed"]

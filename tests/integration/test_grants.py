@@ -7,8 +7,8 @@ import socket
 from pathlib import Path
 
 import pytest
-from hosts import near_agent
-from running import finish, start, wait_until, write_graph
+from tests.integration.hosts import near_agent
+from tests.integration.running import finish, start, wait_until, write_graph
 
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from hosts import Hosts, namespaces_are_permitted
-from running import COMMAND, balanced
+from tests.integration.hosts import Hosts, namespaces_are_permitted
+from tests.integration.running import COMMAND, balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"

@@ -11,10 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from cuts import FAULTS, NAMES, Pair
-from hosts import Hosts, namespaces_are_permitted
-from running import STAGES, Finished, balanced, children, finish, write_graph
-from test_agents import LIVE, grows, of_left, values
+from tests.integration.cuts import FAULTS, NAMES, Pair
+from tests.integration.hosts import Hosts, namespaces_are_permitted
+from tests.integration.running import STAGES, Finished, balanced, children, finish, write_graph
+from tests.integration.test_agents import LIVE, grows, of_left, values
 
 PLACEMENT = """
 placement: hosts

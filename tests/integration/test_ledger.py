@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from running import balanced, run, write_graph
+from tests.integration.running import balanced, run, write_graph
 
 CHAIN = """
 a:    {uses: ticks.count, with: {count: 20}}

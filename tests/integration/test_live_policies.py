@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from running import Finished, balanced, run, write_graph
+from tests.integration.running import Finished, balanced, run, write_graph
 
 SLOW = """
 camera: {{uses: ticks.live, with: {{count: 3000, period: 0.0005}}}}

@@ -7,8 +7,8 @@ import time
 from pathlib import Path
 
 import pytest
-from hosts import free_port, near_agent
-from running import Finished, balanced, finish, start, wait_until, write_graph
+from tests.integration.hosts import free_port, near_agent
+from tests.integration.running import Finished, balanced, finish, start, wait_until, write_graph
 
 from followspot.errors import FollowspotError
 from followspot.operator.connect import run_here

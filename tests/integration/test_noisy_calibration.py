@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from running import COMMAND
+from tests.integration.running import COMMAND
 
 from followspot.geometry import project
 from followspot.messages import Array

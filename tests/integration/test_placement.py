@@ -6,7 +6,7 @@ from itertools import accumulate
 from pathlib import Path
 
 import pytest
-from running import Finished, balanced, run, write_graph
+from tests.integration.running import Finished, balanced, run, write_graph
 
 GRAPH = """
 left:   {uses: ticks.count, with: {count: 60, size: 9000}}

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from running import COMMAND, STAGES, run, write_graph
+from tests.integration.running import COMMAND, STAGES, run, write_graph
 
 CYCLE = """
 count: {uses: ticks.count, with: {count: 400}}

@@ -14,7 +14,7 @@ from typing import ClassVar
 
 import pytest
 import zenoh
-from hosts import free_port
+from tests.integration.hosts import free_port
 
 from followspot.control.dispatch import Dispatcher, Role, RunRequest
 from followspot.control.host import HostLost

@@ -7,8 +7,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from hosts import Agent, free_port
-from running import COMMAND, balanced
+from tests.integration.hosts import Agent, free_port
+from tests.integration.running import COMMAND, balanced
 
 ROOT = Path(__file__).parent.parent.parent
 GRAPH = ROOT / "graphs" / "glowballs.yaml"

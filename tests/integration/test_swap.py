@@ -15,10 +15,19 @@ from pathlib import Path
 import msgpack
 import numpy as np
 import pytest
-import running
 import zenoh
-from hosts import near_agent
-from running import COMMAND, STAGES, Finished, balanced, children, finish, start, write_graph
+from tests.integration import running
+from tests.integration.hosts import near_agent
+from tests.integration.running import (
+    COMMAND,
+    STAGES,
+    Finished,
+    balanced,
+    children,
+    finish,
+    start,
+    write_graph,
+)
 
 from followspot.errors import FollowspotError
 from followspot.operator.connect import run_here

@@ -16,8 +16,17 @@ from typing import Any
 from urllib.request import urlopen
 
 import pytest
-from hosts import Agent, near_agent
-from running import COMMAND, STAGES, Finished, children, finish, start, wait_until, write_graph
+from tests.integration.hosts import Agent, near_agent
+from tests.integration.running import (
+    COMMAND,
+    STAGES,
+    Finished,
+    children,
+    finish,
+    start,
+    wait_until,
+    write_graph,
+)
 
 from followspot.operator import remote_host
 from followspot.operator.attach import Attachment, attached

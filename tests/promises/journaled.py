@@ -11,8 +11,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Self
 
-from books import Books, books_of, disagreements
-from running import COMMAND, Finished, alive, children, finish, wait_until
+from tests.integration.running import COMMAND, Finished, alive, children, finish, wait_until
+from tests.promises.books import Books, books_of, disagreements
 
 STAGES = Path(__file__).parent / "journal.py"
 FOREVER = 60.0

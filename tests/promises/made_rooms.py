@@ -9,7 +9,7 @@ from typing import Any
 
 import cv2
 import yaml
-from played import COMMAND
+from tests.promises.played import COMMAND
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 ROOMS = GRAPHS / "rooms"

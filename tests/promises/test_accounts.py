@@ -12,9 +12,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from books import impossible
-from journaled import STAGES, Journaled
-from running import start, write_graph
+from tests.integration.running import start, write_graph
+from tests.promises.books import impossible
+from tests.promises.journaled import STAGES, Journaled
 
 LIVE = """
 cam:   {uses: journal.camera}

@@ -12,10 +12,10 @@ from pathlib import Path
 from subprocess import PIPE
 
 import pytest
-from books import books_of, impossible
-from hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
-from journaled import FOREVER, STAGES, Journaled
-from running import COMMAND, Finished, alive, finish, start, wait_until, write_graph
+from tests.integration.hosts import Agent, Hosts, free_port, namespaces_are_permitted, near_agent
+from tests.integration.running import COMMAND, Finished, alive, finish, start, wait_until, write_graph
+from tests.promises.books import books_of, impossible
+from tests.promises.journaled import FOREVER, STAGES, Journaled
 
 LIVE = """
 cam:  {uses: journal.camera}

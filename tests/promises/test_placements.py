@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from made_rooms import MADE, ROOMS
-from played import Played, burners, differences, one_each, play
+from tests.promises.made_rooms import MADE, ROOMS
+from tests.promises.played import Played, burners, differences, one_each, play
 
 GRAPHS = Path(__file__).parents[2] / "graphs"
 SHOWN = """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import zenoh
-from hosts import free_port
+from tests.integration.hosts import free_port
 from tests.promises.cable import Cable, session
 
 from followspot.transport.zenoh.session import close_session

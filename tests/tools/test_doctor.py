@@ -19,7 +19,7 @@ import cv2
 import numpy as np
 import pytest
 import yaml
-from hosts import near_agent
+from tests.integration.hosts import near_agent
 
 from followspot.cli.main import main
 from followspot.control.host import HostLost

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "tests" / "integration"))
+sys.path.insert(0, str(ROOT))
 
-from hosts import Hosts  # type: ignore[import-not-found]  # noqa: E402
+from tests.integration.hosts import Hosts  # noqa: E402
 
 __all__ = ["CASES", "FAR", "HOPS", "STAGES", "STARTS", "THROUGHPUTS", "Case", "Hosts", "play"]
 
@@ -121,7 +121,17 @@ def play(hosts: Hosts, case: Case, folder: Path) -> dict[str, float]:
         _limit(hosts, name, case.mbit)
     first = folder / "out" / case.sink
     first.unlink(missing_ok=True)
-    words = ["run", graph, "--plugin", STAGES, "--out", "out", "--json", "--quiet", *case.options]
+    words: list[str | Path] = [
+        "run",
+        graph,
+        "--plugin",
+        STAGES,
+        "--out",
+        "out",
+        "--json",
+        "--quiet",
+        *case.options,
+    ]
     begun = time.monotonic()
     process = hosts.start("desk", *words, *where, *there, *safe)
     started = _first_result(process, first) - begun

@@ -13,11 +13,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-sys.path[:0] = [str(ROOT / "tests" / "integration"), str(ROOT / "tests" / "promises")]
+sys.path.insert(0, str(ROOT))
 
-from books import Books, books_of, disagreements  # type: ignore[import-not-found]  # noqa: E402
-from hosts import Agent, Hosts  # type: ignore[import-not-found]  # noqa: E402
-from running import alive, children, unused_memory  # type: ignore[import-not-found]  # noqa: E402
+from tests.integration.hosts import Agent, Hosts  # noqa: E402
+from tests.integration.running import alive, children, unused_memory  # noqa: E402
+from tests.promises.books import Books, books_of, disagreements  # noqa: E402
 
 from soaking.room import write_files  # noqa: E402
 from soaking.watch import Watch  # noqa: E402
@@ -72,7 +72,16 @@ class Show:
             self._set_clock(name, 0)
         self.agents = {name: self._agent(name) for name in SIDES}
         write_files(self.folder, opened=time.monotonic(), projections=projections)
-        words = ["run", "soak.yaml", "--placement", "placement.yaml", "--plugin", STAGES, "--out", self.out]
+        words: list[str | Path] = [
+            "run",
+            "soak.yaml",
+            "--placement",
+            "placement.yaml",
+            "--plugin",
+            STAGES,
+            "--out",
+            self.out,
+        ]
         self.run = hosts.start("desk", *words, "--json", "--quiet", "--insecure", "--router", self.endpoint)
         self.watch = Watch(self.run.pid, hosts.space("desk"))
 

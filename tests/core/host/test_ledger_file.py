@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from running import alive
+from tests.integration.running import alive
 
 from followspot.host.ledger_file import ledger_memory
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from solo import Solo
+from tests.core.worker.solo import Solo
 
 from followspot.control.tapping import Tapping
 from followspot.graph.compile import compile_graph

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import breaking
 import pytest
+from tests.core.testing import breaking
 
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from running import unused_memory
 from tests.core.transport.far import KEY, frame, intact, receive, send_all
+from tests.integration.running import unused_memory
 
 from followspot.messages import Header, Message, identical, seal, stamped
 from followspot.tracking import Blobs, Frame

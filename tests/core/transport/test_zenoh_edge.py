@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import zenoh
-from hosts import free_port
+from tests.integration.hosts import free_port
 
 from followspot.errors import FollowspotError
 from followspot.messages import Header, Message, identical, seal, stamped

@@ -6,7 +6,7 @@ import time
 
 import pytest
 import zenoh
-from hosts import free_port
+from tests.integration.hosts import free_port
 from tests.promises.cable import Cable, session
 
 from followspot.transport.zenoh.session import close_session

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from solo import Solo
+from tests.core.worker.solo import Solo
 
 from followspot.graph.compile import compile_graph
 from followspot.operator.report import RunReport

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from solo import Solo
+from tests.core.worker.solo import Solo
 
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, stamped

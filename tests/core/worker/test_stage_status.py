@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from solo import Solo
+from tests.core.worker.solo import Solo
 
 from followspot.control.dispatch import answer_from_wire, answer_to_wire
 from followspot.control.stage_status import StageStatus

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
-from solo import Solo
+from tests.core.worker.solo import Solo
 
 from followspot import Message, Stage
 from followspot.control import tapping as requested

@@ -7,7 +7,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from drawn_boards import Photographer, Place, lens
+from tests.tools.calibrate.drawn_boards import Photographer, Place, lens
 
 from followspot.cli.main import main
 from followspot.errors import FollowspotError, InputError

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 import pytest
-from drawn_boards import Photographer, Place, lens
+from tests.tools.calibrate.drawn_boards import Photographer, Place, lens
 
 from followspot.errors import InputError
 from followspot.geometry import project

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from drawn_boards import Photographer, lens, places
+from tests.tools.calibrate.drawn_boards import Photographer, lens, places
 
 from followspot import at
 from followspot.cli.main import main

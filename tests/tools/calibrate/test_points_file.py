@@ -7,7 +7,7 @@ import zipfile
 
 import numpy as np
 import pytest
-from rooms import made_room
+from tests.tools.calibrate.rooms import made_room
 
 from followspot.errors import InputError
 from followspot_calibrate.points_file import read_points

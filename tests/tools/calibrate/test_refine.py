@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rooms import camera_of, made_room
+from tests.tools.calibrate.rooms import camera_of, made_room
 
 from followspot import Camera, Room
 from followspot.cli.main import main

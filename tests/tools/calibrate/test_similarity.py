@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rooms import made_room
+from tests.tools.calibrate.rooms import made_room
 
 from followspot.geometry import project
 from followspot_calibrate.adjust.projection import rotation_of

@@ -12,7 +12,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from rooms import made_room
+from tests.tools.calibrate.rooms import made_room
 
 from followspot import Camera, Room
 from followspot.cli.main import main

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rooms import made_room
+from tests.tools.calibrate.rooms import made_room
 
 from followspot.errors import FollowspotError, InputError
 from followspot.geometry import project

@@ -7,7 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from rooms import made_room
+from tests.tools.calibrate.rooms import made_room
 
 from followspot import Room
 from followspot.cli.main import main

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rooms import MadeRoom, made_room
+from tests.tools.calibrate.rooms import MadeRoom, made_room
 
 from followspot import Room
 from followspot.cli.main import main

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rooms import MadeRoom, made_room
+from tests.tools.calibrate.rooms import MadeRoom, made_room
 
 from followspot.errors import FollowspotError
 from followspot.geometry import project

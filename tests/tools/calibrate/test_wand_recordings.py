@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rooms import camera_of
+from tests.tools.calibrate.rooms import camera_of
 
 from followspot import Camera
 from followspot.messages import Array

@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from rooms import MadeRoom, made_room
+from tests.tools.calibrate.rooms import MadeRoom, made_room
 
 from followspot import Room
 from followspot.cli.main import main

@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 import pytest
-from served import Shown, served
-from test_page import UPGRADE, things
+from tests.tools.page.served import Shown, served
+from tests.tools.page.test_page import UPGRADE, things
 from websockets.exceptions import ConnectionClosedError
 
 from followspot_page.crowd import MAX_FRAGMENTS, MAX_WAITING

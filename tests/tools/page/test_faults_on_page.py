@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from browser import CHROMIUM, Browser, browser
-from served import GRAPH, Shown, at, served, tracks
+from tests.tools.page.browser import CHROMIUM, Browser, browser
+from tests.tools.page.served import GRAPH, Shown, at, served, tracks
 
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageStatus

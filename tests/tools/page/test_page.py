@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from served import Shown, at, served, tracks
+from tests.tools.page.served import Shown, at, served, tracks
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from screens import on_terminal
+from tests.tools.watch.screens import on_terminal
 
 from followspot.control.dispatch import Request
 from followspot.control.host import WorkerStatus

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Group
-from screens import on_terminal
+from tests.tools.watch.screens import on_terminal
 
 from followspot.cli.main import build_parser
 from followspot.control.dispatch import Dispatcher

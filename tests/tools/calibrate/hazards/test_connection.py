@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rooms import MadeRoom, off_by, waved_room
+from tests.tools.calibrate.rooms import MadeRoom, off_by, waved_room
 
 from followspot.errors import FollowspotError
 from followspot.geometry import undistort

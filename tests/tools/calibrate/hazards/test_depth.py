@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rooms import made_room, waved_room
+from tests.tools.calibrate.rooms import made_room, waved_room
 
 from followspot_calibrate.wand.diagnosis import DEEP, depths, shallow
 from followspot_calibrate.wand.diagnostics import depth_warnings, warnings_of

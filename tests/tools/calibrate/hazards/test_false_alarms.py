@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from rooms import camera_of, made_room, off_by, waved_room
+from tests.tools.calibrate.rooms import camera_of, made_room, off_by, waved_room
 
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.wand.diagnostics import warnings_of

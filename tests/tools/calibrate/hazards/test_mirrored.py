@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from rooms import SIZE, MadeRoom, waved_room
+from tests.tools.calibrate.rooms import SIZE, MadeRoom, waved_room
 
 from followspot.errors import FollowspotError
 from followspot_calibrate.wand.solving import solve

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rooms import MadeRoom, wand_file, waved_room
+from tests.tools.calibrate.rooms import MadeRoom, wand_file, waved_room
 
 from followspot import Camera, Room
 from followspot.cli.main import main

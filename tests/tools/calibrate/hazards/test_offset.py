@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rooms import camera_of, off_by, wand_file, waved_room
+from tests.tools.calibrate.rooms import camera_of, off_by, wand_file, waved_room
 
 from followspot import Room
 from followspot.cli.main import main

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from rooms import off_by, waved_room
+from tests.tools.calibrate.rooms import off_by, waved_room
 
 from followspot.errors import FollowspotError
 from followspot_calibrate.wand.diagnostics import warnings_of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from rooms import MadeRoom, made_room, wand_file, waved_room
+from tests.tools.calibrate.rooms import MadeRoom, made_room, wand_file, waved_room
 
 from followspot import Camera, Room
 from followspot.cli.main import main
