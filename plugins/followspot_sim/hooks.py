@@ -8,21 +8,11 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Record a simulated room: one lossless video per camera, and the ground truth.
-
-The room file says with which parameters its cameras are simulated (source: {uses: sim.camera, with: ...}, or
-sim.person_camera for people; the true poses are then in CAMERA_gt.csv).
-DIR gets CAMERA.mkv and truth.csv; with --templates it gets TARGET/CAMERA.mkv instead, 20 frames of each
-target alone, for `followspot calibrate targets`.
-
-  followspot simulate --room graphs/rooms/simulated.yaml --out recording --frames 300
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `simulate`."""
-    return [Command("simulate", HELP, configure, run)]
+    return [Command("simulate", configure, run)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +25,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read the room, record."""
+    """Record a simulated room: one lossless video per camera, and the ground truth.
+
+    The room file says with which parameters its cameras are simulated (source: {uses: sim.camera, with: ...},
+    or sim.person_camera for people; the true poses are then in CAMERA_gt.csv). DIR gets CAMERA.mkv and
+    truth.csv; with --templates it gets TARGET/CAMERA.mkv instead, 20 frames of each target alone, for
+    `followspot calibrate targets`.
+
+    Example:
+      followspot simulate --room graphs/rooms/simulated.yaml --out recording --frames 300
+    """
     from followspot import room_file
     from followspot_sim.actor.recording import actor_parameters_of, has_people, record_people
     from followspot_sim.recording import parameters_of, record, record_templates

@@ -63,6 +63,16 @@ def _seconds(text: str) -> float:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Stand on this host, to run the workers that operators elsewhere place here
+
+    Examples:
+      followspot agent --name pc-left                                          reached from this host alone
+      followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
+      followspot agent --name pc-left --discover --certificates certs   found by those who discover, too
+
+    It runs installed plugins only, reads and writes files only below --media and --runs, and sends and opens
+    only what --send-to and --open allow.
+    """
     from followspot.host.agent import Agent, AgentOptions
     from followspot.security.grants import Grants
     from followspot.security.rejected_peers import RejectedPeers
@@ -91,17 +101,4 @@ def _tell(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-COMMAND = Command(
-    "agent",
-    """stand on this host, to run the workers that operators elsewhere place here
-
-  followspot agent --name pc-left                                          reached from this host alone
-  followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
-  followspot agent --name pc-left --discover --certificates certs          found by those who discover, too
-
-It runs installed plugins only, reads and writes files only below --media and --runs, and sends and opens
-only what --send-to and --open allow.
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("agent", _configure, _run)

@@ -19,6 +19,15 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Come back to a run that goes on under agents: its progress, and its summary at the end
+
+    Examples:
+      followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach
+      followspot attach --connect tls/pc-left:7450 --certificates certs
+      followspot attach glowballs --stop
+
+    Ctrl-C leaves the run to itself again.
+    """
     from followspot.cli.progress import ProgressBar
     from followspot.operator import summary
     from followspot.operator.attach import attached
@@ -44,16 +53,4 @@ def _run(args: argparse.Namespace) -> int:
     return 0 if report.ok else 1
 
 
-COMMAND = Command(
-    "attach",
-    """come back to a run that goes on under agents: its progress, and its summary at the end
-
-  followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach
-  followspot attach --connect tls/pc-left:7450 --certificates certs
-  followspot attach glowballs --stop
-
-Ctrl-C leaves the run to itself again.
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("attach", _configure, _run)

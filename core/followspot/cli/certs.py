@@ -47,6 +47,11 @@ def _configure_show(parser: argparse.ArgumentParser) -> None:
 
 
 def _init(args: argparse.Namespace) -> int:
+    """Make an authority, which decides who may join
+
+    Example:
+      followspot certs init --dir certs
+    """
     from followspot.security.authority import AUTHORITY, create_authority
 
     authority = create_authority(Path(args.dir))
@@ -57,6 +62,15 @@ def _init(args: argparse.Namespace) -> int:
 
 
 def _host(args: argparse.Namespace) -> int:
+    """Make the certificate of a host, in a folder to copy there
+
+    Examples:
+      followspot certs host operator --role operator
+      followspot certs host pc-left --role camera --address 192.168.0.7
+
+    camera, worker: runs an agent and sends what its own stages send; operator: also starts, changes and stops
+    runs; router: passes on what others send.
+    """
     from followspot.security.authority import Authority
 
     authority = Authority(Path(args.dir))
@@ -69,6 +83,11 @@ def _host(args: argparse.Namespace) -> int:
 
 
 def _remove(args: argparse.Namespace) -> int:
+    """Let a host in no more
+
+    Example:
+      followspot certs remove pc-left
+    """
     from followspot.security.authority import Authority
 
     authority = Authority(Path(args.dir))
@@ -85,6 +104,11 @@ def _tell_others(folder: Path, names: list[str]) -> None:
 
 
 def _show(args: argparse.Namespace) -> int:
+    """List hosts, roles, and how long their certificates are valid; also in a host's own folder
+
+    Example:
+      followspot certs show --dir certs
+    """
     from followspot.transport.host_registry import REGISTRY, read_host_registry
 
     path = Path(args.dir) / REGISTRY
@@ -110,48 +134,8 @@ def _days(text: str) -> int:
     return days
 
 
-INIT = Command(
-    "init",
-    """make an authority, which decides who may join
-
-  followspot certs init --dir certs
-""",
-    _configure_dir,
-    _init,
-    parent="certs",
-)
-HOST = Command(
-    "host",
-    """make the certificate of a host, in a folder to copy there
-
-  followspot certs host operator --role operator
-  followspot certs host pc-left --role camera --address 192.168.0.7
-
-camera, worker: runs an agent and sends what its own stages send; operator: also starts, changes and stops
-runs; router: passes on what others send.
-""",
-    _configure_host,
-    _host,
-    parent="certs",
-)
-REMOVE = Command(
-    "remove",
-    """let a host in no more
-
-  followspot certs remove pc-left
-""",
-    _configure_remove,
-    _remove,
-    parent="certs",
-)
-SHOW = Command(
-    "show",
-    """list hosts, roles, and how long their certificates are valid; also in a host's own folder
-
-  followspot certs show --dir certs
-""",
-    _configure_show,
-    _show,
-    parent="certs",
-)
+INIT = Command("init", _configure_dir, _init, parent="certs")
+HOST = Command("host", _configure_host, _host, parent="certs")
+REMOVE = Command("remove", _configure_remove, _remove, parent="certs")
+SHOW = Command("show", _configure_show, _show, parent="certs")
 COMMANDS = (INIT, HOST, REMOVE, SHOW)

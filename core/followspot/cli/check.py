@@ -22,6 +22,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Find every mistake in a graph, its room and its placement; start nothing
+
+    Examples:
+      followspot check graphs/glowballs.yaml --room rooms/studio.yaml
+      followspot check graphs/glowballs.yaml --strict       whether the result can be computed again
+    """
     try:
         plan = plan_of(args, strict=args.strict)
     except InputError as error:
@@ -48,13 +54,4 @@ def _mistake(mistake: Mistake) -> dict[str, object]:
     return {**where, "text": shown(mistake.text), "remedy": shown(mistake.remedy)}
 
 
-COMMAND = Command(
-    "check",
-    """find every mistake in a graph, its room and its placement; start nothing
-
-  followspot check graphs/glowballs.yaml --room rooms/studio.yaml
-  followspot check graphs/glowballs.yaml --strict       whether the result can be computed again
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("check", _configure, _run)

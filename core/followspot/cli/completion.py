@@ -148,20 +148,17 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Print the script with which a shell completes commands, graphs, stages, parameters, runs and ports
+
+    Examples:
+      eval "$(followspot completion bash)"                      in ~/.bashrc
+      eval "$(followspot completion zsh)"                       in ~/.zshrc
+      followspot completion fish | source                       in ~/.config/fish/config.fish
+    """
     from argcomplete.shell_integration import shellcode
 
     print(shellcode(["followspot"], shell=args.shell))
     return 0
 
 
-COMMAND = Command(
-    "completion",
-    """print the script with which a shell completes commands, graphs, stages, parameters, runs and ports
-
-  eval "$(followspot completion bash)"                      in ~/.bashrc
-  eval "$(followspot completion zsh)"                       in ~/.zshrc
-  followspot completion fish | source                       in ~/.config/fish/config.fish
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("completion", _configure, _run)

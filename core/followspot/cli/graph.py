@@ -19,6 +19,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Show the planned graph: stages, workers, hosts, and the kind of each edge
+
+    Examples:
+      followspot graph graphs/glowballs.yaml --placement camera
+      followspot graph graphs/glowballs.yaml --svg glowballs.svg
+    """
     from followspot.graph import show
     from followspot.graph.ship import plan_to_data
 
@@ -32,13 +38,4 @@ def _run(args: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command(
-    "graph",
-    """show the planned graph: stages, workers, hosts, and the kind of each edge
-
-  followspot graph graphs/glowballs.yaml --placement camera
-  followspot graph graphs/glowballs.yaml --svg glowballs.svg
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("graph", _configure, _run)

@@ -95,7 +95,7 @@ def build_parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
             home = groups[command.parent]
         added = home.add_parser(
             command.name,
-            help=command.help.splitlines()[0],
+            help=command.help.partition("\n")[0],
             description=command.help,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )

@@ -26,6 +26,17 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Bring a stage of a live run to another worker of the run, or to a host with an agent in reach of it
+
+    Examples:
+      followspot move glowballs camera/cam3 pc-right
+      followspot move fuse main                                  the only run there is
+
+    The worker that it leaves, the one that takes it, and others whose edges to it change their kind begin
+    anew, with the state of their stages. Joins go on without them for a moment; what was under way is counted
+    as lost. Where the stage cannot begin at its new place, all go back to their old ones, and the command
+    says why.
+    """
     from followspot.errors import InputError, Mistake
     from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
@@ -45,17 +56,4 @@ def _run(args: argparse.Namespace) -> int:
     return 0
 
 
-COMMAND = Command(
-    "move",
-    """bring a stage of a live run to another worker of the run, or to a host with an agent in reach of it
-
-  followspot move glowballs camera/cam3 pc-right
-  followspot move fuse main                                  the only run there is
-
-The worker that it leaves, the one that takes it, and others whose edges to it change their kind begin anew,
-with the state of their stages. Joins go on without them for a moment; what was under way is counted as lost.
-Where the stage cannot begin at its new place, all go back to their old ones, and the command says why.
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("move", _configure, _run)

@@ -20,6 +20,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """List the installed stages and their state; or show one stage's ports and parameters
+
+    Examples:
+      followspot plugins
+      followspot plugins balls.mean_shift
+    """
     from followspot.plugins.description import describe
     from followspot.plugins.registry import load_stage, use_plugin_files
 
@@ -66,13 +72,4 @@ def _page(described: dict[str, Any]) -> str:
     return "\n".join([*lines, "", f"  {described['example']}"])
 
 
-COMMAND = Command(
-    "plugins",
-    """list the installed stages and their state; or show one stage's ports and parameters
-
-  followspot plugins
-  followspot plugins balls.mean_shift
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("plugins", _configure, _run)

@@ -16,6 +16,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Route between agents and operators that cannot reach each other; any zenohd serves as well
+
+    Examples:
+      followspot router --listen tls/0.0.0.0:7447 --certificates certs
+      followspot agent --name pc-left --router tls/router.example:7447 --certificates certs
+    """
     from followspot.security.rejected_peers import RejectedPeers
     from followspot.transport.zenoh.session import close_session, connected, locators
 
@@ -37,13 +43,4 @@ def _tell(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-COMMAND = Command(
-    "router",
-    """route between agents and operators that cannot reach each other; any zenohd serves as well
-
-  followspot router --listen tls/0.0.0.0:7447 --certificates certs
-  followspot agent --name pc-left --router tls/router.example:7447 --certificates certs
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("router", _configure, _run)

@@ -54,6 +54,20 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Run a graph: check, plan, run; then accuracy (where there is truth), latency and the ledger
+
+    Examples:
+      followspot run graphs/glowballs.yaml
+      followspot run graphs/glowballs.yaml --room room.yaml --placement camera
+      followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
+      followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
+      followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     for any Zenoh client to hear
+
+    Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host
+    of their stage: by default on this one.
+
+    Ctrl-C ends the sources; what is in flight is finished and all outputs are complete.
+    """
     return execute(plan_of(args), args)
 
 
@@ -132,21 +146,4 @@ def media_folder(plan: Plan, asked: str | None) -> Path:
     return Path(asked or next(iter(folders), "."))
 
 
-COMMAND = Command(
-    "run",
-    """run a graph: check, plan, run; then accuracy (where there is truth), latency and the ledger
-
-  followspot run graphs/glowballs.yaml
-  followspot run graphs/glowballs.yaml --room room.yaml --placement camera
-  followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
-  followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
-  followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     for any Zenoh client to hear
-
-Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host of
-their stage: by default on this one.
-
-Ctrl-C ends the sources; what is in flight is finished and all outputs are complete.
-""",
-    _configure,
-    _run,
-)
+COMMAND = Command("run", _configure, _run)

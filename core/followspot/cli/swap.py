@@ -27,7 +27,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     add_network_options(parser)
 
 
-def _run(args: argparse.Namespace) -> int:
+def _change(args: argparse.Namespace) -> int:
     from followspot.errors import InputError, Mistake
     from followspot.library.handle import connected_run
     from followspot.plugins.registry import use_plugin_files
@@ -47,30 +47,32 @@ def _run(args: argparse.Namespace) -> int:
     return 0
 
 
-_ABOUT = """
-What is new is built beside what works, and takes over between two messages with the state of the old
-stage where both know how: nothing is lost. Where it cannot be built, the old stage goes on, and the command
-says why.
-"""
+def _swap(args: argparse.Namespace) -> int:
+    """Let other stages take the place of those that work, while the graph runs.
 
-SWAP = Command(
-    "swap",
-    f"""let other stages take the place of those that work, while the graph runs
+    The run builds a new stage beside the old one. The new stage takes over between two messages, with the
+    state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
+    old stages go on, and the command says why.
 
-  followspot swap glowballs fuse=balls.mean
-  followspot swap fuse=balls.mean_shift fuse.maximum_iterations=50
-{_ABOUT}""",
-    _configure,
-    _run,
-)
-SET = Command(
-    "set",
-    f"""change parameters of stages while the graph runs
+    Examples:
+      followspot swap glowballs fuse=balls.mean
+      followspot swap fuse=balls.mean_shift fuse.maximum_iterations=50
+    """
+    return _change(args)
 
-  followspot set glowballs color.similarity=0.7
-  followspot set color/cam0.similarity=0.7                    one camera of the only run there is
-{_ABOUT}""",
-    _configure,
-    _run,
-)
-COMMANDS = (SET, SWAP)
+
+def _set(args: argparse.Namespace) -> int:
+    """Change parameters of stages while the graph runs.
+
+    The run builds a stage with the new values beside the old one. The new stage takes over between two
+    messages, with the state of the old one; no message is lost. If the new stage cannot be built, the old one
+    goes on, and the command says why.
+
+    Examples:
+      followspot set glowballs color.similarity=0.7
+      followspot set color/cam0.similarity=0.7       one camera, of the only run
+    """
+    return _change(args)
+
+
+COMMANDS = (Command("set", _configure, _set), Command("swap", _configure, _swap))

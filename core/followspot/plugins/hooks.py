@@ -12,6 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from inspect import cleandoc
 from pathlib import Path
 from typing import Any
 
@@ -19,20 +20,8 @@ import pluggy
 
 GROUP = "followspot.hooks.v1"
 PROJECT = "followspot"
-RESERVED = (
-    "run",
-    "check",
-    "graph",
-    "plugins",
-    "agent",
-    "router",
-    "attach",
-    "swap",
-    "set",
-    "move",
-    "certs",
-    "completion",
-)
+_ON_RUNS = ("attach", "swap", "set", "move")
+RESERVED = ("run", "check", "graph", "plugins", "agent", "router", *_ON_RUNS, "certs", "completion")
 """Commands of followspot itself."""
 
 hookspec = pluggy.HookspecMarker(PROJECT)
@@ -43,15 +32,19 @@ hookimpl = pluggy.HookimplMarker(PROJECT)
 class Command:
     """One command of the command line.
 
-    help: the first line stands in the list of commands, all of it in the command's own --help;
-    parent: name of a group, for `followspot PARENT NAME`; run: returns the exit code.
+    configure: adds the arguments; run: returns the exit code, its docstring is the help; parent: name of a
+    group, for `followspot PARENT NAME`.
     """
 
     name: str
-    help: str
     configure: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace], int]
     parent: str | None = None
+
+    @property
+    def help(self) -> str:
+        """Its first line stands in the list of commands, all of it in the command's own --help."""
+        return cleandoc(self.run.__doc__ or "")
 
     @property
     def title(self) -> str:

@@ -18,7 +18,7 @@ from followspot.plugins.hooks import Command, hookimpl
 
 @hookimpl
 def followspot_commands():
-    return [Command("tune", "tune the piano", lambda parser: None, lambda args: 0)]
+    return [Command("tune", lambda parser: None, lambda args: 0)]
 """
 
 

@@ -9,29 +9,11 @@ from followspot.cli.graph_options import add_change_options
 from followspot.cli.trial_options import add_trial_options
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Run variants of a graph on the same recordings and compare their accuracy.
-
-Every graph file is a variant; each --variant is one more, of the first graph. Prints per target and as
-means: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden,
-recovery, jerk cost, reprojection error, speed; ratios to the first variant. Plots need matplotlib:
-pip install "followspot[plots]". For graphs that write poses of persons (sinks.csv_poses): coverage, errors of
-direction, distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
-acquire and to vanish, and speed.
-
-  followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
-  followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison
-  followspot compare graphs/experiments/recorded.yaml --variant "no test:verify.homography_tolerance=0"
-
-Where a graph writes what its fusion gives to positions.jsonl and its candidates to candidates.jsonl
-(graphs/experiments/recorded.yaml does), the errors before the filter, the reprojection error against
-the detections and the histogram of iterations are shown too.
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `compare`."""
-    return [Command("compare", HELP, configure, run)]
+    return [Command("compare", configure, run)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -50,7 +32,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run, compare, print."""
+    """Run variants of a graph on the same recordings and compare their accuracy.
+
+    Every graph file is a variant; each --variant is one more, of the first graph. Prints per target and as
+    means: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden,
+    recovery, jerk cost, reprojection error, speed; ratios to the first variant. Plots need matplotlib: pip
+    install "followspot[plots]". For graphs that write poses of persons (sinks.csv_poses): coverage, errors of
+    direction, distance, height and position, torso heading, head pan and tilt, identity, false persons, times
+    to acquire and to vanish, and speed.
+
+    Examples:
+      followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
+      followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison
+      followspot compare graphs/experiments/recorded.yaml --variant "no test:verify.homography_tolerance=0"
+
+    Where a graph writes what its fusion gives to positions.jsonl and its candidates to candidates.jsonl
+    (graphs/experiments/recorded.yaml does), the errors before the filter, the reprojection error against
+    the detections and the histogram of iterations are shown too.
+    """
     from followspot_compare.command import compare
 
     return compare(args)

@@ -9,24 +9,11 @@ from pathlib import Path
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """look for what would keep a graph from running here, and say how to mend it
-
-Looks at this computer (memory, open files, shared memory, disk, clock), its network (loopback, multicast,
-ports), libraries, plugins, and with a room at every camera: a picture is taken from each. With --connect
-agents of other hosts are asked whether they are there and what their clocks say; with --certificates those
-are looked at. Exit code 1 where there is a problem; warnings alone do not count.
-
-  followspot doctor
-  followspot doctor --room room.yaml
-  followspot doctor --graph graphs/glowballs.yaml --room room.yaml --json
-  followspot doctor --connect tls/pc-left:7450 --certificates certs
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `doctor`."""
-    return [Command("doctor", HELP, _configure, _run)]
+    return [Command("doctor", _configure, _run)]
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +29,19 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """Look for what would keep a graph from running here, and say how to mend it
+
+    Looks at this computer (memory, open files, shared memory, disk, clock), its network (loopback, multicast,
+    ports), libraries, plugins, and with a room at every camera: a picture is taken from each. With --connect
+    agents of other hosts are asked whether they are there and what their clocks say; with --certificates
+    those are looked at. Exit code 1 where there is a problem; warnings alone do not count.
+
+    Examples:
+      followspot doctor
+      followspot doctor --room room.yaml
+      followspot doctor --graph graphs/glowballs.yaml --room room.yaml --json
+      followspot doctor --connect tls/pc-left:7450 --certificates certs
+    """
     from followspot_doctor.examination import Subject, examine
     from followspot_doctor.report import as_json, as_text
 

@@ -8,28 +8,13 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-PLUGIN = """make a package for stages of your own, with tests that are green
-
-  followspot new plugin studio              a folder followspot-studio, with one stage to change
-  cd followspot-studio
-  pip install -e '.[dev]'
-  pytest
-  followspot plugins studio.low
-"""
-
-STAGE = """add a stage to the plugin package in this folder: module, entry point, test
-
-  cd followspot-studio
-  followspot new stage shout                a stage studio.shout in followspot_studio/shout.py
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The commands `new plugin` and `new stage`."""
     return [
-        Command("plugin", PLUGIN, _configure_plugin, _plugin, parent="new"),
-        Command("stage", STAGE, _configure_stage, _stage, parent="new"),
+        Command("plugin", _configure_plugin, _plugin, parent="new"),
+        Command("stage", _configure_stage, _stage, parent="new"),
     ]
 
 
@@ -48,6 +33,15 @@ def _configure_stage(parser: argparse.ArgumentParser) -> None:
 
 
 def _plugin(args: argparse.Namespace) -> int:
+    """Make a package for stages of your own, with tests that are green
+
+    Examples:
+      followspot new plugin studio              a folder followspot-studio, with one stage to change
+      cd followspot-studio
+      pip install -e '.[dev]'
+      pytest
+      followspot plugins studio.low
+    """
     from followspot_new.package import new_plugin
 
     folder = new_plugin(args.name, args.dir)
@@ -56,6 +50,12 @@ def _plugin(args: argparse.Namespace) -> int:
 
 
 def _stage(args: argparse.Namespace) -> int:
+    """Add a stage to the plugin package in this folder: module, entry point, test
+
+    Examples:
+      cd followspot-studio
+      followspot new stage shout                a stage studio.shout in followspot_studio/shout.py
+    """
     from followspot_new.package import new_stage
 
     module, stage = new_stage(args.name, args.dir)

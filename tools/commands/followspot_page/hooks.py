@@ -15,20 +15,11 @@ from followspot_watch.run_option import RUN
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
 
-DASHBOARD = """show a graph that runs in a browser, until it ends; the same as run --dashboard
-
-The room in 3D, the pictures of all cameras with what was found in them, and the graph with what each stage is
-doing, its rates and its ledger. Ctrl-C ends the page and nothing else.
-
-  followspot dashboard
-  followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command dashboard."""
-    return [Command("dashboard", DASHBOARD, _configure_dashboard, _dashboard)]
+    return [Command("dashboard", _configure_dashboard, _dashboard)]
 
 
 @hookimpl
@@ -75,6 +66,15 @@ def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
 
 
 def _dashboard(args: argparse.Namespace) -> int:
+    """Show a graph that runs in a browser, until it ends; the same as run --dashboard
+
+    The room in 3D, the pictures of all cameras with what was found in them, and the graph with what each
+    stage is doing, its rates and its ledger. Ctrl-C ends the page and nothing else.
+
+    Examples:
+      followspot dashboard
+      followspot dashboard glowballs --dashboard-at 127.0.0.1:9000
+    """
     from followspot.library.handle import run_here
     from followspot_page.asked import order_of
     from followspot_page.showing import shown

@@ -16,46 +16,15 @@ from followspot.plugins.hooks import Command, PlanOptions, RecordingReader, hook
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
 
-RECORD = """run a graph and record its ports into one file; the same as run --record
-
-  followspot record graphs/glowballs.yaml --record show.mcap
-  followspot record graphs/glowballs.yaml --record show.mcap --record-ports camera,track
-"""
-REPLAY = """run a recorded graph, or another one, on the ports of a recording
-
-The recorded sources (the cameras) are played, and the ports that --ports names; every other stage that is
-still needed is computed anew. The summary and the outputs are those of a run.
-
-  followspot replay show.mcap
-  followspot replay show.mcap --graph graphs/glowballs.yaml --set fuse.uses=balls.mean
-  followspot replay show.mcap --ports color,infrared --from 10 --to 20
-  followspot replay show.mcap --speed 1 --loop --dashboard
-"""
-VERIFY = """run a recorded graph again on its recorded sources and compare every recorded port, byte for byte
-
-Exit code 0 where all are the same, 1 where not; then the first difference is named.
-
-  followspot verify show.mcap
-"""
-EXPORT = """write the ports of a recording as tables, lines of JSON or for the Rerun viewer, a file for each
-
-parquet needs pyarrow, rerun needs rerun-sdk.
-
-  followspot export show.mcap --to csv tables
-  followspot export show.mcap --to parquet tables
-  followspot export show.mcap --to rerun views
-  followspot export show.mcap --to jsonl lines --ports track.tracks
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The commands record, replay, verify, export."""
     return [
-        Command("record", RECORD, configure_record, record),
-        Command("replay", REPLAY, configure_replay, replay),
-        Command("verify", VERIFY, configure_verify, verify),
-        Command("export", EXPORT, configure_export, export),
+        Command("record", configure_record, record),
+        Command("replay", configure_replay, replay),
+        Command("verify", configure_verify, verify),
+        Command("export", configure_export, export),
     ]
 
 
@@ -155,14 +124,29 @@ def _need_mcap() -> None:
 
 
 def record(args: argparse.Namespace) -> int:
-    """Run, record, print the summary."""
+    """Run a graph and record its ports into one file; the same as run --record
+
+    Examples:
+      followspot record graphs/glowballs.yaml --record show.mcap
+      followspot record graphs/glowballs.yaml --record show.mcap --record-ports camera,track
+    """
     from followspot_record.record import record_command
 
     return record_command(args)
 
 
 def replay(args: argparse.Namespace) -> int:
-    """Run on recorded ports, print the summary."""
+    """Run a recorded graph, or another one, on the ports of a recording
+
+    The recorded sources (the cameras) are played, and the ports that --ports names; every other stage that is
+    still needed is computed anew. The summary and the outputs are those of a run.
+
+    Examples:
+      followspot replay show.mcap
+      followspot replay show.mcap --graph graphs/glowballs.yaml --set fuse.uses=balls.mean
+      followspot replay show.mcap --ports color,infrared --from 10 --to 20
+      followspot replay show.mcap --speed 1 --loop --dashboard
+    """
     _need_mcap()
     from followspot_record.replay import replay_command
 
@@ -170,7 +154,13 @@ def replay(args: argparse.Namespace) -> int:
 
 
 def verify(args: argparse.Namespace) -> int:
-    """Run again, compare, tell."""
+    """Run a recorded graph again on its recorded sources and compare every recorded port, byte for byte
+
+    Exit code 0 where all are the same, 1 where not; then the first difference is named.
+
+    Example:
+      followspot verify show.mcap
+    """
     _need_mcap()
     from followspot_record.verify import verify_command
 
@@ -178,7 +168,16 @@ def verify(args: argparse.Namespace) -> int:
 
 
 def export(args: argparse.Namespace) -> int:
-    """Write files."""
+    """Write the ports of a recording as tables, lines of JSON or for the Rerun viewer, a file for each
+
+    parquet needs pyarrow, rerun needs rerun-sdk.
+
+    Examples:
+      followspot export show.mcap --to csv tables
+      followspot export show.mcap --to parquet tables
+      followspot export show.mcap --to rerun views
+      followspot export show.mcap --to jsonl lines --ports track.tracks
+    """
     _need_mcap()
     from followspot_record.export import export_command
 

@@ -8,56 +8,15 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-IMPORT = """Make a room file from a calibration and, where there is one, a folder with one video per camera.
-
-The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys Calib.qca.txt,
-a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist, R and t, or JSON of
-pinhole and cylinder cameras by name.
-Recordings are named like the cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures; scaled
-copies, and those that a codec cut off at the right or below, are taken as such with a warning.
-VIDEOS/truth.csv, where it exists, becomes the room's truth; without it VIDEOS/cam0_gt.csv, poses of persons.
-
-  followspot room import calibration.toml -o room.yaml
-  followspot room import Calib.qca.txt --videos recordings -o room.yaml
-  followspot room import calib.json --only panorama --videos recordings -o panorama.yaml
-"""
-
-EXPORT = """Write the cameras of a room file for another program.
-
-The format follows from the name of the output: camera_array.toml is caliscope, any other .toml aniposelib,
-.qca.txt Qualisys, .yml OpenCV; svoboda writes a folder and needs --format. Planes and targets stay behind.
-
-  followspot room export room.yaml -o calibration.toml
-  followspot room export room.yaml -o selfcal --format svoboda
-"""
-
-
-GUESS = """Make a rough room file for one video without a calibration, from the sizes of the people in it.
-
-The camera is assumed level from left to right, without distortion, above a flat floor on which people walk
-upright. Good enough to follow people and to tell near from far; calibrate for places that can be trusted.
-
-  followspot room guess street.avi --field 50 -o street.yaml
-"""
-
-
-RECTIFY = """Replace tilted, distorted cameras by upright ones; their videos are turned as they play.
-
-People stand upright in such pictures, as detectors expect, and lines are straight; --scale 0.5 makes large
-videos quicker to search. Places in the room stay the same.
-
-  followspot room rectify room.yaml --scale 0.5 -o upright.yaml
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The commands `room import`, `room export`, `room guess` and `room rectify`."""
     return [
-        Command("import", IMPORT, configure_import, run_import, parent="room"),
-        Command("export", EXPORT, configure_export, run_export, parent="room"),
-        Command("guess", GUESS, configure_guess, run_guess, parent="room"),
-        Command("rectify", RECTIFY, configure_rectify, run_rectify, parent="room"),
+        Command("import", configure_import, run_import, parent="room"),
+        Command("export", configure_export, run_export, parent="room"),
+        Command("guess", configure_guess, run_guess, parent="room"),
+        Command("rectify", configure_rectify, run_rectify, parent="room"),
     ]
 
 
@@ -80,7 +39,20 @@ def configure_import(parser: argparse.ArgumentParser) -> None:
 
 
 def run_import(args: argparse.Namespace) -> int:
-    """Read, match, write, report."""
+    """Make a room file from a calibration and, where there is one, a folder with one video per camera.
+
+    The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys
+    Calib.qca.txt, a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist,
+    R and t, or JSON of pinhole and cylinder cameras by name. Recordings are named like the cameras:
+    VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures; scaled copies, and those that a codec cut
+    off at the right or below, are taken as such with a warning. VIDEOS/truth.csv, where it exists, becomes
+    the room's truth; without it VIDEOS/cam0_gt.csv, poses of persons.
+
+    Examples:
+      followspot room import calibration.toml -o room.yaml
+      followspot room import Calib.qca.txt --videos recordings -o room.yaml
+      followspot room import calib.json --only panorama --videos recordings -o panorama.yaml
+    """
     from followspot_room.importing import import_room
 
     return import_room(
@@ -104,7 +76,16 @@ def configure_export(parser: argparse.ArgumentParser) -> None:
 
 
 def run_export(args: argparse.Namespace) -> int:
-    """Read, write, report."""
+    """Write the cameras of a room file for another program.
+
+    The format follows from the name of the output: camera_array.toml is caliscope, any other .toml
+    aniposelib, .qca.txt Qualisys, .yml OpenCV; svoboda writes a folder and needs --format. Planes and targets
+    stay behind.
+
+    Examples:
+      followspot room export room.yaml -o calibration.toml
+      followspot room export room.yaml -o selfcal --format svoboda
+    """
     from followspot_room.exporting import export_room
 
     return export_room(args.room, args.output, args.format, as_json=args.json)
@@ -121,7 +102,15 @@ def configure_guess(parser: argparse.ArgumentParser) -> None:
 
 
 def run_guess(args: argparse.Namespace) -> int:
-    """Look for people, fit, write, report."""
+    """Make a rough room file for one video without a calibration, from the sizes of the people in it.
+
+    The camera is assumed level from left to right, without distortion, above a flat floor on which people
+    walk upright. Good enough to follow people and to tell near from far; calibrate for places that can be
+    trusted.
+
+    Example:
+      followspot room guess street.avi --field 50 -o street.yaml
+    """
     from math import radians
 
     from followspot.errors import InputError, Mistake
@@ -143,7 +132,14 @@ def configure_rectify(parser: argparse.ArgumentParser) -> None:
 
 
 def run_rectify(args: argparse.Namespace) -> int:
-    """Read, turn, write, report."""
+    """Replace tilted, distorted cameras by upright ones; their videos are turned as they play.
+
+    People stand upright in such pictures, as detectors expect, and lines are straight; --scale 0.5 makes
+    large videos quicker to search. Places in the room stay the same.
+
+    Example:
+      followspot room rectify room.yaml --scale 0.5 -o upright.yaml
+    """
     from followspot.errors import InputError, Mistake
     from followspot_room.rectifying import rectify_room
 

@@ -9,23 +9,13 @@ from pathlib import Path
 from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """JSON Schema of graph, room or placement files, with every installed stage and its parameters
-
-Editors complete and explain what a file may say. With the YAML extension of VS Code, write the schemas once
-and name the one that applies in the first line of a file:
-
-  followspot schema graph -o graph.schema.json
-  # yaml-language-server: $schema=graph.schema.json
-
-`followspot check` finds more than a schema can: ports, types, cycles, files that do not exist.
-"""
 KINDS = ("graph", "room", "placement")
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `schema`."""
-    return [Command("schema", HELP, _configure, _run)]
+    return [Command("schema", _configure, _run)]
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +27,17 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
+    """JSON Schema of graph, room or placement files, with every installed stage and its parameters
+
+    Editors complete and explain what a file may say. With the YAML extension of VS Code, write the schemas
+    once and name the one that applies in the first line of a file:
+
+    Examples:
+      followspot schema graph -o graph.schema.json
+      # yaml-language-server: $schema=graph.schema.json
+
+    `followspot check` finds more than a schema can: ports, types, cycles, files that do not exist.
+    """
     import json
 
     from followspot.plugins.registry import use_plugin_files

@@ -8,26 +8,11 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Score tracks of targets or poses of persons against ground truth.
-
-Tracks, per target: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while
-hidden, frames until recovery, jerk cost; with a room also the reprojection error (px). Rows are
-matched by time.
-
-Poses, per person and in all: coverage (pose within 0.5 m of a person whose upper body is half visible),
-errors of direction, distance, height and position, torso heading, head pan and tilt, identity switches, time
-to acquire and to vanish, false persons. Fused poses take the truth of every camera.
-
-  followspot score runs/latest/tracks.csv recordings/truth.csv
-  followspot score tracks.csv truth.csv --room room.yaml --json
-  followspot score runs/latest/poses.csv recordings/panorama_gt.csv --plot pictures
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `score`."""
-    return [Command("score", HELP, configure, run)]
+    return [Command("score", configure, run)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +42,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Read, score, print."""
+    """Score tracks of targets or poses of persons against ground truth.
+
+    Tracks, per target: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions
+    while hidden, frames until recovery, jerk cost; with a room also the reprojection error (px). Rows are
+    matched by time.
+
+    Poses, per person and in all: coverage (pose within 0.5 m of a person whose upper body is half visible),
+    errors of direction, distance, height and position, torso heading, head pan and tilt, identity switches,
+    time to acquire and to vanish, false persons. Fused poses take the truth of every camera.
+
+    Examples:
+      followspot score runs/latest/tracks.csv recordings/truth.csv
+      followspot score tracks.csv truth.csv --room room.yaml --json
+      followspot score runs/latest/poses.csv recordings/panorama_gt.csv --plot pictures
+    """
     from followspot_score.command import score_files
 
     print(score_files(args.reported, args.truth, args.room, args.plot, as_json=args.json))

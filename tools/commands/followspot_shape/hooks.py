@@ -8,26 +8,11 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Make the models of pose tracking from crops of upper bodies whose pose is known.
-
-  fit     the shape model: 19 features of the outline, 45 of the surface
-  colors  how the colours of its surface features relate in people (the colour-difference model)
-
-CROPS is a folder with pictures of one size and a table boxes.csv with the columns file, body, torso_heading,
-head_pan, head_tilt (rad), y0, y1 (rows of head top and waist, px) and neck_u (column of the body's axis, px).
-
-  followspot shape fit crops -o shape.yaml
-  followspot shape colors crops --shape shape.yaml -o color_relations.yaml
-
-Both files can be given to persons.appearance and persons.pose_tracker; those that come with followspot are
-the default.
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `shape`."""
-    return [Command("shape", HELP, configure, run)]
+    return [Command("shape", configure, run)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +27,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit and write."""
+    """Make the models of pose tracking from crops of upper bodies whose pose is known.
+
+      fit     the shape model: 19 features of the outline, 45 of the surface
+      colors  how the colours of its surface features relate in people (the colour-difference model)
+
+    CROPS is a folder with pictures of one size and a table boxes.csv with the columns file, body,
+    torso_heading, head_pan, head_tilt (rad), y0, y1 (rows of head top and waist, px) and neck_u (column of
+    the body's axis, px).
+
+    Examples:
+      followspot shape fit crops -o shape.yaml
+      followspot shape colors crops --shape shape.yaml -o color_relations.yaml
+
+    Both files can be given to persons.appearance and persons.pose_tracker; those that come with followspot
+    are the default.
+    """
     from followspot_shape.command import make
 
     return make(args)

@@ -10,22 +10,11 @@ from followspot.cli.graph_options import add_change_options, frame_count
 from followspot.cli.trial_options import add_trial_options
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """run a graph over a grid of parameters, several runs at a time, and tell which values are best
-
-A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP included. Each point is a run of
-its own; what is done already in the folder is not done again, so that a sweep that was interrupted goes on
-with the same command. Writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with matplotlib).
-
-  followspot sweep graphs/glowballs.yaml --set fuse.bandwidth_scale=2,3,4 --set color.similarity=0.7:0.9:0.05
-  followspot sweep graphs/glowballs.yaml --set fuse.uses=balls.mean_shift,balls.mean --room a.yaml
-  followspot sweep graphs/glowballs.yaml --set track.bounce_gate=2:6:1 --seed 1 --frames 300 -o runs/gate
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `sweep`."""
-    return [Command("sweep", HELP, configure, run)]
+    return [Command("sweep", configure, run)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +40,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run, gather, print."""
+    """Run a graph over a grid of parameters, several runs at a time, and tell which values are best
+
+    A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP included. Each point is a run
+    of its own; what is done already in the folder is not done again, so that a sweep that was interrupted
+    goes on with the same command. Writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with
+    matplotlib).
+
+    Examples:
+      followspot sweep graphs/glowballs.yaml --set fuse.bandwidth_scale=2,3 --set color.similarity=0.7:0.9:0.1
+      followspot sweep graphs/glowballs.yaml --set fuse.uses=balls.mean_shift,balls.mean --room a.yaml
+      followspot sweep graphs/glowballs.yaml --set track.bounce_gate=2:6:1 --seed 1 --frames 300 -o runs/gate
+    """
     from followspot_sweep.command import sweep
 
     return sweep(args)

@@ -8,22 +8,11 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command, hookimpl
 
-HELP = """Train the detector of upper bodies, persons.hog.
-
-Each folder holds boxes.csv with crops of people whose body, room and headings are named, and neg_ROOM
-pictures without people; or pos/ and neg/ as the INRIA Person data set has them. The figures are of people and
-places that the model of a trial never saw (four trials); the weights that are written learnt from all. On the
-machine of its making it takes about ten minutes and 2 GB of memory.
-
-  followspot train hog data/persons-dev/hog data/person-crops-inria -o hog_weights.npz
-  followspot run graphs/person_room.yaml --set hog.weights=hog_weights.npz
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `train hog`."""
-    return [Command("hog", HELP, configure, run, parent="train")]
+    return [Command("hog", configure, run, parent="train")]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -37,7 +26,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, try, write."""
+    """Train the detector of upper bodies, persons.hog.
+
+    Each folder holds boxes.csv with crops of people whose body, room and headings are named, and neg_ROOM
+    pictures without people; or pos/ and neg/ as the INRIA Person data set has them. The figures are of people
+    and places that the model of a trial never saw (four trials); the weights that are written learnt from
+    all. On the machine of its making it takes about ten minutes and 2 GB of memory.
+
+    Examples:
+      followspot train hog data/persons-dev/hog data/person-crops-inria -o hog_weights.npz
+      followspot run graphs/person_room.yaml --set hog.weights=hog_weights.npz
+    """
     from followspot_train.command import train_hog
 
     return train_hog(args)

@@ -10,55 +10,15 @@ from followspot.cli.graph_options import add_plugin_option
 from followspot.plugins.hooks import Command, hookimpl
 from followspot_watch.run_option import RUN
 
-TOP = """what each stage and edge of a run is doing: state, on whom it waits, rate, ledger, latency, errors
-
-On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with --json, it prints once.
-
-  followspot top
-  followspot top glowballs --json
-  followspot top glowballs --connect tls/pc-left:7450 --certificates certs
-"""
-HZ = """how regularly the ports of a run send: rate, gaps, and what got lost behind them
-
-Measured where each port is, so that the way here does not count. On a terminal the table renews itself until
-the run ends or Ctrl-C; elsewhere, and with --json, it is printed once after some seconds.
-
-  followspot hz
-  followspot hz color --run glowballs --seconds 10
-  followspot hz track.tracks --json
-  followspot hz camera --connect tls/pc-left:7450 --certificates certs
-"""
-ECHO = """print the messages of a port of a graph that runs
-
-Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures only
-the size is told.
-
-  followspot echo track.tracks
-  followspot echo color/cam0 -n 3
-  followspot echo infrared --run glowballs --json
-  followspot echo color --connect tls/pc-left:7450 --certificates certs
-"""
-LOGS = """what a run has said: stages and libraries of its workers on all hosts, and what became of them
-
-Of a run that goes on, under its name, or of one that has ended, in its output folder. What is wrong is shown
-while `followspot run` goes on, too; all of it is here. A stage says something with self.log, and warns with
-self.context.warn.
-
-  followspot logs
-  followspot logs glowballs -f --level warning
-  followspot logs runs/glowballs-20261121-180000 --stage color --json
-  followspot logs glowballs --connect tls/pc-left:7450 --certificates certs
-"""
-
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The commands top, hz, echo, logs."""
     return [
-        Command("top", TOP, _configure_top, _top),
-        Command("hz", HZ, _configure_hz, _hz),
-        Command("echo", ECHO, _configure_echo, _echo),
-        Command("logs", LOGS, _configure_logs, _logs),
+        Command("top", _configure_top, _top),
+        Command("hz", _configure_hz, _hz),
+        Command("echo", _configure_echo, _echo),
+        Command("logs", _configure_logs, _logs),
     ]
 
 
@@ -108,24 +68,67 @@ def _configure_logs(parser: argparse.ArgumentParser) -> None:
 
 
 def _top(args: argparse.Namespace) -> int:
+    """What each stage and edge of a run is doing: state, on whom it waits, rate, ledger, latency, errors
+
+    On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with --json, it prints once.
+
+    Examples:
+      followspot top
+      followspot top glowballs --json
+      followspot top glowballs --connect tls/pc-left:7450 --certificates certs
+    """
     from followspot_watch.top import top
 
     return top(args)
 
 
 def _hz(args: argparse.Namespace) -> int:
+    """How regularly the ports of a run send: rate, gaps, and what got lost behind them
+
+    Measured where each port is, so that the way here does not count. On a terminal the table renews itself
+    until the run ends or Ctrl-C; elsewhere, and with --json, it is printed once after some seconds.
+
+    Examples:
+      followspot hz
+      followspot hz color --run glowballs --seconds 10
+      followspot hz track.tracks --json
+      followspot hz camera --connect tls/pc-left:7450 --certificates certs
+    """
     from followspot_watch.hz import hz
 
     return hz(args)
 
 
 def _echo(args: argparse.Namespace) -> int:
+    """Print the messages of a port of a graph that runs
+
+    Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures
+    only the size is told.
+
+    Examples:
+      followspot echo track.tracks
+      followspot echo color/cam0 -n 3
+      followspot echo infrared --run glowballs --json
+      followspot echo color --connect tls/pc-left:7450 --certificates certs
+    """
     from followspot_watch.echo import echo
 
     return echo(args)
 
 
 def _logs(args: argparse.Namespace) -> int:
+    """What a run has said: stages and libraries of its workers on all hosts, and what became of them
+
+    Of a run that goes on, under its name, or of one that has ended, in its output folder. What is wrong is
+    shown while `followspot run` goes on, too; all of it is here. A stage says something with self.log, and
+    warns with self.context.warn.
+
+    Examples:
+      followspot logs
+      followspot logs glowballs -f --level warning
+      followspot logs runs/glowballs-20261121-180000 --stage color --json
+      followspot logs glowballs --connect tls/pc-left:7450 --certificates certs
+    """
     from followspot_watch.logs import logs
 
     return logs(args)

@@ -7,19 +7,6 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command
 
-HELP = """Calibrate where cameras stand from a board that is carried through the room.
-
-The lenses must be known (calibrate intrinsics). No place needs to be seen by all cameras: it is enough that
-each camera shares views of the board with another one. The squares of the board set the scale.
-Recordings are synchronised: DIR/<camera>.mp4 or folders of pictures, the same number is the same moment,
-or DIR/timestamps.csv (sync_index,cam_id,frame_index,frame_time, as caliscope writes it) says what belongs
-together. The first camera keeps its pose, or with --floor the board lies on the floor at that moment: its
-first corner is the origin, z is up.
-
-  followspot calibrate board --room room.yaml --videos boards --board charuco:5x7:0.04:DICT_5X5_100
-  followspot calibrate board --room room.yaml --videos boards --board chessboard:9x6:0.025 --floor 120 --json
-"""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -36,10 +23,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Find the board, solve, write, report."""
+    """Calibrate where cameras stand from a board that is carried through the room.
+
+    The lenses must be known (calibrate intrinsics). No place needs to be seen by all cameras: it is enough
+    that each camera shares views of the board with another one. The squares of the board set the scale.
+    Recordings are synchronised: DIR/<camera>.mp4 or folders of pictures, the same number is the same moment,
+    or DIR/timestamps.csv (sync_index,cam_id,frame_index,frame_time, as caliscope writes it) says what belongs
+    together. The first camera keeps its pose, or with --floor the board lies on the floor at that moment: its
+    first corner is the origin, z is up.
+
+    Examples:
+      followspot calibrate board --room room.yaml --videos boards --board charuco:5x7:0.04:DICT_5X5_100
+      followspot calibrate board --room room.yaml --videos boards --board chessboard:9x6:0.025 --floor 120
+    """
     from followspot_calibrate.board.command import calibrate_board
 
     return calibrate_board(args)
 
 
-COMMAND = Command("board", HELP, configure, run, parent="calibrate")
+COMMAND = Command("board", configure, run, parent="calibrate")

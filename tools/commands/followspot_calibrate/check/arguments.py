@@ -8,20 +8,6 @@ from pathlib import Path
 from followspot.cli.graph_options import frame_count
 from followspot.plugins.hooks import Command
 
-HELP = """Tell how good a room file is now, and which camera is to blame where it is not.
-
-Evidence is any of these: points that a wand showed (--points), an ordinary tracking run with its blobs
-written down (--run, or --track to make one now), another calibration of the same cameras (--against).
-Each camera is held against the point that the other cameras see; a camera that does not fit is left out,
-and the others are judged without it. The room file is not changed.
-
-Exit code 1 says that a camera is beyond the limit, or a known length off by more than 1 %.
-
-  followspot calibrate check --room room.yaml --points wand.csv --length 0.5
-  followspot calibrate check --room room.yaml --track
-  followspot calibrate check --room room.yaml --run runs/monday --json
-  followspot calibrate check --room room.yaml --against Calib.qca.txt
-"""
 GRAPH = "graphs/glowballs.yaml"
 
 
@@ -64,10 +50,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Measure, judge, report."""
+    """Tell how good a room file is now, and which camera is to blame where it is not.
+
+    Evidence is any of these: points that a wand showed (--points), an ordinary tracking run with its blobs
+    written down (--run, or --track to make one now), another calibration of the same cameras (--against).
+    Each camera is held against the point that the other cameras see; a camera that does not fit is left out,
+    and the others are judged without it. The room file is not changed.
+
+    Exit code 1 says that a camera is beyond the limit, or a known length off by more than 1 %.
+
+    Examples:
+      followspot calibrate check --room room.yaml --points wand.csv --length 0.5
+      followspot calibrate check --room room.yaml --track
+      followspot calibrate check --room room.yaml --run runs/monday --json
+      followspot calibrate check --room room.yaml --against Calib.qca.txt
+    """
     from followspot_calibrate.check.command import check_calibration
 
     return check_calibration(args)
 
 
-COMMAND = Command("check", HELP, configure, run, parent="calibrate")
+COMMAND = Command("check", configure, run, parent="calibrate")

@@ -8,18 +8,6 @@ from pathlib import Path
 from followspot.cli.graph_options import add_change_options, frame_count
 from followspot.plugins.hooks import Command
 
-HELP = """Find out by how much the cameras are not synchronised, and write it into the room file.
-
-Tracks the room's own recording and compares how far each camera sees moving targets ahead of or behind the
-others, so no clock needs to be trusted. Something must move through the common view, the faster the better:
-a target at 2 m/s, 4 m from a camera of 320x240, moves by 0.1 px a millisecond. Cameras keep their time
-stamps; `balls.verify_pairs` corrects for `clock_offset` when it pairs their blobs.
-
-The offsets are relative to their mean, or to --reference CAMERA. +- is one standard deviation.
-
-  followspot calibrate clocks --room room.yaml
-  followspot calibrate clocks --room room.yaml --reference cam0 --dry-run --json
-"""
 GRAPH = "graphs/glowballs.yaml"
 ROUNDS = 4
 LIMIT = 2.0
@@ -50,10 +38,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Track, estimate, report, write."""
+    """Find out by how much the cameras are not synchronised, and write it into the room file.
+
+    Tracks the room's own recording and compares how far each camera sees moving targets ahead of or behind
+    the others, so no clock needs to be trusted. Something must move through the common view, the faster the
+    better: a target at 2 m/s, 4 m from a camera of 320x240, moves by 0.1 px a millisecond. Cameras keep their
+    time stamps; `balls.verify_pairs` corrects for `clock_offset` when it pairs their blobs.
+
+    The offsets are relative to their mean, or to --reference CAMERA. +- is one standard deviation.
+
+    Examples:
+      followspot calibrate clocks --room room.yaml
+      followspot calibrate clocks --room room.yaml --reference cam0 --dry-run --json
+    """
     from followspot_calibrate.clocks.command import calibrate_clocks
 
     return calibrate_clocks(args)
 
 
-COMMAND = Command("clocks", HELP, configure, run, parent="calibrate")
+COMMAND = Command("clocks", configure, run, parent="calibrate")

@@ -7,21 +7,6 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command
 
-HELP = """Calibrate lenses from views of a chessboard or ChArUco board and write them into the room file.
-
-Pictures come from DIR/<camera>.mp4 (any video) or folders DIR/<camera> of pictures, from --clip CAMERA=PATH,
-or live: from the cameras' sources in the room file (--live), or from a device (--device CAMERA=0), which
-becomes the camera's source. The room file is made where there is none.
-Matrix, distortion, model and size of these cameras are replaced, everything else stays.
-
-Boards: chessboard:9x6:0.025 (inner corners, square in m), charuco:4x5:0.054:DICT_4X4_1000 (squares);
-charuco:4x5:0.054/0.04:DICT_4X4_1000 gives the side of the markers too, :inverted is white on black.
-
-  followspot calibrate intrinsics --room room.yaml --videos boards --board charuco:5x7:0.04:DICT_5X5_100
-  followspot calibrate intrinsics --room room.yaml --clip cam0=pictures --board chessboard:9x6:0.025
-  followspot calibrate intrinsics --room room.yaml --device cam0=0 --board chessboard:9x6:0.025
-"""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -41,10 +26,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Find the board, fit, write, report."""
+    """Calibrate lenses from views of a chessboard or ChArUco board and write them into the room file.
+
+    Pictures come from DIR/<camera>.mp4 (any video) or folders DIR/<camera> of pictures, from --clip
+    CAMERA=PATH, or live: from the cameras' sources in the room file (--live), or from a device (--device
+    CAMERA=0), which becomes the camera's source. The room file is made where there is none. Matrix,
+    distortion, model and size of these cameras are replaced, everything else stays.
+
+    Boards: chessboard:9x6:0.025 (inner corners, square in m), charuco:4x5:0.054:DICT_4X4_1000 (squares);
+    charuco:4x5:0.054/0.04:DICT_4X4_1000 gives the side of the markers too, :inverted is white on black.
+
+    Examples:
+      followspot calibrate intrinsics --room room.yaml --videos boards --board charuco:5x7:0.04:DICT_5X5_100
+      followspot calibrate intrinsics --room room.yaml --clip cam0=pictures --board chessboard:9x6:0.025
+      followspot calibrate intrinsics --room room.yaml --device cam0=0 --board chessboard:9x6:0.025
+    """
     from followspot_calibrate.intrinsics.command import calibrate_intrinsics
 
     return calibrate_intrinsics(args)
 
 
-COMMAND = Command("intrinsics", HELP, configure, run, parent="calibrate")
+COMMAND = Command("intrinsics", configure, run, parent="calibrate")

@@ -7,19 +7,6 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command
 
-HELP = """Fit planes to points on them and write them into the room file.
-
-Points are real or projected dots that two or more calibrated cameras see, as a CSV file with lines
-plane,point,camera,u,v (camera: name or number), or clips CLIPS/<plane>/<camera>.mkv in which one dot after
-the other is shown, the same in all cameras at the same frame. Planes of the room without points stay.
-
-With --floor that plane becomes z = 0, z up: cameras and planes move together. The old x axis is laid onto
-the floor, the origin is the point of the floor below the old origin.
-
-  followspot calibrate planes --room room.yaml --points plane_points.csv
-  followspot calibrate planes --room room.yaml --clips dots --floor ground --json
-"""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -35,10 +22,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Fit, write, report."""
+    """Fit planes to points on them and write them into the room file.
+
+    Points are real or projected dots that two or more calibrated cameras see, as a CSV file with lines
+    plane,point,camera,u,v (camera: name or number), or clips CLIPS/<plane>/<camera>.mkv in which one dot
+    after the other is shown, the same in all cameras at the same frame. Planes of the room without points
+    stay.
+
+    With --floor that plane becomes z = 0, z up: cameras and planes move together. The old x axis is laid onto
+    the floor, the origin is the point of the floor below the old origin.
+
+    Examples:
+      followspot calibrate planes --room room.yaml --points plane_points.csv
+      followspot calibrate planes --room room.yaml --clips dots --floor ground --json
+    """
     from followspot_calibrate.planes.command import calibrate_planes
 
     return calibrate_planes(args)
 
 
-COMMAND = Command("planes", HELP, configure, run, parent="calibrate")
+COMMAND = Command("planes", configure, run, parent="calibrate")

@@ -8,17 +8,6 @@ from pathlib import Path
 from followspot.cli.graph_options import frame_count
 from followspot.plugins.hooks import Command
 
-HELP = """Correct cameras that are slightly off, by what an ordinary tracking run saw.
-
-Tracks the room's own recording (or takes a run that wrote down its blobs: --run), and adjusts places,
-directions and lenses of all cameras until they agree about the targets. Where the cameras stand together, and
-how far they are apart, no tracker can see: that stays as the camera centres of the room file say. Planes
-move with what the cameras see. Targets must have been carried through the common view, at many places.
-
-  followspot calibrate refine --room room.yaml
-  followspot calibrate refine --room room.yaml --clips templates
-  followspot calibrate refine --room room.yaml --run runs/monday --dry-run --json
-"""
 GRAPH = "graphs/glowballs.yaml"
 
 
@@ -50,10 +39,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Track, adjust, write, report."""
+    """Correct cameras that are slightly off, by what an ordinary tracking run saw.
+
+    Tracks the room's own recording (or takes a run that wrote down its blobs: --run), and adjusts places,
+    directions and lenses of all cameras until they agree about the targets. Where the cameras stand together,
+    and how far they are apart, no tracker can see: that stays as the camera centres of the room file say.
+    Planes move with what the cameras see. Targets must have been carried through the common view, at many
+    places.
+
+    Examples:
+      followspot calibrate refine --room room.yaml
+      followspot calibrate refine --room room.yaml --clips templates
+      followspot calibrate refine --room room.yaml --run runs/monday --dry-run --json
+    """
     from followspot_calibrate.refine.command import refine_room
 
     return refine_room(args)
 
 
-COMMAND = Command("refine", HELP, configure, run, parent="calibrate")
+COMMAND = Command("refine", configure, run, parent="calibrate")

@@ -8,29 +8,6 @@ from pathlib import Path
 
 from followspot.plugins.hooks import Command
 
-HELP = """Find poses and intrinsics of all cameras from one bright point waved through the room.
-
-Points come from a CSV file frame,camera,u,v (camera: name or number; a column point tells the two bulbs of a
-wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), or an NPZ file of
-keypoints with confidence; or the bulb is found in recordings of the darkened room. Wave everywhere, near to
-and far from every camera, in the view of three at a time. With --targets the synchronised clips that
-`calibrate targets` learns from are used as well: few points, but far more exact ones.
-
-Intrinsics: known keeps those of the room, free finds them from the points, auto keeps those of the room
-unless others fit the points clearly better. The frame of reference: --centers camera,x,y,z, by default the
-centres in the room file; or --marker x,y,z,camera,u,v, three or more points with known places; --length sets
-the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where one is infrared.
-
-Cameras that are not synchronised are found from the motion and corrected, and --clock-offsets notes it in the
-room file. Mirrored, exchanged and moved cameras are named; --frames leaves out what was before a move.
-
-  followspot calibrate wand --points wand.csv --room room.yaml
-  followspot calibrate wand --points wand.csv --targets templates --room room.yaml
-  followspot calibrate wand --clips recordings --room room.yaml
-  followspot calibrate wand --points wand.csv --size 640x480 --length 0.5 -o room.yaml --json
-  followspot calibrate wand --points wand.csv --room room.yaml --frames 350- --fps 60 --clock-offsets
-"""
-
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
@@ -84,10 +61,35 @@ def frame_range(text: str) -> tuple[int, int | None]:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Solve, align, write, report."""
+    """Find poses and intrinsics of all cameras from one bright point waved through the room.
+
+    Points come from a CSV file frame,camera,u,v (camera: name or number; a column point tells the two bulbs
+    of a wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), or an
+    NPZ file of keypoints with confidence; or the bulb is found in recordings of the darkened room. Wave
+    everywhere, near to and far from every camera, in the view of three at a time. With --targets the
+    synchronised clips that `calibrate targets` learns from are used as well: few points, but far more exact
+    ones.
+
+    Intrinsics: known keeps those of the room, free finds them from the points, auto keeps those of the room
+    unless others fit the points clearly better. The frame of reference: --centers camera,x,y,z, by default
+    the centres in the room file; or --marker x,y,z,camera,u,v, three or more points with known places;
+    --length sets the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where
+    one is infrared.
+
+    Cameras that are not synchronised are found from the motion and corrected, and --clock-offsets notes it in
+    the room file. Mirrored, exchanged and moved cameras are named; --frames leaves out what was before a
+    move.
+
+    Examples:
+      followspot calibrate wand --points wand.csv --room room.yaml
+      followspot calibrate wand --points wand.csv --targets templates --room room.yaml
+      followspot calibrate wand --clips recordings --room room.yaml
+      followspot calibrate wand --points wand.csv --size 640x480 --length 0.5 -o room.yaml --json
+      followspot calibrate wand --points wand.csv --room room.yaml --frames 350- --fps 60 --clock-offsets
+    """
     from followspot_calibrate.wand.command import calibrate_wand
 
     return calibrate_wand(args)
 
 
-COMMAND = Command("wand", HELP, configure, run, parent="calibrate")
+COMMAND = Command("wand", configure, run, parent="calibrate")
