@@ -21,9 +21,9 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.host.clocks.host import HostClock, reference
+from followspot.host.hot_swap import HostChange
 from followspot.host.ledger_file import ledger_memory
 from followspot.host.supervisor import Supervisor
-from followspot.host.swap_handler import HostChange
 from followspot.host.worker_pool import WorkerPool
 from followspot.host.worker_process import Start, WorkerProcess, start_process
 from followspot.log.record import Level

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
+from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
@@ -21,6 +23,75 @@ class Replacement:
     runner: StageRunner
     stage: Stage
     build: Callable[[], Stage]
+
+
+Answer = Callable[[ChangeStatus], None]
+"""Called with what became of a step, from any thread."""
+
+
+class HotSwap:
+    """The change that a worker is in: at most one at a time.
+
+    Replacements are built in a thread beside the work; the rest happens between two firings.
+    """
+
+    def __init__(self, worker: Worker, answer: Answer) -> None:
+        self.worker = worker
+        self.answer = answer
+        self._id = ""
+        self._built: Sequence[Replacement] = ()
+
+    def obey(self, order: ChangeOrder) -> None:
+        """Do one step; call between two firings, in the worker's thread."""
+        if order.step == "build":
+            self._give_up()
+            self._id = order.id
+            threading.Thread(target=self._build, args=(order,), name="replacements", daemon=True).start()
+        elif order.id == self._id and order.step == "take_over":
+            self._take_over(order)
+        elif order.id == self._id:
+            self._give_up()
+
+    def close(self) -> None:
+        """Discard what was built: the worker has ended."""
+        self._give_up()
+
+    def _build(self, order: ChangeOrder) -> None:
+        try:
+            built = prepared(self.worker, order.stages)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+            return
+        if order.id != self._id:
+            discarded(built)
+            return
+        self._built = built
+        self.worker.between_firings(partial(self._try_on, order))
+
+    def _try_on(self, order: ChangeOrder) -> None:
+        """Find out whether the replacements can carry on, before any worker lets one take over."""
+        if order.id != self._id:
+            return
+        try:
+            dry_run([] if order.fresh else self._built)
+        except FollowspotError as error:
+            self._built = ()
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "built"))
+
+    def _take_over(self, order: ChangeOrder) -> None:
+        built, self._built, self._id = self._built, (), ""
+        try:
+            take_over(self.worker, built, fresh=order.fresh)
+        except FollowspotError as error:
+            self.answer(ChangeStatus(order.id, "failed", str(error)))
+        else:
+            self.answer(ChangeStatus(order.id, "done"))
+
+    def _give_up(self) -> None:
+        built, self._built, self._id = self._built, (), ""
+        discarded(built)
 
 
 def prepared(worker: Worker, stages: Sequence[PlannedStage]) -> list[Replacement]:

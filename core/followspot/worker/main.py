@@ -54,11 +54,11 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.worker.build import build_worker
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
+from followspot.worker.hot_swap import HotSwap
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.report import Warnings, missing, worker_report
 from followspot.worker.scheduler import Worker
 from followspot.worker.stage_status import Idleness, paths_now, stages_now
-from followspot.worker.swap_handler import WorkerChange
 from followspot.worker.taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
 
@@ -184,7 +184,7 @@ class WorkerMain:
             from followspot.worker.published_ports import published
 
             self.published = published(self.worker, self.links)
-        self.change = WorkerChange(self.worker, self._tell_change)
+        self.change = HotSwap(self.worker, self._tell_change)
         self._dispatcher = self._handlers(self.worker, self.links)
         self.worker.watch(self.channel.fileno(), self._listen)
         self.worker.pace.watch(self.channel.fileno(), self._listen)

@@ -16,7 +16,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.move import moved
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.ship import plan_from_data
-from followspot.host.swap_handler import HostChange
+from followspot.host.hot_swap import HostChange
 from followspot.operator.hot_swap import change_hosts
 from followspot.operator.move import move_hosts
 
