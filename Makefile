@@ -3,8 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
-.PHONY: demo page test thorough mutants lint docs clean
+.PHONY: help demo page test thorough mutants docs lint clean
 .DEFAULT_GOAL := demo
+
+help:  ## list the targets
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "%-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 # Each of hundreds of worker processes would compile what it imports, where the environment forbids to keep that.
 export PYTHONDONTWRITEBYTECODE :=
@@ -28,7 +31,7 @@ $(VENV)/page: $(VENV)/demo
 	@$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dashboard,recording]'
 	@touch $@
 
-page: $(VENV)/page  ## the same, live and without end, as a page in a browser
+page: $(VENV)/page  ## track them live and without end, on a page in a browser
 	@$(BIN)/followspot run graphs/glowballs.yaml --set camera.realtime=true --set camera.frames=0 --dashboard
 
 # A file on each core; neither threads of BLAS, which would wait for each other, nor deadlines on a busy machine.
@@ -37,7 +40,7 @@ PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses auto --m
 test: $(VENV)/dev  ## the tests
 	@$(PYTEST) -m 'not thorough'
 
-thorough: $(VENV)/dev  ## those that say the same of more fusions, placements and edges
+thorough: $(VENV)/dev  ## the tests that cost much: more fusions, placements and edges
 	@$(PYTEST) -m thorough
 
 $(VENV)/mutants: $(VENV)/dev
@@ -57,5 +60,5 @@ lint: $(VENV)/dev  ## style, types, layers
 	@$(BIN)/mypy
 	@$(BIN)/lint-imports
 
-clean:
+clean:  ## remove the environment, the outputs of runs and all caches
 	@rm -rf $(VENV) runs .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache

@@ -142,3 +142,23 @@ def test_every_page_that_is_linked_is_there(page: str) -> None:
 def test_every_name_of_this_package_that_is_shown_is_there(page: str) -> None:
     for name in re.findall(r"`(followspot(?:_\w+)?(?:\.\w+)+)`", PAGES[page]):
         pkgutil.resolve_name(name)
+
+
+@pytest.mark.parametrize("page", ["docs/architecture.md", "CONTRIBUTING.md"])
+def test_every_file_that_a_page_for_developers_names_is_there(page: str) -> None:
+    named = re.findall(r"`([\w/.-]+/[\w.-]*)`", (ROOT / page).read_text())
+    assert len(named) > 10
+    below = (
+        ROOT,
+        ROOT / "core/followspot",
+        ROOT / "core/followspot/transport",
+        ROOT / "core/followspot/host",
+    )
+    missing = [name for name in named if not any((folder / name).exists() for folder in below)]
+    assert missing == []
+
+
+def test_make_help_lists_every_target() -> None:
+    listed = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    (phony,) = re.findall(r"^\.PHONY: (.*)$", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert [line.split()[0] for line in listed.splitlines()] == phony.split()
