@@ -153,5 +153,5 @@ save: {uses: ticks.write, in: {number: a}, with: {path: tracks.csv}}
     finished = finish(process, tmp_path / "out")
     assert finished.code == 0
     assert finished.summary["targets"] == {}
-    assert "the accuracy cannot be told" in finished.errors
+    assert "cannot score the run" in finished.errors
     assert "truth.csv" in finished.errors

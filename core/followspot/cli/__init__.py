@@ -1,1 +1,1 @@
-"""The command `followspot`: one file a command, and `main`, which joins them with those of plugins."""
+"""The command `followspot`: a file for each command, and `main`, which adds the commands of plugins."""

@@ -1,4 +1,4 @@
-"""`followspot agent`: stand on a host, start and supervise workers for operators elsewhere."""
+"""`followspot agent`: start and supervise workers on this host for operators on other hosts."""
 
 from __future__ import annotations
 
@@ -13,43 +13,53 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--name", required=True, help="of this host, as rooms and placements know it")
-    parser.add_argument("--media", metavar="DIR", help="folder with the files that cameras here may read")
+    parser.add_argument("--name", required=True, help="name of this host in rooms and placements")
+    parser.add_argument(
+        "--media", metavar="DIR", help="folder with the files that cameras on this host may read"
+    )
     parser.add_argument(
         "--send-to",
         action="append",
         default=[],
         metavar="HOST",
-        help="let operators have stages here send to this host or multicast group, as sinks.osc does, "
-        "beside this one; repeatable; any: to every one",
+        help="let stages on this host send to that host or multicast group, too, as sinks.osc does; "
+        "repeatable; any: to every address",
     )
     parser.add_argument(
         "--open",
         action="append",
         default=[],
         metavar="ADDRESS",
-        help="let operators have stages here open this device or stream and those below, for example "
-        "/dev/v4l or rtsp://192.168.0.9, beside cameras by number; repeatable; any: every one",
+        help="let stages on this host open this device or stream and those below it, for example "
+        "/dev/v4l or rtsp://192.168.0.9, beside cameras by number; repeatable; any: every device",
     )
     parser.add_argument(
-        "--runs", metavar="DIR", default="runs", help="folder for the outputs of stages here (default: runs)"
+        "--runs",
+        metavar="DIR",
+        default="runs",
+        help="folder for the outputs of stages on this host (default: runs)",
     )
     parser.add_argument(
-        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="load the stages of a Python file; repeatable",
     )
     parser.add_argument(
         "--clock-offset",
         type=float,
         default=0.0,
         metavar="MS",
-        help="add this to the times of cameras here: for a clock that is known to be so much behind, in ms",
+        help="milliseconds to add to the times of cameras on this host, whose clock is so much behind",
     )
     parser.add_argument(
         "--operator-timeout",
         type=_seconds,
         default=OPERATOR_TIMEOUT,
         metavar="S",
-        help="end a run here after so many seconds without a word of its operator, whose cable may be out "
+        help="end a run on this host when its operator has been silent for so many seconds "
         f"(default: {OPERATOR_TIMEOUT:g})",
     )
     add_network_options(parser, listens=True)
@@ -63,15 +73,15 @@ def _seconds(text: str) -> float:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Stand on this host, to run the workers that operators elsewhere place here
+    """Run the workers that operators on other hosts place on this host.
+
+    The agent runs installed plugins only. It reads files below --media, writes files below --runs, sends to
+    addresses that --send-to allows, and opens devices that --open allows.
 
     Examples:
-      followspot agent --name pc-left                                          reached from this host alone
+      followspot agent --name pc-left                                   for operators on this host only
       followspot agent --name pc-left --listen tls/192.168.0.7:7450 --certificates certs --media recordings
-      followspot agent --name pc-left --discover --certificates certs   found by those who discover, too
-
-    It runs installed plugins only, reads and writes files only below --media and --runs, and sends and opens
-    only what --send-to and --open allow.
+      followspot agent --name pc-left --discover --certificates certs   operators find it by --discover
     """
     from followspot.host.agent import Agent, AgentOptions
     from followspot.security.grants import Grants

@@ -1,4 +1,4 @@
-"""The options of every command that speaks with other hosts."""
+"""Options of every command that communicates with other hosts."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ if TYPE_CHECKING:
     from followspot.transport.zenoh.network import Network
 
 _INSECURE = (
-    "warning: --insecure: whoever reaches {} can watch every picture, start and stop runs on it, and "
-    "pass for a camera; use it only on a network of your own"
+    "warning: --insecure: any program that reaches {} can see every picture, start and stop runs, and "
+    "pretend to be a camera; use it on a private network only"
 )
 
 
 def add_network_options(
     parser: argparse.ArgumentParser, *, listens: bool = False, routed: bool = True
 ) -> None:
-    """The options that lead to other hosts; --listen where others connect to this command."""
+    """Add the network options.
+
+    listens: add --listen, for commands that other hosts connect to; routed: add --discover and --router.
+    """
     group = parser.add_argument_group("other hosts")
     if listens:
         group.add_argument(
@@ -27,35 +30,35 @@ def add_network_options(
             action="append",
             default=[],
             metavar="ENDPOINT",
-            help="where others reach this one, for example tls/192.168.0.7:7450 (default: this host alone)",
+            help="endpoint to listen on, for example tls/192.168.0.7:7450 (default: loopback)",
         )
     group.add_argument(
         "--connect",
         action="append",
         default=[],
         metavar="ENDPOINT",
-        help="an agent to connect to; those that it knows are found through it; repeatable",
+        help="endpoint of an agent; the agents that it knows are found, too; repeatable",
     )
     if routed:
         group.add_argument(
             "--discover",
             action="store_true",
-            help="find agents on the local network, and be found there, instead of naming endpoints",
+            help="find agents on the local network, and let them find this host, instead of naming endpoints",
         )
         group.add_argument(
             "--router",
             default="",
             metavar="ENDPOINT",
-            help="a router through which everything goes, where hosts cannot reach each other",
+            help="endpoint of a router that passes on all messages, if hosts cannot reach each other",
         )
     group.add_argument(
         "--certificates",
         default="",
         metavar="DIR",
-        help="folder of this host as followspot certs made it, for tls/",
+        help="folder with the certificate of this host, made by followspot certs; tls/ needs it",
     )
     group.add_argument(
-        "--insecure", action="store_true", help="allow endpoints beyond this host without TLS: for tests"
+        "--insecure", action="store_true", help="allow endpoints on other hosts without TLS, for tests"
     )
 
 
@@ -72,7 +75,7 @@ def network_of(
     discover = getattr(args, "discover", False)
     connect = tuple(args.connect or (() if discover else AGENT if connect is None else connect))
     router = getattr(args, "router", "")
-    if args.certificates:  # what is open to this host alone is secured, too: certificates tell who is who
+    if args.certificates:  # loopback uses TLS, too: certificates identify the peers
         listen, connect, (router,) = secured(listen), secured(connect), secured([router])
     network = Network(listen, connect, args.certificates, args.insecure, router, discover)
     if network.insecure and network.exposed:

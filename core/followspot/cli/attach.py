@@ -1,4 +1,4 @@
-"""`followspot attach`: come back to a run that goes on under agents."""
+"""`followspot attach`: become the operator of a run under agents again."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ from followspot.plugins.hooks import Command
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the graph, if several graphs run")
-    parser.add_argument("--stop", action="store_true", help="end the run; outputs are complete")
+    parser.add_argument("run", nargs="?", metavar="RUN", help="name of the graph, if several runs go on")
+    parser.add_argument("--stop", action="store_true", help="end the run; its outputs are complete")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
     parser.add_argument("--quiet", action="store_true", help="no progress")
     add_network_options(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Come back to a run that goes on under agents: its progress, and its summary at the end
+    """Return to a run that goes on under agents: show its progress, and its summary at the end.
 
     Examples:
       followspot run graphs/glowballs.yaml --placement camera --host pc-left --detach
       followspot attach --connect tls/pc-left:7450 --certificates certs
       followspot attach glowballs --stop
 
-    Ctrl-C leaves the run to itself again.
+    Ctrl-C leaves the run to its agents again.
     """
     from followspot.cli.progress import ProgressBar
     from followspot.operator import summary

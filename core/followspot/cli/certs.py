@@ -1,4 +1,4 @@
-"""`followspot certs`: a small authority, and the certificates of hosts that may speak with each other."""
+"""`followspot certs`: a certificate authority, and certificates for the hosts that may communicate."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def _configure_dir(parser: argparse.ArgumentParser) -> None:
 
 
 def _configure_host(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("name", metavar="NAME", help="of the host, as rooms and placements know it")
-    parser.add_argument("--role", choices=_ROLES, help="what it may do (default: camera)")
+    parser.add_argument("name", metavar="NAME", help="name of the host in rooms and placements")
+    parser.add_argument("--role", choices=_ROLES, help="what the host may do (default: camera)")
     parser.add_argument(
         "--address",
         action="append",
         default=[],
         metavar="IP_OR_NAME",
-        help="where others connect to it; repeatable; its name and loopback are included",
+        help="address at which others connect to the host; repeatable; its name and loopback are included",
     )
     parser.add_argument(
         "--days", type=_days, default=825, metavar="N", help="days of validity (default: 825)"
@@ -37,7 +37,7 @@ def _configure_host(parser: argparse.ArgumentParser) -> None:
 
 
 def _configure_remove(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("name", metavar="NAME", help="of the host")
+    parser.add_argument("name", metavar="NAME", help="name of the host")
     _configure_dir(parser)
 
 
@@ -47,7 +47,7 @@ def _configure_show(parser: argparse.ArgumentParser) -> None:
 
 
 def _init(args: argparse.Namespace) -> int:
-    """Make an authority, which decides who may join
+    """Make a certificate authority, which decides which hosts may join.
 
     Example:
       followspot certs init --dir certs
@@ -56,13 +56,13 @@ def _init(args: argparse.Namespace) -> int:
 
     authority = create_authority(Path(args.dir))
     print(f"authority in {args.dir}, until {authority.expires:%Y-%m-%d}")
-    print(f"keep {Path(args.dir) / AUTHORITY} on this machine: who has its key can let anybody in")
+    print(f"keep {Path(args.dir) / AUTHORITY} on this machine: its key can let any host in")
     print(f"next: followspot certs host NAME --role operator --dir {args.dir}")
     return 0
 
 
 def _host(args: argparse.Namespace) -> int:
-    """Make the certificate of a host, in a folder to copy there
+    """Make the certificate of a host, in a folder to copy to that host.
 
     Examples:
       followspot certs host operator --role operator
@@ -77,13 +77,13 @@ def _host(args: argparse.Namespace) -> int:
     known = {member.name: member for member in authority.members}
     role = args.role or (known[args.name].role if args.name in known else "camera")
     folder = authority.add(args.name, role, args.address, args.days, renew=args.renew)
-    print(f"{args.name} ({role}): copy {folder} to that host, and name it there with --certificates")
+    print(f"{args.name} ({role}): copy {folder} to that host, and pass it to --certificates there")
     _tell_others(folder.parent, [name for name in known if name != args.name])
     return 0
 
 
 def _remove(args: argparse.Namespace) -> int:
-    """Let a host in no more
+    """Refuse a host from now on.
 
     Example:
       followspot certs remove pc-left
@@ -92,7 +92,7 @@ def _remove(args: argparse.Namespace) -> int:
 
     authority = Authority(Path(args.dir))
     authority.remove(args.name)
-    print(f"{args.name} is removed; it is refused wherever the new list is")
+    print(f"{args.name} is removed; every host with the new list refuses it")
     _tell_others(Path(args.dir), [member.name for member in authority.members])
     return 0
 
@@ -100,11 +100,11 @@ def _remove(args: argparse.Namespace) -> int:
 def _tell_others(folder: Path, names: list[str]) -> None:
     if names:
         files = ", ".join(str(folder / name / "hosts.json") for name in sorted(names))
-        print(f"the list of hosts has changed; copy it again, and restart agents and routers: {files}")
+        print(f"the list of hosts has changed; copy it to each host, and restart agents and routers: {files}")
 
 
 def _show(args: argparse.Namespace) -> int:
-    """List hosts, roles, and how long their certificates are valid; also in a host's own folder
+    """List hosts, roles, and how long their certificates are valid; a host's own folder works, too.
 
     Example:
       followspot certs show --dir certs

@@ -1,4 +1,4 @@
-"""`followspot check`: every mistake at once, nothing started."""
+"""`followspot check`: report every mistake at once, and start nothing."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--strict",
         action="store_true",
-        help="refuse what can make two runs differ: live sources and what depends on their timing, errors "
-        "after which a stage goes on, random numbers without a seed, lossy codecs",
+        help="refuse causes of different results in two runs: live sources and edges that depend on timing, "
+        "stages that go on after errors, random numbers without a seed, lossy codecs",
     )
     parser.add_argument("--json", action="store_true", help="print the mistakes as one JSON object")
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Find every mistake in a graph, its room and its placement; start nothing
+    """Find every mistake in a graph, its room and its placement; start nothing.
 
     Examples:
       followspot check graphs/glowballs.yaml --room rooms/studio.yaml
-      followspot check graphs/glowballs.yaml --strict       whether the result can be computed again
+      followspot check graphs/glowballs.yaml --strict       is the result reproducible?
     """
     try:
         plan = plan_of(args, strict=args.strict)

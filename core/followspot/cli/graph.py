@@ -1,4 +1,4 @@
-"""`followspot graph`: the planned graph as text, Mermaid or SVG."""
+"""`followspot graph`: show the planned graph as text, Mermaid or SVG."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Show the planned graph: stages, workers, hosts, and the kind of each edge
+    """Show the planned graph: stages, workers, hosts, and the kind of each edge.
 
     Examples:
       followspot graph graphs/glowballs.yaml --placement camera

@@ -1,4 +1,4 @@
-"""The options that every command about a graph has."""
+"""Options of every command that plans a graph."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ if TYPE_CHECKING:
 
 
 def add_graph_options(parser: argparse.ArgumentParser) -> None:
-    """GRAPH, --room, --placement, --set, --plugin, --edges, --seed, and the plan options of packages."""
+    """Add GRAPH, --room, --placement, --set, --plugin, --edges, --seed, and the plan options of plugins."""
     parser.add_argument("graph", metavar="GRAPH", help="graph file, for example graphs/glowballs.yaml")
     parser.add_argument("--room", metavar="FILE", help="room file instead of the graph's own")
     parser.add_argument(
         "--placement",
         metavar="FILE|camera|stage",
-        help="which worker runs what: a placement file, or one worker per camera or per stage",
+        help="which worker runs which stage: a placement file, or one worker per camera or per stage",
     )
     parser.add_argument(
         "--edges",
         choices=("auto", "reference", "ring", "zenoh"),
         default="auto",
-        help="force the kind of every edge (default auto: call, ring or Zenoh as near as it can be)",
+        help="force the kind of every edge (default: auto, the fastest kind that works)",
     )
     add_change_options(parser)
     for options in load_plan_options():
@@ -35,7 +35,7 @@ def add_graph_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:
-    """--plugin; meaning: what it is for in this command."""
+    """Add --plugin. meaning: its help in this command."""
     parser.add_argument(
         "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help=meaning
     )
@@ -44,9 +44,9 @@ def add_plugin_option(parser: argparse.ArgumentParser, meaning: str) -> None:
 def add_change_options(
     parser: argparse.ArgumentParser,
     value: str = "VALUE",
-    meaning: str = "override a parameter, or what a stage uses: --set fuse.uses=balls.mean; repeatable",
+    meaning: str = "override a parameter, or the plugin of a stage: --set fuse.uses=balls.mean; repeatable",
 ) -> None:
-    """--set, --plugin, --seed. value, meaning: what --set takes, and what it is for."""
+    """Add --set, --plugin and --seed. value, meaning: metavar and help of --set."""
     parser.add_argument(
         "--set",
         dest="overrides",
@@ -65,9 +65,9 @@ def add_change_options(
 
 
 def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
-    """Load, expand, check and plan what the options say. Raises InputError with every mistake.
+    """Load, expand, check and plan the graph that the options describe. Raises InputError with every mistake.
 
-    strict: whether what can make two runs differ is a mistake.
+    strict: whether causes of different results in two runs are mistakes.
     """
     from followspot.graph.compile import compile_graph
 
@@ -87,14 +87,14 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
 
 
 def frame_count(text: str) -> int:
-    """The value of --frames. Raises argparse.ArgumentTypeError."""
+    """Parse --frames. Raises argparse.ArgumentTypeError."""
     from followspot.ranges import MAX_EXACT
 
     return _whole(text, 1, MAX_EXACT)
 
 
 def seed_number(text: str) -> int:
-    """The value of --seed. Raises argparse.ArgumentTypeError."""
+    """Parse --seed. Raises argparse.ArgumentTypeError."""
     from followspot.graph.plan import MAX_SEED
 
     return _whole(text, 0, MAX_SEED)
@@ -104,14 +104,14 @@ def _whole(text: str, least: int, most: int) -> int:
     try:
         number = int(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text[:40]!r} is no whole number") from None
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a whole number") from None
     if not least <= number <= most:
         raise argparse.ArgumentTypeError(f"from {least} to {most}")
     return number
 
 
 def output_folder(asked: str | None, name: str) -> Path:
-    """The folder that was asked for, or a new one for this name and time; made. Raises FollowspotError."""
+    """Make the folder `asked`, or one named after the graph and the time. Raises FollowspotError."""
     out = Path(asked) if asked else Path("runs") / f"{name}-{time.strftime('%Y%m%d-%H%M%S')}"
     try:
         out.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""`followspot plugins`: what is installed and in which state; for one stage its ports and parameters."""
+"""`followspot plugins`: list installed stages with their state, or show ports and parameters of one."""
 
 from __future__ import annotations
 
@@ -14,13 +14,18 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "name", nargs="?", metavar="PLUGIN.STAGE", help="one stage, for example balls.mean_shift"
     )
     parser.add_argument(
-        "--plugin", dest="plugin_files", action="append", default=[], metavar="FILE.py", help="load a file"
+        "--plugin",
+        dest="plugin_files",
+        action="append",
+        default=[],
+        metavar="FILE.py",
+        help="load the stages of a Python file; repeatable",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def _run(args: argparse.Namespace) -> int:
-    """List the installed stages and their state; or show one stage's ports and parameters
+    """List the installed stages and their state, or show the ports and parameters of one stage.
 
     Examples:
       followspot plugins

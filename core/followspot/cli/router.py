@@ -1,4 +1,4 @@
-"""`followspot router`: a Zenoh router through which hosts of several networks reach each other."""
+"""`followspot router`: a Zenoh router that connects hosts of several networks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Route between agents and operators that cannot reach each other; any zenohd serves as well
+    """Route between agents and operators that cannot reach each other; zenohd can do the same.
 
     Examples:
       followspot router --listen tls/0.0.0.0:7447 --certificates certs

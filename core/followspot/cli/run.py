@@ -1,4 +1,4 @@
-"""`followspot run`: check, plan, run; progress while it runs, accuracy, latency and the ledger at the end."""
+"""`followspot run`: check, plan and run a graph; then report accuracy, latency and the ledger."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command, load_plan_options
 
 _SOON = 1.0
-"""Seconds for the truth of a run that was stopped: whoever stops it does not wait for as long as it ran."""
+"""Seconds to score a run that the user stopped, who should not wait for as long as the run took."""
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan
@@ -29,7 +29,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def add_run_options(parser: argparse.ArgumentParser) -> None:
-    """--out, --frames, --json, --quiet, --restart, --host, --media and those of the network."""
+    """Add --out, --frames, --json, --quiet, --restart, --detach, --host, --media and the network options."""
     parser.add_argument("--out", metavar="DIR", help="folder for outputs (default: runs/GRAPH-DATE-TIME)")
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("--json", action="store_true", help="end with one JSON object instead of tables")
@@ -37,42 +37,43 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--restart",
         action="store_true",
-        help="start workers that die again, as in live runs, in a replay too",
+        help="restart workers that die in a replay, too, as live runs do",
     )
     parser.add_argument(
-        "--detach", action="store_true", help="leave the run to the agents once it has begun; see attach"
+        "--detach", action="store_true", help="leave the run to its agents once it has begun; see attach"
     )
     parser.add_argument(
-        "--host", metavar="NAME", help="host of the workers that the placement gives none (default: this one)"
+        "--host",
+        metavar="NAME",
+        help="host of the workers that have none in the placement (default: this host)",
     )
     parser.add_argument(
         "--media",
         metavar="DIR",
-        help="folder here whose files agents have below their --media (default: that of the room file)",
+        help="local folder whose files agents have below their --media (default: that of the room file)",
     )
     add_network_options(parser, listens=True)
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Run a graph: check, plan, run; then accuracy (where there is truth), latency and the ledger
+    """Check, plan and run a graph; then report accuracy (if the truth is known), latency and the ledger.
+
+    Cameras with a host in the room file run on that host, under `followspot agent`. A stage writes its
+    outputs on its own host. Ctrl-C stops the sources; the run finishes the messages in flight, and all
+    outputs are complete.
 
     Examples:
       followspot run graphs/glowballs.yaml
       followspot run graphs/glowballs.yaml --room room.yaml --placement camera
       followspot run graphs/glowballs.yaml --set fuse.uses=balls.mean --set color.similarity=0.9
       followspot run graphs/glowballs.yaml --room room.yaml --placement camera --connect tls/pc-left:7450
-      followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     for any Zenoh client to hear
-
-    Cameras that the room gives a host: run there, under `followspot agent`. Outputs are written on the host
-    of their stage: by default on this one.
-
-    Ctrl-C ends the sources; what is in flight is finished and all outputs are complete.
+      followspot run graphs/glowballs.yaml --listen tcp/127.0.0.1:7460     any Zenoh client can subscribe
     """
     return execute(plan_of(args), args)
 
 
 def execute(plan: Plan, args: argparse.Namespace) -> int:
-    """Run a plan as the options say and print the summary. Returns the exit code."""
+    """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
@@ -107,8 +108,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         seconds = _SOON if report.stopped else math.inf
         targets = run_scores(plan, out, report.frames, seconds)
         persons = run_person_scores(plan, out, report.frames, seconds)
-    except FollowspotError as error:  # the run itself is done; its summary must not be lost
-        print(f"followspot: the accuracy cannot be told: {error}", file=sys.stderr)
+    except FollowspotError as error:  # the run has ended; print its summary all the same
+        print(f"followspot: cannot score the run: {error}", file=sys.stderr)
         targets, persons = {}, None
     if args.json:
         figures = persons_to_json(persons) if persons else {}
@@ -132,7 +133,7 @@ def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
 
 
 def placed(plan: Plan, host: str | None) -> Plan:
-    """The plan with the workers that have no host on this one, where it is given."""
+    """The plan, with `host` for workers that have no host; None changes nothing."""
     if host is None:
         return plan
     from followspot.graph.arrange import on_host
@@ -141,7 +142,7 @@ def placed(plan: Plan, host: str | None) -> Plan:
 
 
 def media_folder(plan: Plan, asked: str | None) -> Path:
-    """The folder that was asked for, or that of the room file."""
+    """The folder `asked`, or that of the room file."""
     folders = [camera.source.folder for camera in plan.room.cameras.values() if camera.source]
     return Path(asked or next(iter(folders), "."))
 

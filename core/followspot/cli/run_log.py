@@ -1,4 +1,4 @@
-"""The log of a run while it goes on: all of it in a file, and what is wrong on standard error."""
+"""The log of a run: all records go to a file, warnings and errors also to standard error."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from followspot.log.file import LogFile
 from followspot.log.record import LogRecord
 
 _MOST = 50
-"""Lines shown; the file has the others."""
+"""Lines on standard error at most; the file has all records."""
 _NUMBER = re.compile(r"\d+")
 
 
 class ShownLog:
-    """Writes each record to the output folder; shows warnings and errors, those that are alike once.
+    """Writes each record to the output folder; shows warnings and errors, similar ones once.
 
     say: shows a line.
     """
@@ -26,7 +26,7 @@ class ShownLog:
         self._shown: set[tuple[str, str, str]] = set()
 
     def take(self, record: LogRecord) -> None:
-        """A record, from any thread but from one at a time."""
+        """Take a record. Threads must not call this at the same time."""
         self._file.write(record)
         if record.level == "info" or len(self._shown) >= _MOST:
             return
@@ -35,11 +35,11 @@ class ShownLog:
             self._shown.add(kind)
             self._say(f"followspot: {line_of(record)}")
             if len(self._shown) == _MOST:
-                self._say(f"followspot: further ones: followspot logs, or {self._file.path}")
+                self._say(f"followspot: for further warnings see followspot logs, or {self._file.path}")
 
 
 def line_of(record: LogRecord) -> str:
-    """Level, stage, place and the first line of what was said."""
+    """Level, stage, host and the first line of the text."""
     whose = f"{record.stage}: " if record.stage else ""
     lines = record.text.strip().splitlines() or [""]
     return f"{record.level}: {whose}{lines[0]}" + (f" [{record.host}]" if record.host else "")

@@ -1,4 +1,4 @@
-"""`followspot swap` and `followspot set`: other stages, other parameters, while the graph runs."""
+"""`followspot swap` and `followspot set`: replace stages and change parameters while the graph runs."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ def _configure(parser: argparse.ArgumentParser) -> None:
         "words",
         nargs="+",
         metavar="[RUN] STAGE=USES|STAGE.PARAMETER=VALUE",
-        help="the graph, or the beginning of the run's name, where several run; then the changes",
+        help="the graph, or the beginning of the run's name, if several runs go on; then the changes",
     )
     parser.add_argument(
-        "--fresh", action="store_true", help="begin without the state of the stages that are replaced"
+        "--fresh", action="store_true", help="start the new stages without the state of the old ones"
     )
-    parser.add_argument("--json", action="store_true", help="print what was changed as one JSON object")
+    parser.add_argument("--json", action="store_true", help="print the changes as one JSON object")
     add_plugin_option(parser, "a file that agents have loaded, for runs under agents; repeatable")
     add_network_options(parser)
 
@@ -36,19 +36,21 @@ def _change(args: argparse.Namespace) -> int:
     named = "=" not in args.words[0]
     wanted, words = (args.words[0], args.words[1:]) if named else (None, args.words)
     if not words:
-        raise InputError([Mistake(None, "nothing is to be changed", "for example: fuse=balls.mean")])
+        raise InputError([Mistake(None, "there is nothing to change", "for example: fuse=balls.mean")])
     with connected_run(wanted, network_of(args)) as run:
         changed = run.change(words, fresh=args.fresh)
     if args.json:
         print(json.dumps(asdict(changed)))
         return 0
-    lines = [f"  {stage.text}" for stage in changed.stages] or ["  nothing: it is so already"]
+    lines = [f"  {stage.text}" for stage in changed.stages] or [
+        "  no change: the run has these values already"
+    ]
     print("\n".join([f"run {changed.run[:8]} of {changed.graph}", *lines]))
     return 0
 
 
 def _swap(args: argparse.Namespace) -> int:
-    """Let other stages take the place of those that work, while the graph runs.
+    """Replace stages by others while the graph runs.
 
     The run builds a new stage beside the old one. The new stage takes over between two messages, with the
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the

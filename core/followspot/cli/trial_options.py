@@ -1,4 +1,4 @@
-"""What commands have in common that run a graph many times: `followspot compare` and `sweep`."""
+"""Options of commands that run a graph many times: `followspot compare` and `sweep`."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 
 def add_trial_options(parser: argparse.ArgumentParser, out: str) -> None:
-    """--room, --frames, --out, --json and --quiet. out: what the folder is for, and its default."""
+    """Add --room, --frames, --out, --json and --quiet. out: help of --out."""
     parser.add_argument(
         "--room",
         dest="rooms",
         action="append",
         default=[],
         metavar="FILE",
-        help="room file instead of the graph's own; repeatable: everything runs in every room",
+        help="room file instead of the graph's own; repeatable: every run is made in every room",
     )
     parser.add_argument("--frames", type=frame_count, metavar="N", help="stop after N frames of each source")
     parser.add_argument("-o", "--out", metavar="DIR", help=out)
@@ -37,7 +37,7 @@ def planned(
     args: argparse.Namespace,
     mistakes: list[Mistake],
 ) -> Plan | None:
-    """The plan of one run; where there is none, the mistakes grow by what is wrong."""
+    """The plan of one run. If it has mistakes, add them to `mistakes` and return None."""
     from followspot.graph.compile import compile_graph
 
     try:
@@ -50,7 +50,7 @@ def planned(
 
 
 def check_rooms(rooms: Sequence[str]) -> list[Mistake]:
-    """Rooms that a table could not tell from each other."""
+    """Mistakes for rooms with the same name, which a table could not distinguish."""
     names = [Path(room).stem for room in rooms]
     twice = dict.fromkeys(name for name in names if names.count(name) > 1)
     return [Mistake(None, f'several rooms are named "{name}"', "rename a file") for name in twice]

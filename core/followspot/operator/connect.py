@@ -1,4 +1,4 @@
-"""Which runs there are, and the one that is meant: on this machine, else under agents in reach."""
+"""Find the run that a word names: on this machine, else under agents."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Run = TypeVar("Run", bound="Listed")
 
 @contextmanager
 def connected_run(wanted: str | None = None, network: Network | None = None) -> Iterator[RunHandle]:
-    """The run that is meant; leaving the block leaves the run to itself.
+    """A handle on the run that `wanted` names. The run goes on when the block ends.
 
-    wanted: the graph's name, the beginning of the run's, or the process id of its operator; None if there is
-    one run; network: leads to agents, asked if no run of this machine is meant; None for none.
+    wanted: the graph's name, the beginning of the run's, or the process id of its operator; None names
+    the only run; network: leads to agents, asked if no run of this machine has the name; None asks none.
     Raises FollowspotError if there is no such run, or several.
     """
     here = runs_here(wanted)
@@ -40,7 +40,7 @@ def connected_run(wanted: str | None = None, network: Network | None = None) -> 
 
 
 def run_here(wanted: str | None = None) -> RunHandle:
-    """The run of this machine that is meant, as `connected_run` has it. Raises FollowspotError."""
+    """The same among the runs of this machine. Raises FollowspotError if there is no such run, or several."""
     here = runs_here(wanted)
     found = _chosen_here(here, wanted)
     if found is None:
@@ -65,9 +65,9 @@ class Listed(Protocol):
 
 
 def chosen(runs: Sequence[Run], wanted: str | None) -> Run | None:
-    """The run that is meant; None if none is. wanted: as in `connected_run`.
+    """The run that `wanted` names, as in `connected_run`; None if there is none.
 
-    Raises FollowspotError if several are.
+    Raises FollowspotError if there are several.
     """
     fitting = [
         run
@@ -75,9 +75,7 @@ def chosen(runs: Sequence[Run], wanted: str | None) -> Run | None:
         if wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
     ]
     if len(fitting) > 1:
-        raise FollowspotError(
-            f"there are several runs: {listing(fitting)}; name one by what stands in brackets"
-        )
+        raise FollowspotError(f"there are several runs: {listing(fitting)}; name one by the word in brackets")
     return fitting[0] if fitting else None
 
 
@@ -87,10 +85,10 @@ def listing(runs: Sequence[Listed]) -> str:
 
 
 def _chosen_here(runs: Sequence[RunHandle], wanted: str | None) -> RunHandle | None:
-    """Raises NoAnswer if the run that is meant does not answer."""
+    """As `chosen`. Raises NoAnswer if the run does not answer."""
     found = chosen(runs, wanted)
     if found is not None and not found.graph:
-        found.status(timeout=0.5)  # raises what is the matter with it
+        found.status(timeout=0.5)  # raises NoAnswer
     return found
 
 

@@ -1,4 +1,4 @@
-"""How a run tells its caller how far it is."""
+"""Progress reports of a run to its caller."""
 
 from __future__ import annotations
 
@@ -7,6 +7,6 @@ from collections.abc import Callable
 from followspot.worker.scheduler import Progress
 
 OnProgress = Callable[[Progress, int | None], None]
-"""Called a few times a second with the progress and the expected number of frames."""
+"""Gets the progress and the expected number of frames (None if unknown) a few times a second."""
 PROGRESS_PERIOD = 0.2
-"""Seconds between two reports of progress."""
+"""Seconds between two progress reports."""

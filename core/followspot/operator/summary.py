@@ -1,4 +1,4 @@
-"""The end of a run: accuracy, latency, ledger, warnings, as text or as one JSON object."""
+"""The summary of a run: accuracy, latency, ledger and warnings, as text or as JSON types."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from followspot.worker.ledger import COUNTS, EdgeCount
 
 
 def text(report: RunReport, accuracy: str) -> str:
-    """The summary for people; accuracy: its table, empty where the room knows no truth."""
+    """The summary as text. accuracy: its table, empty if the truth is unknown."""
     rate = report.frames / report.seconds if report.seconds > 0 else 0.0
     workers = f"{len(report.plan.workers)} worker{'s' * (len(report.plan.workers) != 1)}"
     head = (
@@ -24,7 +24,7 @@ def text(report: RunReport, accuracy: str) -> str:
     if any(worker.paths for worker in report.workers):
         parts.append("latency, source to sink\n" + _latency(report))
     if report.clocks:
-        parts.append("clocks, what was added to the times of each host\n" + _clocks(report))
+        parts.append("clocks, offset added to the times of each host\n" + _clocks(report))
     parts.append("ledger\n" + _ledger(report))
     if report.plan.notes:
         parts.append("notes\n" + "\n".join(f"  {note}" for note in report.plan.notes))
@@ -38,7 +38,7 @@ def text(report: RunReport, accuracy: str) -> str:
 
 
 def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary for scripts; targets, persons: figures of each, empty where the room knows no truth."""
+    """The summary in JSON types. targets, persons: figures of each, empty if the truth is unknown."""
     return {
         "graph": report.plan.graph,
         "room": report.plan.room.name,
@@ -111,7 +111,7 @@ def _latency(report: RunReport) -> str:
 
 
 def _ledger(report: RunReport) -> str:
-    """One row per group of equal edges: the fan-out over cameras is summed up."""
+    """A row for each group of edges that differ in the camera only, with their sums."""
     groups: dict[tuple[str, str], list[EdgeCount]] = {}
     for edge, count in report.edges:
         name = f"{_group(edge.from_stage)}.{edge.from_port} -> {_group(edge.to_stage)}.{edge.to_port}"

@@ -188,7 +188,7 @@ def test_the_commands_make_show_renew_and_remove(tmp_path: Path, capsys: pytest.
     assert main(["certs", "init", *folder]) == 0
     assert main(["certs", "host", "desk", "--role", "operator", *folder]) == 0
     assert main(["certs", "host", "pc-left", "--address", "10.0.0.2", *folder]) == 0
-    assert "copy it again" in capsys.readouterr().out
+    assert "copy it to each host" in capsys.readouterr().out
     assert main(["certs", "show", "--json", *folder]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert {host["name"]: host["role"] for host in shown["hosts"]} == {
