@@ -128,7 +128,7 @@ def all_over(attachment: Attachment) -> bool:
 def test_who_looks_on_begins_nothing_again_when_the_run_has_ended(
     tmp_path: Path, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(remote_host, "_FORGOTTEN", 1.0)
+    monkeypatch.setattr(remote_host, "_RESUME_TIMEOUT", 1.0)
     with watched(tmp_path, HERE, "--host", "pc-left", "--connect", agent.endpoint) as run:
         run.until(lambda told: told["fired"] > 20)
         with attached(Network(connect=(agent.endpoint,)), "graph") as looking:

@@ -1,1 +1,1 @@
-"""A run that changes while it goes on: stages swapped or moved, parameters set."""
+"""The operator's role: starts a run on its hosts, watches and changes it, and reports its end."""

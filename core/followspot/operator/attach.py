@@ -1,4 +1,4 @@
-"""Runs that go on without their operator: begun and left, found again, looked at, stopped."""
+"""Detached runs: started without an operator that stays, found again under agents, watched and stopped."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from followspot.worker.wiring import RunOptions
 
 @dataclass(frozen=True)
 class Found:
-    """A run that agents have parts in; hosts: their names."""
+    """A run under agents. hosts: names of the hosts whose agents list it; over: it has ended on all."""
 
     run: str
     graph: str
@@ -45,9 +45,9 @@ class Found:
 
 
 def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> str:
-    """Begin a run that goes on without an operator, and leave it; its name.
+    """Start a run that goes on without an operator; return its name.
 
-    Raises FollowspotError where it would need this host, or not all workers get ready.
+    Raises FollowspotError if a worker has no host, or if not all workers get ready.
     """
     here = [worker.name for worker in plan.workers if not worker.host]
     if here:
@@ -62,12 +62,12 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
             for host in hosts:
                 host.close()
             raise FollowspotError("the run did not begin\n" + "\n".join(report.errors))
-        _let_go(coordinator)
+        _stop_polling(coordinator)
     return order.run
 
 
 def found(client: RpcClient) -> list[Found]:
-    """All runs of all agents in reach, the newest of each agent last."""
+    """The runs of all agents that answer, the newest run of each agent last."""
     parts: dict[str, dict[str, ListedRun]] = {}
     for agent in sorted(agents(client.session)):
         for part in client.ask(agent, ListRuns()):
@@ -76,13 +76,13 @@ def found(client: RpcClient) -> list[Found]:
 
 
 def _found(run: str, hosts: Mapping[str, ListedRun]) -> Found:
-    """A run from what each of its hosts says of it."""
+    """A run from the listing of each of its hosts."""
     graph, *_ = (part.graph for part in hosts.values())
     return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
 
 
 class Attachment:
-    """Looking on at a run; a stop only ends the looking."""
+    """Watches a run of another operator; `stop` ends the watching, not the run."""
 
     def __init__(self, found: Found, coordinator: Coordinator) -> None:
         self.found = found
@@ -90,12 +90,12 @@ class Attachment:
         self.stopped = False
 
     def stop(self) -> None:
-        """Leave the run to itself. Safe in a signal handler."""
+        """Stop watching; the run goes on. Safe in a signal handler."""
         self.stopped = True
         self.coordinator.leave()
 
     def execute(self, on_progress: OnProgress | None = None) -> RunReport:
-        """Look on to the end, or until `stop`."""
+        """Block until the run ends, or until `stop`; return its report."""
         return self.coordinator.watch(on_progress)
 
 
@@ -112,21 +112,21 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
                 f"there is no run {wanted or ''}".rstrip() + f"; runs in reach: {listing(runs)}"
             )
         orders = {name: _order(client, name, run.run) for name in run.hosts}
-        onlooker = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
+        watched = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
         order = orders[run.hosts[0]]
-        away = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *onlooker}
-        onlooker |= dict.fromkeys(sorted(away), onlooker[run.hosts[0]])
-        hosts = [RemoteHost(client, name, order=order) for name, order in onlooker.items()]
+        unlisted = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *watched}
+        watched |= dict.fromkeys(sorted(unlisted), watched[run.hosts[0]])
+        hosts = [RemoteHost(client, name, order=order) for name, order in watched.items()]
         coordinator = Coordinator(_view(orders), hosts, order, others=Agents(client), begun=True)
         try:
             for host in hosts:
-                host.watch(silent=host.name in away)
+                host.watch(silent=host.name in unlisted)
             yield Attachment(run, coordinator)
             if all(host.status().all("over") for host in coordinator.hosts):
                 for every in coordinator.hosts:
                     every.close()
         finally:
-            _let_go(coordinator)
+            _stop_polling(coordinator)
 
 
 def handle_of(attachment: Attachment, network: Network) -> RunHandle:
@@ -148,8 +148,8 @@ def handle_of(attachment: Attachment, network: Network) -> RunHandle:
     return RunHandle(attachment.found.run, attachment.found.graph, ask)
 
 
-def _let_go(coordinator: Coordinator) -> None:
-    """Ask the hosts no more; the run goes on."""
+def _stop_polling(coordinator: Coordinator) -> None:
+    """Stop polling the hosts; the run goes on."""
     for host in coordinator.hosts:
         if isinstance(host, RemoteHost):
             host.leave()

@@ -1,4 +1,4 @@
-"""What a change has made of a run, for those who asked for it."""
+"""The outcome of a change or a move: what differs in the run's plan."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from followspot.graph.plan import Plan, PlannedStage
 
 @dataclass(frozen=True)
 class ChangedStage:
-    """One instance. uses, before: plugin stages; params: the parameters that are others now."""
+    """A changed stage. before, uses: the old and the new plugin stage; params: parameters that differ now."""
 
     stage: str
     before: str

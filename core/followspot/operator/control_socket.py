@@ -1,7 +1,7 @@
-"""Carrier between processes of one user on this machine: how others find a run here and ask it.
+"""Control socket: the carrier of requests between processes of one user on this machine.
 
-One line of JSON there, one back. The socket has an abstract name: no file, so a kill leaves nothing behind.
-Both sides look whose process the other one is, so nobody else gets in or answers in a run's place.
+A request and its answer are one line of JSON each. The socket's name is abstract: the kernel removes it when
+its process dies. Both sides check the user of the other process, so no other user can ask or answer.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ MAX_REQUEST = 1 << 20
 """Longest request, bytes."""
 _MAX_ANSWER = 64 << 20
 _TIMEOUT = 5.0
-"""Seconds for a request to arrive once its sender is there, and for a run to say who it is."""
+"""Seconds that a request has to arrive after its sender has connected, and a run to describe itself."""
 _SOCKETS = Path("/proc/net/unix")
-_TELLING = 8
-"""Letters of a run's name that tell it from others."""
+_RUN_NAME_LENGTH = 8
+"""Letters that identify a run among others."""
 _PEER = Struct("3i")
-"""Process, user and group at the other end."""
+"""Process, user and group of the peer, as SO_PEERCRED gives them."""
 
 _DESCRIBE = {"verb": "describe"}
-"""Asks whose socket it is; answered by the carrier itself."""
+"""Asks for the run behind a socket; the carrier answers it itself."""
 
 
 @contextmanager
 def reachable(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[None]:
-    """While the block runs, other processes can ask this one; each request has a thread of its own.
+    """Serve requests of other processes while the block runs, each in a thread of its own.
 
-    If they cannot, standard error says why.
+    If the socket cannot be opened, the block runs without it and standard error says why.
     """
     about = {"run": run, "graph": graph, "pid": os.getpid()}
     try:
-        server = _Server(f"{_own()}{os.getpid()}-{run[:16]}", about, dispatcher)
+        server = _Server(f"{_prefix()}{os.getpid()}-{run[:16]}", about, dispatcher)
     except OSError as error:
-        sys.stderr.write(f"followspot: nobody can change this run: {error}\n")
+        sys.stderr.write(f"followspot: this run cannot be watched or changed: {error}\n")
         yield
         return
     try:
@@ -57,28 +57,28 @@ def reachable(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[None]:
 
 
 def runs_here(wanted: str | None = None) -> list[RunHandle]:
-    """The user's runs on this machine, in the order of their names.
+    """The user's runs on this machine, sorted by name.
 
-    wanted: a process id or the beginning of a run's name: where there is such a run, no other is asked.
+    wanted: a process id or the beginning of a run's name; if there is such a run, only it is asked.
     """
     try:
-        words = {line.rpartition(" ")[2] for line in _SOCKETS.read_text(errors="replace").splitlines()}
+        addresses = {line.rpartition(" ")[2] for line in _SOCKETS.read_text(errors="replace").splitlines()}
     except OSError:
         return []
     found = []
-    names = sorted(word[1:] for word in words if word.startswith(f"@{_own()}"))
-    meant = [name for name in names if wanted and _is(wanted, name)]
+    names = sorted(word[1:] for word in addresses if word.startswith(f"@{_prefix()}"))
+    meant = [name for name in names if wanted and _is_meant(wanted, name)]
     for name in meant or names:
-        with suppress(OSError, FollowspotError, KeyError, TypeError, ValueError):  # it has just ended
+        with suppress(OSError, FollowspotError, KeyError, TypeError, ValueError):  # the run has just ended
             found.append(_found(name))
     return found
 
 
 def _found(name: str) -> RunHandle:
-    """The run with a socket of this name."""
-    pid, _, run = name.removeprefix(_own()).partition("-")
+    """The run behind the socket of this name."""
+    pid, _, run = name.removeprefix(_prefix()).partition("-")
     try:
-        about = _asked(name, _DESCRIBE, _TIMEOUT)
+        about = _exchange(name, _DESCRIBE, _TIMEOUT)
     except TimeoutError:
         return RunHandle(run, "", socket_of(name, run, int(pid)), int(pid))
     run = str(about["run"])
@@ -86,29 +86,29 @@ def _found(name: str) -> RunHandle:
 
 
 def socket_of(name: str, run: str, pid: int) -> Ask:
-    """Asks the run behind a socket of this name. run, pid: its own name and process, for errors."""
+    """An `Ask` for the run behind the socket of this name. run, pid: its name and process, for errors."""
 
     def ask(request: Request, timeout: float) -> Any:
         try:
-            return answer_from_wire(type(request), _asked(name, to_wire(request), timeout))
+            return answer_from_wire(type(request), _exchange(name, to_wire(request), timeout))
         except TimeoutError:
             raise NoAnswer(f"the run {run[:8]} does not answer: {_why_silent(pid)}") from None
         except OSError as error:
             raise FollowspotError(f"the run {run[:8]} does not answer: {error}") from None
         except ValueError as error:
-            raise FollowspotError(f"the run {run[:8]} answers what is not understood: {error}") from None
+            raise FollowspotError(f"the run {run[:8]} gave an invalid answer: {error}") from None
 
     return ask
 
 
 class _Server:
-    """Answers on a socket of this name, one thread a question."""
+    """Answers requests on a socket of this name, each in a thread of its own."""
 
     def __init__(self, name: str, about: dict[str, Any], dispatcher: Dispatcher) -> None:
-        """about: answers who this is. Raises OSError."""
+        """about: the answer to `_DESCRIBE`. Raises OSError."""
         self._about = about
         self._dispatcher = dispatcher
-        self._asking: dict[threading.Thread, socket.socket] = {}
+        self._clients: dict[threading.Thread, socket.socket] = {}
         self._socket = socket.socket(socket.AF_UNIX)
         try:
             self._socket.bind(f"\0{name}")
@@ -120,18 +120,18 @@ class _Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Answer no more, but to the end what has been asked."""
+        """Accept no more requests, and finish those that have arrived."""
         with suppress(OSError):
             self._socket.shutdown(socket.SHUT_RDWR)
         self._thread.join(_TIMEOUT)
         self._socket.close()
-        asking = list(self._asking.items())
-        for _, client in asking:  # whoever has not asked yet comes too late
+        clients = list(self._clients.items())
+        for _, client in clients:  # a client that has not sent its request yet is too late
             with suppress(OSError):
                 client.shutdown(socket.SHUT_RD)
-        patient = time.monotonic() + _TIMEOUT
-        for thread, _ in asking:
-            thread.join(max(0.0, patient - time.monotonic()))
+        deadline = time.monotonic() + _TIMEOUT
+        for thread, _ in clients:
+            thread.join(max(0.0, deadline - time.monotonic()))
 
     def _serve(self) -> None:
         while True:
@@ -143,18 +143,18 @@ class _Server:
                 client.close()
                 continue
             thread = threading.Thread(target=self._answer, args=(client,), daemon=True)
-            self._asking[thread] = client
+            self._clients[thread] = client
             thread.start()
 
     def _answer(self, client: socket.socket) -> None:
         try:
             with client, suppress(OSError):
                 client.settimeout(_TIMEOUT)
-                client.sendall(json.dumps(self._said(_line(client, MAX_REQUEST))).encode() + b"\n")
+                client.sendall(json.dumps(self._reply(_line(client, MAX_REQUEST))).encode() + b"\n")
         finally:
-            del self._asking[threading.current_thread()]
+            del self._clients[threading.current_thread()]
 
-    def _said(self, line: bytes) -> dict[str, Any]:
+    def _reply(self, line: bytes) -> dict[str, Any]:
         try:
             request = json.loads(line)
             return {
@@ -164,12 +164,12 @@ class _Server:
             return {"refused": str(error) or type(error).__name__}
 
 
-def _asked(name: str, request: dict[str, Any], timeout: float) -> Any:
+def _exchange(name: str, request: dict[str, Any], timeout: float) -> Any:
     with socket.socket(socket.AF_UNIX) as ours:
         ours.settimeout(timeout)
         ours.connect(f"\0{name}")
         if not _same_user(ours):
-            raise PermissionError("it is a process of somebody else")
+            raise PermissionError("it is a process of another user")
         ours.sendall(json.dumps(request).encode() + b"\n")
         try:
             said = json.loads(_line(ours, _MAX_ANSWER))
@@ -181,7 +181,7 @@ def _asked(name: str, request: dict[str, Any], timeout: float) -> Any:
 
 
 def _line(end: socket.socket, most: int) -> bytes:
-    """One line, or what came before the end or the limit."""
+    """One line, or the bytes before the end of the stream or the limit."""
     data = bytearray()
     while not data.endswith(b"\n") and len(data) <= most:
         more = end.recv(1 << 16)
@@ -197,7 +197,7 @@ def _same_user(end: socket.socket) -> bool:
 
 
 def _why_silent(pid: int) -> str:
-    """What is the matter with a process that does not answer."""
+    """Why a process does not answer."""
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
     except OSError:
@@ -206,11 +206,11 @@ def _why_silent(pid: int) -> str:
     return f"its process {pid} {stopped if state in 'Tt' else 'is too busy'}"
 
 
-def _is(wanted: str, name: str) -> bool:
-    pid, _, run = name.removeprefix(_own()).partition("-")
-    return wanted == pid or (len(wanted) >= _TELLING and run.startswith(wanted[:16]))
+def _is_meant(wanted: str, name: str) -> bool:
+    pid, _, run = name.removeprefix(_prefix()).partition("-")
+    return wanted == pid or (len(wanted) >= _RUN_NAME_LENGTH and run.startswith(wanted[:16]))
 
 
-def _own() -> str:
-    """What the names of this user's sockets begin with."""
+def _prefix() -> str:
+    """The prefix of the names of this user's sockets."""
     return f"followspot-{os.getuid()}-"

@@ -1,4 +1,4 @@
-"""A change on all hosts of a run: built everywhere first, then put in everywhere."""
+"""Hot swap on all hosts of a run: every host builds the replacements first, then all take over."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedStage
 
 _TIMEOUT = 60.0
-"""Seconds that successors may take to be built: some load models."""
+"""Seconds that replacements have to be built: some load models."""
 _POLL_INTERVAL = 0.01
-"""Seconds between two looks."""
+"""Seconds between two polls of the hosts."""
 
 
 def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], *, fresh: bool) -> None:
-    """Let these stages take the place of those of their names. Safe beside the thread that attends the hosts.
+    """Replace the stages of these names. Safe beside the thread that attends the hosts.
 
-    Raises FollowspotError with the reason where a successor cannot be built or cannot carry on. Where one
-    that was built does not take over, those that have done so give their places back.
+    Raises FollowspotError with the reason if a replacement cannot be built, cannot restore the state of the
+    old stage, or does not take over. The old stages then run again on every host.
     """
     change = _Change(plan, hosts, stages, fresh)
     try:
         change.do("build", "built")
     except FollowspotError:
-        change.give_up()
+        change.abandon()
         raise
     try:
         change.do("take_over", "done")
@@ -38,7 +38,7 @@ def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStag
 
 
 def _undo(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage]) -> None:
-    """The stages of the plan take over again, on each host that can be reached."""
+    """Let the stages of the plan take over again on each host that answers."""
     names = {stage.name for stage in stages}
     former = [stage for stage in plan.stages if stage.name in names]
     for host in hosts:
@@ -61,7 +61,7 @@ class _Change:
         self.hosts = [host for host in hosts if self.parts[host.name]]
 
     def do(self, step: Step, phase: ChangePhase) -> None:
-        """One step on all hosts, to its end. Raises FollowspotError."""
+        """Do one step on all hosts and wait until it is done. Raises FollowspotError."""
         for host in self.hosts:
             host.change(self._order(host, step))
         deadline = time.monotonic() + _TIMEOUT
@@ -72,14 +72,14 @@ class _Change:
                 raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
             time.sleep(_POLL_INTERVAL)
 
-    def give_up(self) -> None:
-        """What was built is not needed."""
+    def abandon(self) -> None:
+        """Discard the replacements."""
         for host in self.hosts:
             with suppress(FollowspotError):
-                host.change(self._order(host, "give_up"))
+                host.change(self._order(host, "abandon"))
 
     def _reached(self, host: Host, phase: ChangePhase) -> bool:
-        """Whether the host has done the step. Raises FollowspotError where it cannot."""
+        """True once the host has done the step. Raises FollowspotError if it cannot do it."""
         status = host.status()
         if status.change.id == self.id and status.change.phase == "failed":
             raise FollowspotError(status.change.error)

@@ -1,4 +1,4 @@
-"""A move on all hosts of a run: who must begin anew leaves everywhere, then all take their new places."""
+"""Move on all hosts of a run: the workers that must restart leave first, then start at their new places."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 
 _TIMEOUT = 60.0
-"""Seconds that workers may take to leave, and to be there again."""
+"""Seconds that workers have to leave, and again to be running."""
 _POLL_INTERVAL = 0.02
-"""Seconds between two looks."""
+"""Seconds between two polls of the hosts."""
 
 
 def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
-    """Bring a run from one plan to the other. Safe beside the thread that attends the hosts.
+    """Bring a run from the old plan to the new one. Safe beside the thread that attends the hosts.
 
-    Raises FollowspotError where a host refuses its new part, before anybody has left; or where a worker
-    cannot begin at its new place: then all go back to their old ones.
+    Raises FollowspotError if a host refuses the new plan, before any worker has left; or if a worker cannot
+    begin at its new place: then all go back to their old places.
     """
     for host in hosts:
         host.move(MoveOrder(plan=plan_to_data(new), trial=True))
     try:
-        _go(old, new, hosts)
+        _replace(old, new, hosts)
     except FollowspotError:
-        _go(new, old, hosts)
+        _replace(new, old, hosts)
         raise
 
 
-def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
-    """Leave, and take the new places."""
+def _replace(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
+    """Let the workers that must restart leave, and start them at their new places."""
     leaving = anew(old, new)
     for host in hosts:
         host.move(MoveOrder(leaving=tuple(sorted(leaving))))
@@ -48,16 +48,16 @@ def _go(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
 
 
 def _await_absent(workers: set[str], hosts: Sequence[Host]) -> None:
-    """Until none of these workers is there. Raises FollowspotError."""
+    """Wait until all these workers are absent. Raises FollowspotError after a timeout."""
     for _ in _polls("workers did not leave"):
         if all(worker.phase == "absent" for worker in _workers(hosts) if worker.name in workers):
             return
 
 
 def _await_running(workers: set[str], hosts: Sequence[Host], before: Mapping[str, int]) -> None:
-    """Until all of these workers are at work again. Raises FollowspotError where one dies at its beginning.
+    """Wait until all these workers run again. Raises FollowspotError if one dies while it starts.
 
-    before: how often each had been started.
+    before: the number of restarts of each worker before the move.
     """
     begun: dict[str, int] = {}
     for _ in _polls("workers did not begin at their new places"):
@@ -77,7 +77,7 @@ def _workers(hosts: Sequence[Host]) -> Iterator[WorkerStatus]:
 
 
 def _polls(problem: str) -> Iterator[None]:
-    """Look again and again. Raises FollowspotError when that has taken too long."""
+    """Yield once per poll. Raises FollowspotError after a timeout."""
     deadline = time.monotonic() + _TIMEOUT
     while time.monotonic() < deadline:
         yield

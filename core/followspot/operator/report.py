@@ -1,4 +1,4 @@
-"""What a run reports: ledger, latency, what each stage did, warnings, and what went wrong."""
+"""The report of a run: ledger, latency, each stage's figures, warnings and errors."""
 
 from __future__ import annotations
 
@@ -16,58 +16,59 @@ from followspot.worker.source import LIVE_DEPTH
 
 @dataclass(frozen=True)
 class RunReport:
-    """What the whole run did. seconds: from the start of all workers to the end of the last."""
+    """The report of a whole run. seconds: from the start of all workers to the end of the last."""
 
     plan: Plan
     seconds: float
     stopped: bool
-    """Whether the user ended it early."""
+    """True if the user ended the run early."""
     workers: tuple[WorkerReport, ...]
     edges: tuple[tuple[PlannedEdge, EdgeCount], ...]
     errors: tuple[str, ...] = field(default=())
     news: tuple[str, ...] = ()
-    """What broke during the run and was mended."""
+    """Faults during the run that were repaired, a line each."""
     clocks: Mapping[str, ClockStatus] = field(default_factory=dict)
-    """How the clocks of the hosts differ from the one that all go by."""
+    """Offsets of the hosts' clocks from the reference clock, by host."""
     outs: Mapping[str, str] = field(default_factory=dict)
-    """Where the outputs are that were written on other hosts, by host."""
+    """Output folders on other hosts, by host."""
 
     @property
     def frames(self) -> int:
-        """Messages that the busiest source sent."""
+        """The largest number of messages that a source sent."""
         return max((worker.frames for worker in self.workers), default=0)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of all workers, and what broke and was mended."""
+        """The news of the run and the warnings of all workers."""
         return (*self.news, *(text for worker in self.workers for text in worker.warnings))
 
     @property
     def unbalanced(self) -> tuple[str, ...]:
-        """Edges whose messages are not all accounted for, once, though the run ended cleanly: a bug."""
+        """Edges of a run without errors on which not every message is accounted for exactly once: a bug."""
         if self.errors:
             return ()
         return tuple(f"{e.name}: {_imbalance(count)}" for e, count in self.edges if not count.balanced)
 
     @property
     def ok(self) -> bool:
-        """Whether the run did what it was asked, and every message is accounted for."""
+        """True if the run had no error and every message is accounted for."""
         return not self.errors and not self.unbalanced
 
 
 def _imbalance(count: EdgeCount) -> str:
     if count.surplus:
         return f"{count.surplus} messages were accounted for beyond those that were sent"
-    return f"nobody knows what became of {count.in_flight} messages"
+    return f"{count.in_flight} messages are unaccounted for"
 
 
 def edge_counts(
     plan: Plan, ledger: Ledger, restarts: Mapping[str, int]
 ) -> tuple[tuple[PlannedEdge, EdgeCount], ...]:
-    """Each edge with its counts; restarts: of each worker, for messages are lost with a worker that dies.
+    """Each edge with its counts; messages in flight at the death of a worker are counted as lost.
 
-    At most as many are lost with one as may be under way: those that the writer sent ahead to its slowest
-    reader, as many from a writer before that are not read yet, and what a live source has made.
+    restarts: number of restarts of each worker. Each death loses at most the messages that can be in flight:
+    those sent ahead to the slowest reader, as many unread ones of an earlier writer, and those that a live
+    source has buffered.
     """
     ahead: dict[tuple[str, str], int] = {}
     for edge in plan.edges:
@@ -83,7 +84,7 @@ def edge_counts(
 
 
 def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
-    """The ledger of a run from those of its hosts: each counts what happens to a message there."""
+    """The ledger of a run: the sum of the ledgers of its hosts, given as rows of columns."""
     words = np.zeros(edges * COLUMNS, np.int64)
     for found in counts:
         if len(found) == len(words):
@@ -91,7 +92,7 @@ def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
     return Ledger(edges, memoryview(words.tobytes()).cast("q"))
 
 
-def _unread(edge: PlannedEdge, count: EdgeCount) -> str:
+def _unread_error(edge: PlannedEdge, count: EdgeCount) -> str:
     return f"{edge.name}: {count.away} messages came when their reader was away; {RUN_AGAIN}"
 
 
@@ -107,11 +108,11 @@ def merge(
     outs: Mapping[str, str] | None = None,
     clocks: Mapping[str, ClockStatus] | None = None,
 ) -> RunReport:
-    """One report from those of all workers."""
+    """The report of a run from the reports of all its workers."""
     errors = tuple(worker.error for worker in workers if worker.error)
     edges = edge_counts(plan, ledger, restarts or {})
     if not (errors or plan.live or any((restarts or {}).values())):
-        errors = tuple(_unread(edge, count) for edge, count in edges if count.away)
+        errors = tuple(_unread_error(edge, count) for edge, count in edges if count.away)
     return RunReport(
         plan, seconds, stopped, tuple(workers), edges, errors, tuple(news), clocks or {}, outs or {}
     )

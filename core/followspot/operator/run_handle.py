@@ -1,4 +1,4 @@
-"""A run as everybody holds it: for the command line, the page, tools, notebooks and tests."""
+"""The handle on a run that the command line, the page, tools, notebooks and tests use."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ from followspot.operator.run_requests import (
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import use_plugin_files
 
-ANSWER = 10.0
-"""Seconds that a run may take to answer; one that is setting up its stages takes long."""
-_CHANGE = 120.0
-"""Seconds that a change may take: stages are built beside those that work."""
+ANSWER_TIMEOUT = 10.0
+"""Seconds that a run has to answer; a run that is setting up its stages is slow."""
+_CHANGE_TIMEOUT = 120.0
+"""Seconds that a change has: new stages are built beside those that run."""
 
 
 class NoAnswer(FollowspotError):
-    """The run's process is there, but does not answer in time: it is suspended, or very busy."""
+    """The run's process is alive but does not answer in time: it is suspended or too busy."""
 
 
 Ask = Callable[[Request, float], Any]
-"""Carries a request to the run; its answer.
+"""Sends a request to the run and returns its answer; the number is the timeout, s.
 
-Raises NoAnswer if none comes within so many seconds, FollowspotError if the run has ended or refuses.
+Raises NoAnswer after the timeout, FollowspotError if the run has ended or refuses.
 """
 
 
 class RunHandle:
-    """A run: how it is, what it says, and what can be done to it.
+    """A run: its plan, status and log, and the changes that can be made to it.
 
     Every method is safe from any thread and raises FollowspotError if the run has ended or refuses.
-    run: its name; graph: the name of its graph, "" if it does not answer; ask: reaches it; pid: of its
-    operator's process if that is on this machine.
+    run: its name; graph: the name of its graph, "" if it does not answer; ask: sends it requests; pid:
+    process id of its operator, if that process is on this machine.
     """
 
     def __init__(self, run: str, graph: str, ask: Ask, pid: int | None = None) -> None:
@@ -60,68 +60,68 @@ class RunHandle:
 
     @property
     def label(self) -> str:
-        """For lists of runs."""
+        """Text for lists of runs."""
         silent = f"{self.run[:8]} of process {self.pid}, which does not answer"
         return f"{self.graph} ({self.run[:8]})" if self.graph else silent
 
     def plan(self) -> Plan:
-        """As it is now, with its one-file plugins loaded."""
-        plan = plan_from_data(self.ask(GetPlan(), ANSWER))
+        """The plan as it is now; loads the one-file plugins of the run."""
+        plan = plan_from_data(self.ask(GetPlan(), ANSWER_TIMEOUT))
         use_plugin_files(plan.plugin_files)
         return plan
 
-    def status(self, timeout: float = ANSWER) -> RunStatus:
-        """How the run is now. timeout: seconds after which NoAnswer is raised."""
+    def status(self, timeout: float = ANSWER_TIMEOUT) -> RunStatus:
+        """The status of the run now. timeout: seconds after which NoAnswer is raised."""
         found: RunStatus = self.ask(GetStatus(), timeout)
         return found
 
     def log(self, after: int = -1) -> LogPage:
-        """The records after the one of this number."""
-        found: LogPage = self.ask(GetLog(after=after), ANSWER)
+        """The log records after the record of this number."""
+        found: LogPage = self.ask(GetLog(after=after), ANSWER_TIMEOUT)
         return found
 
     def surroundings(self) -> Surroundings:
-        """Its output folder, and a network that leads to its other hosts."""
-        found: Surroundings = self.ask(GetSurroundings(), ANSWER)
+        """The output folder of the run, and the network that leads to its other hosts."""
+        found: Surroundings = self.ask(GetSurroundings(), ANSWER_TIMEOUT)
         return found
 
     def set(self, parameter: str, value: Any) -> Changed:
-        """Set a parameter while the run goes on: ``set("color.similarity", 0.85)``."""
+        """Set a parameter during the run: ``set("color.similarity", 0.85)``."""
         return self.change([f"{parameter}={value if isinstance(value, str) else json.dumps(value)}"])
 
     def swap(self, stage: str, uses: str, *, fresh: bool = False) -> Changed:
-        """Let another plugin stage take the place of one that works: ``swap("fuse", "balls.mean")``."""
+        """Replace a stage during the run by another plugin stage: ``swap("fuse", "balls.mean")``."""
         return self.change([f"{stage}={uses}"], fresh=fresh)
 
     def change(self, words: Sequence[str], *, folder: Path = Path(), fresh: bool = False) -> Changed:
-        """Several swaps (`fuse=balls.mean`) and parameters (`color.similarity=0.7`), all or none.
+        """Make several swaps (`fuse=balls.mean`) and settings (`color.similarity=0.7`), all or none.
 
-        Replacements are built beside the stages that work and take over between two firings, with the state
-        of the old ones where both know how, unless `fresh`. folder: what paths are relative to.
+        Replacements are built beside the running stages and take over between two firings. They restore the
+        state of the old stages if both support it, unless `fresh`. folder: base of relative paths.
         """
         request = ChangeStages(words=tuple(words), folder=folder.absolute(), fresh=fresh)
-        found: Changed = self.ask(request, _CHANGE)
+        found: Changed = self.ask(request, _CHANGE_TIMEOUT)
         return found
 
     def move(self, stages: Sequence[str], place: str) -> Moved:
-        """Bring stages of a live run to another worker, or to a host in reach of it.
+        """Move stages of a live run to another worker, or to a host that the run can reach.
 
-        Workers whose stages or kinds of edges change begin anew with the state of their stages; what is under
-        way to and from them is lost and counted.
+        Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
+        flight to and from them are lost and counted.
         """
-        found: Moved = self.ask(MoveStages(stages=tuple(stages), place=place), _CHANGE)
+        found: Moved = self.ask(MoveStages(stages=tuple(stages), place=place), _CHANGE_TIMEOUT)
         return found
 
     def tap(self, taps: Sequence[Tapping]) -> None:
-        """Put sinks at ports."""
-        self.ask(PlaceTaps(taps=tuple(taps)), ANSWER)
+        """Tap ports: their messages also go to the given sinks."""
+        self.ask(PlaceTaps(taps=tuple(taps)), ANSWER_TIMEOUT)
 
     def stop(self) -> None:
-        """End the sources; what is in flight is finished."""
-        self.ask(StopRun(), ANSWER)
+        """End the sources; workers finish the messages in flight."""
+        self.ask(StopRun(), ANSWER_TIMEOUT)
 
     def over(self) -> bool:
-        """Whether the run has ended; one that does not answer has not."""
+        """True if the run has ended; False for a run that does not answer."""
         try:
             return all(worker.phase == "over" for worker in self.status().workers)
         except NoAnswer:

@@ -1,4 +1,4 @@
-"""What can be asked of a run, and who answers: its coordinator."""
+"""Requests to a run's operator, which its coordinator answers."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ from followspot.transport.zenoh.network import Network
 
 @dataclass(frozen=True)
 class Surroundings:
-    """Of a run: its output folder on the operator's host, and a network that leads to its other hosts.
+    """The surroundings of a run.
 
-    network: None if the run has no other hosts; out: None if the operator's host is not this one.
+    out: its output folder on the operator's host, None if that is not this host; network: leads to its other
+    hosts, None if it has none.
     """
 
     out: Path | None = None
@@ -40,13 +41,13 @@ class GetPlan(_OperatorRequest):
 
 
 class GetStatus(_OperatorRequest):
-    """How the run is; without the reports of workers that have ended."""
+    """The status of the run, without the reports of ended workers."""
 
     answer: ClassVar[Any] = RunStatus
 
 
 class GetSurroundings(_OperatorRequest):
-    """Where the run writes, and which network leads to it."""
+    """The output folder of the run, and the network that leads to its hosts."""
 
     answer: ClassVar[Any] = Surroundings
 
@@ -54,7 +55,7 @@ class GetSurroundings(_OperatorRequest):
 class ChangeStages(_OperatorRequest):
     """Swap stages (`fuse=balls.mean`) and set parameters (`color.similarity=0.7`), all or none.
 
-    folder: what paths are relative to; fresh: without the state of the old stages.
+    folder: base of relative paths; fresh: whether replacements start without the state of the old stages.
     """
 
     words: tuple[str, ...]
@@ -64,7 +65,7 @@ class ChangeStages(_OperatorRequest):
 
 
 class MoveStages(_OperatorRequest):
-    """Bring stages to another worker or host."""
+    """Move stages to another worker or host."""
 
     stages: tuple[str, ...]
     place: str
@@ -74,9 +75,9 @@ class MoveStages(_OperatorRequest):
 def run_dispatcher(
     run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
 ) -> Dispatcher:
-    """Answers for a run; safe from any thread.
+    """The dispatcher of a run's requests. Safe from any thread.
 
-    stop: ends its sources; in the coordinator's own way unless told.
+    stop: ends the sources of the run; `Coordinator.stop` by default.
     """
     end = run.stop if stop is None else stop
 

@@ -157,7 +157,7 @@ def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tupl
         return bool(refused)
 
     until(lost)
-    assert f"in a way that can be believed: {next(iter(change))}" in refused[0]
+    assert f"its last answer was invalid: {next(iter(change))}" in refused[0]
     assert host.status().workers[0].fired == 5, "the last good one stays"
     believed_again(there, host)
 
@@ -180,8 +180,8 @@ def test_a_page_of_a_log_that_none_can_mean_is_refused(agent: tuple[Agent, RpcCl
 def test_workers_that_end_and_are_named_no_more_fill_no_memory(
     agent: tuple[Agent, RpcClient], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("followspot.operator.remote_host._PERIOD", 0.0)
-    monkeypatch.setattr("followspot.operator.remote_host._MOST_WORKERS", 50)
+    monkeypatch.setattr("followspot.operator.remote_host._POLL_PERIOD", 0.0)
+    monkeypatch.setattr("followspot.operator.remote_host._MAX_ENDED_WORKERS", 50)
     there, client = agent
     host = watched(there, client)
     there.workers = 20

@@ -64,7 +64,7 @@ class Closed:
 
 
 def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(remote_host, "_FORGOTTEN", 0.3)
+    monkeypatch.setattr(remote_host, "_RESUME_TIMEOUT", 0.3)
     agent = Closed()
     host = RemoteHost(agent, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
     host.watch()
@@ -159,11 +159,11 @@ def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str
     agent = Forgetful(known)
     host = operated(agent)
     for _ in range(2):
-        host._ask_once()
+        host._poll()
     assert agent.prepared is not None
     assert agent.prepared.incarnations["left"] > 2, "what the workers before sent is not taken for theirs"
     assert agent.started
-    host._ask_once()
+    host._poll()
     assert host.status().all("running")
     assert host.status().news == (f"{said}: its part of the run begins anew",)
     assert agent.asked.count("start_run") == 1
@@ -175,7 +175,7 @@ def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(n
     host = operated(agent)
     for _ in range(3):
         with suppress(HostLost):
-            host._ask_once()
+            host._poll()
     assert agent.started
 
 
@@ -190,14 +190,14 @@ def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
     def attended() -> None:
         for _ in range(20):
             now[0] += 0.2
-            host._ask_once()
+            host._poll()
             host.attend(0.0)
 
     with pytest.raises(HostLost, match="host pc-left: it has no camera; it cannot take its part"):
         attended()
     agent.refuses.clear()
-    host._ask_once()
-    host._ask_once()
+    host._poll()
+    host._poll()
     host.attend(0.0)
 
 
@@ -207,7 +207,7 @@ def test_what_is_to_end_or_cannot_be_repeated_is_not_taken_up_again(ending: str)
     host = operated(agent, restart=ending != "replay")
     if ending == "stopped":
         host.stop()
-    host._ask_once()
+    host._poll()
     assert agent.prepared is None
 
 
@@ -217,7 +217,7 @@ def test_an_order_that_an_agent_refuses_does_not_hold_up_those_after_it() -> Non
     host.ended(["right"])
     host.stop()
     agent.refuses["end_workers"] = "it does not know right"
-    host._ask_once()
+    host._poll()
     assert agent.asked == [
         "end_workers",
         "stop_run",
@@ -225,5 +225,5 @@ def test_an_order_that_an_agent_refuses_does_not_hold_up_those_after_it() -> Non
         "end_workers",
         "stop_run",
     ]
-    host._ask_once()
+    host._poll()
     assert agent.asked[5:] == ["get_host_status"]

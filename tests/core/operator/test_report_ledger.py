@@ -39,7 +39,7 @@ def test_as_much_as_can_be_under_way_is_lost_with_each_death(plan: Plan) -> None
 
 def test_what_is_missing_beyond_that_is_an_error(plan: Plan) -> None:
     found = report(plan, 139, 100, deaths=2)
-    assert found.unbalanced == ("a.out -> save.number: nobody knows what became of 1 messages",)
+    assert found.unbalanced == ("a.out -> save.number: 1 messages are unaccounted for",)
     assert not found.ok
     assert report(plan, 101, 100).unbalanced
 
