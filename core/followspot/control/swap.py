@@ -11,7 +11,7 @@ from typing import ClassVar, Literal
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import PlannedStage
 
-Step = Literal["build", "take_over", "give_up"]
+Step = Literal["build", "take_over", "discard"]
 ChangePhase = Literal["building", "built", "done", "failed"]
 
 

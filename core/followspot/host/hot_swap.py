@@ -10,7 +10,7 @@ from followspot.graph.plan import Plan
 
 _ABANDONED = 60.0
 """Seconds after which a change that was built and neither taken over nor given up stands in nobody's way."""
-_AFTER: Mapping[Step, ChangePhase] = {"build": "built", "take_over": "done", "give_up": "done"}
+_AFTER: Mapping[Step, ChangePhase] = {"build": "built", "take_over": "done", "discard": "done"}
 
 
 class HostChange:
@@ -60,7 +60,7 @@ class HostChange:
         errors = [answer.error for answer in self._answers.values() if answer.phase == "failed"]
         if errors:
             return ChangeStatus(self.order.id, "failed", "; ".join(errors))
-        if self.order.step != "give_up" and not all(self._answered(worker) for worker in self.parts):
+        if self.order.step != "discard" and not all(self._answered(worker) for worker in self.parts):
             return ChangeStatus(self.order.id, "building")
         return ChangeStatus(self.order.id, _AFTER[self.order.step])
 

@@ -28,7 +28,7 @@ def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStag
     try:
         change.do("build", "built")
     except FollowspotError:
-        change.abandon()
+        change.discard()
         raise
     try:
         change.do("take_over", "done")
@@ -72,11 +72,11 @@ class _Change:
                 raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
             time.sleep(_POLL_INTERVAL)
 
-    def abandon(self) -> None:
+    def discard(self) -> None:
         """Discard the replacements."""
         for host in self.hosts:
             with suppress(FollowspotError):
-                host.change(self._order(host, "abandon"))
+                host.change(self._order(host, "discard"))
 
     def _reached(self, host: Host, phase: ChangePhase) -> bool:
         """True once the host has done the step. Raises FollowspotError if it cannot do it."""
