@@ -22,15 +22,11 @@ class Bridge(Stage):
             3.0,
             gt=0,
             unit="sigma",
-            description="Mahalanobis distance of a blob from the forecast up to which it is the target; "
-            "raising it survives sharper turns and follows more false blobs",
+            description="distance of a blob from the forecast up to which it is the target; raising it "
+            "survives turns",
         )
         blob_sigma: float = Field(
-            0.7,
-            gt=0,
-            unit="px",
-            description="standard deviation of a blob's centre, which may be partly hidden; raising it "
-            "trusts the blob less",
+            0.7, gt=0, unit="px", description="sigma of a blob's centre; raising it trusts blobs less"
         )
         minimum_area: float = Field(
             0.2,
@@ -48,22 +44,20 @@ class Bridge(Stage):
             0.01,
             gt=0,
             unit="m",
-            description="standard deviation of a position from a single pair; raising it trusts such "
-            "positions more",
+            description="sigma of a position from a single pair; raising it trusts it more",
         )
         single_pair_gate: float = Field(
             3.0,
             gt=0,
             unit="sigma",
-            description="Mahalanobis distance from the forecast beyond which a single view replaces a "
-            "position from a single weak pair; raising it lets targets jump",
+            description="distance from the forecast beyond which a single view replaces a position from a "
+            "single weak pair; raising it lets targets jump",
         )
         resting_clearance: float = Field(
             0.03,
             ge=0,
             unit="m",
-            description="clearance from a plane up to which a target counts as lying on it; 0: never; "
-            "raising it puts more targets on planes",
+            description="clearance up to which a target lies on a plane; 0: never; raising it bridges more",
         )
 
     params: Params

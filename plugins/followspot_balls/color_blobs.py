@@ -58,66 +58,60 @@ class ColorBlobs(Stage):
             le=1,
             unit="1",
             description="smallest Bhattacharyya coefficient with the template; raising it rejects more "
-            "projections, and balls lit by projections of another colour",
+            "projections, and balls lit by other colours",
         )
         minimum_saturation: int = Field(
             80,
             ge=0,
             le=255,
             unit="grey levels",
-            description="smallest HSV saturation of a pixel that shows its hue; raising it ignores pale "
-            "light",
+            description="smallest saturation of a coloured pixel; raising it ignores pale light",
         )
         minimum_brightness: int = Field(
             70,
             ge=1,
             le=255,
             unit="grey levels",
-            description="smallest HSV value of a pixel; raising it ignores dim projections and dim balls",
+            description="smallest brightness of a pixel; raising it ignores dim balls",
         )
         overexposed_brightness: int = Field(
             245,
             ge=1,
             le=256,
             unit="grey levels",
-            description="HSV value from which a pale pixel counts as an overexposed core; 256: none does; "
-            "lowering it accepts more white light",
+            description="brightness of an overexposed core; 256: none; lowering it accepts more white light",
         )
         minimum_hue_share: float = Field(
             0.02,
             gt=0,
             lt=1,
             unit="1",
-            description="smallest share of the template's histogram that a hue must hold; raising it "
-            "narrows the colour",
+            description="smallest histogram share of a target's hue; raising it narrows the colour",
         )
         edge_level: float = Field(
             0.7,
             gt=0,
             lt=1,
             unit="1",
-            description="brightness of a blob's edge over that of its brightest pixel; raising it shrinks "
-            "blobs and separates them",
+            description="brightness of a blob's edge over its peak; raising it shrinks blobs and separates "
+            "them",
         )
         radius_offset: float = Field(
             0.0,
             unit="px",
-            description="radius of a ball at the edge level minus its true radius; raise it if balls are "
-            "overexposed",
+            description="measured minus true radius of a ball; raising it suits overexposed balls",
         )
         maximum_area: float = Field(
             1.5,
             gt=0,
             unit="1",
-            description="largest area of a blob over the template's; raising it accepts balls merged with "
-            "projections",
+            description="largest blob area over the template's; raising it accepts merged balls",
         )
         maximum_expected_area: float = Field(
             1.8,
             gt=0,
             unit="1",
-            description="largest area of a blob over the area expected at the forecast; the ball in a "
-            "larger one counts as hidden; raising it keeps biased blobs",
+            description="largest blob area over that expected at the forecast; raising it keeps biased blobs",
         )
 
     params: Params

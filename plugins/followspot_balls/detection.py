@@ -31,7 +31,7 @@ class DetectionParams(SearchParams):
         0.3,
         gt=0,
         unit="1",
-        description="smallest blob area over the template's; lowering it finds hidden balls",
+        description="smallest blob area over the template's; lowering it finds partly hidden balls",
     )
 
 

@@ -66,20 +66,19 @@ class IrBlobs(Stage):
             gt=0,
             lt=1,
             unit="1",
-            description="brightness of a blob's edge over that of its brightest pixel; raising it shrinks "
-            "blobs and separates them",
+            description="brightness of a blob's edge over its peak; raising it shrinks blobs and separates "
+            "them",
         )
         radius_offset: float = Field(
             -0.5,
             unit="px",
-            description="radius of a ball at the edge level minus its true radius; negative if its patches "
-            "reflect less towards the edge; raising it expects larger discs",
+            description="measured minus true radius of a ball; negative if patches are dimmer at the edge",
         )
         maximum_area: float = Field(
             1.5,
             gt=0,
             unit="1",
-            description="largest area of a blob over the template's; raising it accepts merged balls",
+            description="largest blob area over the template's; raising it accepts merged balls",
         )
 
     params: Params

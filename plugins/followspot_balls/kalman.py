@@ -33,28 +33,25 @@ class Kalman(Stage):
             12.0,
             gt=0,
             unit="m/s^2",
-            description="standard deviation of a target's acceleration; raising it follows turns faster and "
-            "smooths less",
+            description="sigma of the acceleration; raising it follows turns faster and smooths less",
         )
         measurement_sigma: float = Field(
             0.008,
             gt=0,
             unit="m",
-            description="standard deviation of a position without a covariance; raising it smooths more",
+            description="sigma of a position without a covariance; raising it smooths more",
         )
         bounce_gate: float = Field(
             3.0,
             gt=0,
             unit="sigma",
-            description="Mahalanobis distance from the forecast beyond which a target bounced or was hit; "
-            "raising it smooths more and follows bounces later",
+            description="distance from the forecast beyond which a target bounced; raising it smooths more",
         )
         maximum_missed_frames: int = Field(
             25,
             ge=0,
             unit="frames",
-            description="frames without a measurement after which a target is lost; raising it bridges "
-            "longer gaps and may keep a wrong target",
+            description="frames without measurement until a target is lost; raising it bridges more",
         )
         local_search_frames: int = Field(
             4,
@@ -67,43 +64,37 @@ class Kalman(Stage):
             0.1,
             gt=0,
             unit="m",
-            description="standard deviation beyond which a target that one camera sees is missing; raising "
-            "it bridges longer gaps and may follow something else",
+            description="sigma beyond which a target in one view is missing; raising it bridges longer gaps",
         )
         minimum_support: int = Field(
             3,
             ge=1,
             unit="1",
-            description="candidates that confirm a new target at once, or a bounce; raising it avoids false "
-            "recoveries",
+            description="candidates that confirm a target or a bounce at once; raising it avoids mistakes",
         )
         confirmation_frames: int = Field(
             3,
             ge=1,
             unit="frames",
-            description="frames with an evident candidate that confirm a tentative target; raising it "
-            "avoids false recoveries and delays true ones",
+            description="evident frames that confirm a tentative target; raising it avoids mistakes",
         )
         confirmation_distance: float = Field(
             0.3,
             gt=0,
             unit="m",
-            description="largest distance between such candidates of successive frames; raising it confirms "
-            "faster targets, and false ones",
+            description="largest step between these frames; raising it confirms faster targets",
         )
         fade_time: float = Field(
             0.1,
             ge=0,
             unit="s",
-            description="time in which the velocity of a coasting target decays to 1/e; 0: a missing target "
-            "stops at its last position; raising it extrapolates farther",
+            description="decay time of a coasting target's velocity; 0: a missing target stops at once",
         )
         initial_velocity_sigma: float = Field(
             3.0,
             gt=0,
             unit="m/s",
-            description="standard deviation of the velocity of a new target; raising it catches faster "
-            "targets and smooths less at first",
+            description="sigma of a new target's velocity; raising it catches faster targets",
         )
 
     params: Params

@@ -22,16 +22,13 @@ class MeanShift(Stage):
 
     class Params(StageParams):
         initial_center: Literal["forecast", "densest", "mean"] = Field(
-            "forecast",
-            description="initial centre of a target with a forecast: the forecast, the densest candidate or "
-            "the weighted mean of the candidates",
+            "forecast", description="initial centre of a target with a forecast"
         )
         bandwidth_scale: float = Field(
             2.5,
             gt=0,
             unit="1",
-            description="bandwidth over the standard deviation of the forecast; raising it averages more "
-            "candidates",
+            description="bandwidth over the forecast's sigma; raising it averages more candidates",
         )
         minimum_bandwidth: float = Field(
             0.03, gt=0, unit="m", description="smallest bandwidth; raising it includes more biased candidates"
@@ -40,51 +37,43 @@ class MeanShift(Stage):
             0.1,
             gt=0,
             unit="m",
-            description="bandwidth for a lost target; raising it recovers more targets, also false ones",
+            description="bandwidth for a lost target; raising it recovers more, also wrongly",
         )
         epipolar_sigma: float = Field(
             1.0,
             gt=0,
             unit="px",
-            description="standard deviation of the epipolar distance in the weights (T_ED; 3 px in the "
-            "paper); lowering it prefers precise pairs",
+            description="sigma of the epipolar distance (T_ED); lowering it prefers precise pairs",
         )
         recovery_epipolar_sigma: float = Field(
             3.0,
             gt=0,
             unit="px",
-            description="the same for a lost target that three views confirm; raising it recovers more "
-            "targets, also false ones",
+            description="the same for a lost target in three views; raising it recovers more",
         )
         minimum_mode_share: float = Field(
             0.5,
             ge=0,
             le=1,
             unit="1",
-            description="share of a target's total weight below which the densest candidate replaces the "
-            "mode at the forecast; raising it leaves wrong forecasts sooner",
+            description="share of the weight below which the densest candidate replaces the mode at the "
+            "forecast; raising it leaves wrong forecasts sooner",
         )
         prior_sigma: float = Field(
             0.1,
             gt=0,
             unit="m",
-            description="standard deviation of the densest candidate around the forecast; raising it lets "
-            "targets jump",
+            description="sigma of the densest candidate around the forecast; raising it lets targets jump",
         )
         minimum_support_weight: float = Field(
             0.6,
             ge=0,
             lt=1,
             unit="1",
-            description="weight above which a candidate counts as support; raising it avoids false "
-            "recoveries and delays true ones",
+            description="weight of a candidate that counts as support; raising it avoids mistakes",
         )
         convergence_distance: float = Field(
-            0.0005,
-            gt=0,
-            unit="m",
-            description="step length below which a centre has converged; raising it saves time and costs "
-            "precision",
+            0.0005, gt=0, unit="m", description="step of a centre that has converged; raising it saves time"
         )
         maximum_iterations: int = Field(
             30, gt=0, unit="1", description="largest number of steps of a centre; raising it costs time"

@@ -27,51 +27,46 @@ class Triangulate(Stage):
             0.225,
             gt=0,
             unit="m",
-            description="smallest radius of the search sphere around the forecast; raising it survives "
-            "jumps and accepts more false candidates",
+            description="smallest search radius around the forecast; raising it survives jumps",
         )
         search_radius_scale: float = Field(
             2.0,
             gt=0,
             unit="1",
-            description="radius of the search sphere over the last displacement; raising it survives "
-            "sharper turns",
+            description="search radius over the last displacement; raising it survives turns",
         )
         minimum_evident_area: float = Field(
             0.4,
             ge=0,
             unit="1",
-            description="smallest area of both blobs of an evident pair over the target's expected area; "
-            "raising it avoids false recoveries and delays those of partly hidden balls",
+            description="smallest blob area of an evident pair over the expected one; raising it avoids "
+            "false recoveries, and delays those of partly hidden balls",
         )
         minimum_area: float = Field(
             0.25,
             ge=0,
             unit="1",
-            description="smallest area of a blob over the expected area of a target that is not tracked, "
-            "unless it pairs with both blobs of an evident pair; raising it avoids false recoveries and "
-            "delays those of partly hidden balls",
+            description="smallest blob area over the expected one while the target is not tracked, unless "
+            "the blob pairs with both of an evident pair; raising it avoids false recoveries and delays "
+            "true ones",
         )
         maximum_area: float = Field(
             2.0,
             gt=0,
             unit="1",
-            description="largest area of a blob over the expected area of a target that is not tracked; "
-            "lowering it avoids false recoveries",
+            description="largest blob area over the expected one, likewise; lowering it avoids mistakes",
         )
         claim_radius: float = Field(
             1.5,
             ge=0,
             unit="1",
-            description="distance of an infrared blob from a tracked target's image over its radius up to "
-            "which the blob is no evidence of a lost target; raising it avoids false recoveries and delays "
-            "those beside tracked targets",
+            description="distance from a tracked target's image over its radius up to which an infrared "
+            "blob is no evidence of a lost target; raising it avoids false recoveries and delays true ones",
         )
         plane_tolerance: float = Field(
             0.04,
             unit="m",
-            description="depth to which a target may seem to sink into a plane; raising it tolerates "
-            "inexact planes, and projections that merge with a ball",
+            description="depth to which a target may sink into a plane; raising it tolerates inexact planes",
         )
 
     params: Params

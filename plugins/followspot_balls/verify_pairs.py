@@ -26,22 +26,21 @@ class VerifyPairs(Stage):
             3.0,
             gt=0,
             unit="px",
-            description="largest distance from the epipolar line; raising it tolerates a worse calibration "
-            "and accepts more false pairs",
+            description="largest distance from the epipolar line; raising it tolerates bad calibration",
         )
         homography_tolerance: float = Field(
             3.0,
             ge=0,
             unit="px",
-            description="distance up to which a pair fits a plane's homography and counts as a projection; "
-            "0: no test; raising it rejects more projections, and balls close to the plane",
+            description="distance up to which a pair fits a plane; 0: no test; raising it rejects more "
+            "projections, and balls close to the plane",
         )
         minimum_alignment_radius: float = Field(
             10.0,
             gt=0,
             unit="px",
             description="smallest distance from a target's image up to which blobs of unsynchronised "
-            "cameras are moved with the target; raising it survives jumps",
+            "cameras move with the target; raising it survives jumps",
         )
 
     params: Params

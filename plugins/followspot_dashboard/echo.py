@@ -20,11 +20,7 @@ class Echo(Stage):
         )
         port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
         maximum_side: int = Field(
-            320,
-            ge=16,
-            le=1920,
-            unit="px",
-            description="longest side of a picture; raising it shows more detail and costs time",
+            320, ge=16, le=1920, unit="px", description="longest side of a picture; raising it costs time"
         )
 
     params: Params

@@ -34,14 +34,10 @@ class Tap(Stage):
             ge=0,
             le=60,
             unit="1/s",
-            description="number of further messages shown per second, between those times",
+            description="number of further messages shown per second, between those",
         )
         maximum_side: int = Field(
-            320,
-            ge=16,
-            le=1920,
-            unit="px",
-            description="longest side of a picture; raising it shows more detail and costs time",
+            320, ge=16, le=1920, unit="px", description="longest side of a picture; raising it costs time"
         )
 
     params: Params

@@ -46,42 +46,35 @@ class Fusion(Stage):
             0.012,
             gt=0,
             unit="rad",
-            description="standard deviation of the direction in which a camera sees a person; raising it "
-            "trusts directions less",
+            description="sigma of a person's direction from a camera; raising it trusts directions less",
         )
         distance_sigma: float = Field(
             0.07,
             gt=0,
             le=100,
             unit="1",
-            description="standard deviation of a person's distance from the camera over that distance; "
-            "raising it trusts distances less",
+            description="relative sigma of a person's distance; raising it trusts distances less",
         )
         maximum_distance: float = Field(
             0.7,
             gt=0,
             unit="m",
-            description="largest distance of a camera's pose from the person that it belongs to; raising it "
-            "merges neighbours",
+            description="largest distance of a camera's pose from its person; raising it merges neighbours",
         )
         confirmation_frames: int = Field(
             3,
             ge=1,
             unit="frames",
-            description="number of frames that confirm a tentative person; raising it avoids false persons",
+            description="frames that confirm a tentative person; raising it avoids false persons",
         )
         maximum_missed_time: float = Field(
             0.6,
             gt=0,
             unit="s",
-            description="time without a pose after which a person is deleted; raising it bridges longer gaps",
+            description="time without a pose until a person is deleted; raising it bridges more",
         )
         memory_time: float = Field(
-            120.0,
-            gt=0,
-            unit="s",
-            description="time for which a deleted person's numbers are remembered; raising it recognises "
-            "later returns",
+            120.0, gt=0, unit="s", description="time for which a deleted person's numbers are remembered"
         )
 
     params: Params

@@ -33,16 +33,15 @@ class FindGradients(Stage):
             gt=0,
             le=361,
             unit="grey levels",
-            description="difference across an edge that gives half of the full magnitude; raising it "
-            "suppresses more noise, and faint outlines",
+            description="difference that gives half of the full magnitude; raising it suppresses faint edges",
         )
         spread_radius: int = Field(
             8,
             ge=1,
             le=255,
             unit="px",
-            description="distance over which an edge fades out; raising it lets a tracker converge from "
-            "farther away, to a less exact pose",
+            description="distance over which an edge fades; raising it widens convergence and costs "
+            "precision",
         )
 
     params: Params

@@ -32,22 +32,21 @@ class PeopleDetector(Stage):
             0.3,
             ge=0,
             unit="1",
-            description="smallest score of a box; raising it finds fewer people and fewer false ones",
+            description="smallest score; raising it finds fewer people, and fewer false ones",
         )
         picture_scale: float = Field(
             1.0,
             gt=0,
             le=8,
             unit="1",
-            description="enlargement of the picture; raising it finds smaller people and costs time",
+            description="enlargement of the picture; raising it finds smaller people, slower",
         )
         scale_step: float = Field(
             1.05,
             ge=1.01,
             le=2,
             unit="1",
-            description="ratio of successive sizes in the search; raising it saves time and finds fewer "
-            "people",
+            description="ratio of successive search sizes; raising it saves time",
         )
 
     params: Params

@@ -63,22 +63,21 @@ class PoseTracker(Stage):
             ge=20,
             le=10_000,
             unit="1",
-            description="particles per person; raising it tracks more reliably and costs time",
+            description="particles per person; raising it improves poses and costs time",
         )
         random_share: float = Field(
             0.15,
             ge=0,
             le=0.9,
             unit="1",
-            description="share of particles placed at random; raising it leaves a wrong pose sooner",
+            description="share of random particles; raising it leaves a wrong pose sooner",
         )
         ascent_share: float = Field(
             0.2,
             ge=0,
             le=1,
             unit="1",
-            description="share of the best particles that gradient ascent improves; 0: none; raising it "
-            "costs time",
+            description="share of particles with gradient ascent; raising it costs time",
         )
         use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
         minimum_likelihood_share: float = Field(
@@ -86,29 +85,22 @@ class PoseTracker(Stage):
             gt=0,
             lt=1,
             unit="1",
-            description="share of a person's usual likelihood below which a picture misses the person; "
-            "raising it deletes persons sooner",
+            description="share of the usual likelihood below which a person is missed",
         )
         box_timeout: float = Field(
             0.6,
             gt=0,
             unit="s",
-            description="time without a box of the detector in which this share rises to 1; raising it "
-            "keeps persons that the detector misses, and false ones",
+            description="time without a box in which this share rises to 1; raising it keeps persons longer",
         )
         maximum_missed_time: float = Field(
-            0.5,
-            gt=0,
-            unit="s",
-            description="time of missed pictures after which a person is deleted; raising it bridges longer "
-            "gaps",
+            0.5, gt=0, unit="s", description="time until a missed person is deleted; raising it bridges more"
         )
         maximum_unseen_time: float = Field(
             2.0,
             gt=0,
             unit="s",
-            description="time after which a person that the slow instance does not see is deleted; raising "
-            "it keeps false persons longer",
+            description="time until a person that the slow instance does not see is deleted",
         )
 
     params: Params

@@ -24,10 +24,7 @@ class ReplayParams(StageParams):
         0.0, ge=0, unit="s", description="time from the beginning of the recording at which the replay begins"
     )
     stop_time: float | None = Field(
-        None,
-        gt=0,
-        unit="s",
-        description="time from the beginning of the recording at which the replay ends; none: at its end",
+        None, gt=0, unit="s", description="time from the beginning at which the replay ends; none: at its end"
     )
     speed: float = Field(
         0.0, ge=0, le=1000, unit="1", description="speed over that of the recording; 0: as fast as possible"

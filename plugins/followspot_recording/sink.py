@@ -40,16 +40,14 @@ class RecordingSink(Stage):
             gt=0,
             le=64,
             unit="MiB",
-            description="size of a chunk before compression; raising it compresses better and loses more in "
-            "a crash",
+            description="size before compression; raising it compresses better and risks more",
         )
         chunk_time: float = Field(
             1.0,
             gt=0,
             le=60,
             unit="s",
-            description="longest time that a chunk stays open; raising it compresses better and loses more "
-            "in a crash",
+            description="longest time of a chunk; raising it compresses better and risks more",
         )
         essential: bool = Field(True, description="whether the run fails if the disk is full")
         metadata: dict[str, str] = Field({}, description="facts to embed")

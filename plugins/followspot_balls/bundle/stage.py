@@ -61,98 +61,86 @@ class Bundle(Stage):
             0.2,
             gt=0,
             unit="px",
-            description="standard deviation of the centre of a fully visible ball; raising it smooths more",
+            description="sigma of a fully visible ball's centre; raising it smooths more",
         )
         hidden_inflation: float = Field(
             4.0,
             ge=0,
             unit="1",
-            description="growth of that standard deviation with the hidden share of the ball; raising it "
-            "trusts small blobs less",
+            description="growth of this sigma with the hidden share; raising it trusts small blobs less",
         )
         merged_inflation: float = Field(
             14.0,
             ge=0,
             unit="1",
-            description="growth of that standard deviation with the squared excess area of a blob; raising "
-            "it trusts merged blobs less",
+            description="its growth with the squared excess area; raising it trusts merged blobs less",
         )
         vote_scale: float = Field(
             1.0,
             gt=0,
             unit="px",
-            description="reprojection error that halves a view's vote for a starting point; raising it "
-            "tolerates a worse calibration",
+            description="error that halves a view's vote for a start; raising it tolerates bad calibration",
         )
         outlier_cutoff: float = Field(
             4.0,
             gt=0,
             unit="sigma",
-            description="reprojection error at which a view keeps a quarter of its weight; raising it "
-            "rejects fewer views",
+            description="error that quarters a view's weight; raising it rejects fewer views",
         )
         recovery_cutoff_scale: float = Field(
             3.0,
             gt=0,
             unit="1",
-            description="factor on the outlier cutoff for a lost target that three views confirm; raising "
-            "it recovers more targets, also false ones",
+            description="factor on the cutoff for a lost target in three views; raising it recovers more",
         )
         color_vote_bonus: float = Field(
             0.5,
             ge=0,
             unit="1",
-            description="extra weight of a colour camera's vote for a starting point, for infrared blobs "
-            "bear no label; raising it helps in crowds",
+            description="extra weight of a colour camera's vote for a start; raising it helps in crowds",
         )
         prior_sigma: float = Field(
             0.15,
             gt=0,
             unit="m",
-            description="standard deviation of the starting point around the forecast; raising it lets "
-            "targets jump",
+            description="sigma of the start around the forecast; raising it lets targets jump",
         )
         forecast_weight: float = Field(
             0.3,
             ge=0,
             unit="1",
-            description="weight of the forecast when views are judged; it does not move the position; "
-            "raising it keeps a wrong forecast longer",
+            description="weight of the forecast in judging views; raising it keeps wrong forecasts longer",
         )
         added_forecast_sigma: float = Field(
             0.004,
             ge=0,
             unit="m",
-            description="standard deviation added to that of the forecast; raising it trusts precise "
-            "forecasts less",
+            description="sigma added to the forecast's; raising it trusts precise forecasts less",
         )
         glow_sigma: float = Field(
             0.02,
             ge=0,
             unit="m",
-            description="standard deviation of the shift towards a plane that a ball's light on it causes "
-            "in colour cameras; raising it trusts them less along the normal",
+            description="sigma of the shift that a ball's light on a plane causes in colour cameras; "
+            "raising it trusts them less along the normal",
         )
         glow_range: float = Field(
             0.35,
             gt=0,
             unit="m",
-            description="clearance from the plane at which this shift vanishes; raising it corrects balls "
-            "farther from planes",
+            description="clearance at which this shift vanishes; raising it corrects farther balls",
         )
         glow_mean: float = Field(
             0.3,
             ge=0,
             unit="sigma",
-            description="mean of this shift in its standard deviations; 0 suits balls that do not glow; "
-            "raising it moves positions away from planes",
+            description="mean of this shift; 0 suits balls that do not glow; raising it corrects more",
         )
         prior_errors: float = Field(
             4.0,
             gt=0,
             unit="1",
-            description="number of errors that the standard deviation counts for in the covariance; raising "
-            "it adapts less to the errors of the frame",
+            description="errors that the sigma counts for; raising it adapts the covariance less",
         )
 
     params: Params

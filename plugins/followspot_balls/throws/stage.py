@@ -34,66 +34,58 @@ class Throws(Stage):
             ge=6,
             le=MEMORY,
             unit="1",
-            description="smallest number of blobs of a track; raising it reports later and rejects more "
-            "false tracks",
+            description="fewest blobs of a track; raising it reports later and rejects more",
         )
         minimum_extent: float = Field(
             40.0,
             gt=0,
             unit="px",
-            description="smallest extent of a path; raising it rejects what trembles, and distant throws",
+            description="smallest extent of a path; raising it rejects tremor and distant throws",
         )
         minimum_sagitta: float = Field(
             4.0,
             gt=0,
             unit="px",
-            description="smallest rise of a path above the line between its ends; raising it reports later "
-            "and rejects what rolls or slides",
+            description="smallest rise above the chord; raising it reports later and rejects rolling balls",
         )
         maximum_residual: float = Field(
             3.0,
             gt=0,
             unit="px",
-            description="largest RMS distance from the image of a parabola; raising it accepts uncalibrated "
-            "lenses, and false tracks",
+            description="largest RMS distance from a parabola's image; raising it tolerates lens distortion",
         )
         gate: float = Field(
             3.5,
             gt=0,
             unit="sigma",
-            description="largest distance of a blob from its path's forecast; raising it tolerates blur and "
-            "confuses neighbours",
+            description="largest distance of a blob from the forecast; raising it tolerates blur",
         )
         blob_sigma: float = Field(
-            1.5, gt=0, unit="px", description="standard deviation of a blob's centre; raising it smooths more"
+            1.5, gt=0, unit="px", description="sigma of a blob's centre; raising it smooths more"
         )
         initial_velocity_sigma: float = Field(
             800.0,
             gt=0,
             unit="px/s",
-            description="standard deviation of a new path's velocity; raising it catches faster throws, and "
-            "false ones",
+            description="sigma of a new path's velocity; raising it catches faster throws",
         )
         initial_acceleration_sigma: float = Field(
             1500.0,
             gt=0,
             unit="px/s^2",
-            description="standard deviation of a new path's acceleration; raising it catches stronger "
-            "curves, and false ones",
+            description="sigma of a new path's acceleration; raising it catches more curved throws",
         )
         jerk_sigma: float = Field(
             600.0,
             gt=0,
             unit="px/s^2",
-            description="standard deviation of the change of acceleration within one second; raising it "
-            "tolerates lens distortion and perspective",
+            description="sigma of the change of acceleration in a second; raising it tolerates perspective",
         )
         maximum_missed_frames: int = Field(
             5,
             ge=0,
             unit="frames",
-            description="successive frames without a blob after which a path is deleted; raising it bridges "
-            "longer gaps",
+            description="frames without a blob until a path is deleted; raising it bridges more",
         )
 
     params: Params

@@ -40,46 +40,41 @@ class Hog(Stage):
             32.0,
             ge=16,
             unit="px",
-            description="height of the smallest upper body; lowering it finds distant people and costs time",
+            description="smallest upper body; lowering it finds distant people and costs time",
         )
         maximum_height: float = Field(
             320.0,
             ge=16,
             unit="px",
-            description="height of the largest upper body; raising it finds closer people and costs time",
+            description="largest upper body; raising it finds close people and costs time",
         )
         scale_step: float = Field(
             1.1,
             ge=1.02,
             le=2,
             unit="1",
-            description="ratio of successive sizes in the search; raising it saves time and finds fewer "
-            "people",
+            description="ratio of successive search sizes; raising it saves time",
         )
         minimum_person_height: float = Field(
             1.2,
             gt=0,
             unit="m",
-            description="height of the shortest person; lowering it finds children, and more false people",
+            description="shortest person; lowering it finds children, and more false people",
         )
         maximum_person_height: float = Field(
-            2.1,
-            gt=0,
-            unit="m",
-            description="height of the tallest person; raising it finds more false people",
+            2.1, gt=0, unit="m", description="tallest person; raising it finds more false people"
         )
         minimum_score: float = Field(
             0.0,
             unit="1",
-            description="smallest score of a box, in log-odds; raising it finds fewer people and fewer "
-            "false ones",
+            description="smallest score (log-odds); raising it finds fewer people, and fewer false ones",
         )
         maximum_proposals: int = Field(
             400,
             ge=1,
             le=5000,
             unit="1",
-            description="number of proposed windows that are judged, best first; raising it costs time",
+            description="windows that are judged, best first; raising it costs time",
         )
         weights: InputPath = Field(SHIPPED, description="weights, as `followspot train hog` makes them")
 

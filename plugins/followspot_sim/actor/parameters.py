@@ -12,19 +12,14 @@ class ActorParams(StageParams):
 
     frames: int = Field(600, ge=0, unit="frames", description="length of the recording; 0: endless")
     fps: float = Field(15.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")
-    seed: int = Field(
-        1,
-        ge=0,
-        unit="1",
-        description="seed of the performance; another seed gives other people, ways and furniture",
-    )
+    seed: int = Field(1, ge=0, unit="1", description="seed of the performance: people, ways and furniture")
     people: int = Field(
         2, ge=0, le=6, unit="1", description="number of people that walk, turn and look around"
     )
     room_size: tuple[float, float, float] = Field(
         (6.4, 6.0, 2.7),
         unit="m",
-        description="width, depth and height of the room, whose origin is the middle of the floor",
+        description="width, depth and height of the room around the origin of the floor",
     )
     walking_area: tuple[float, float, float, float] = Field(
         (-1.8, -1.6, 1.8, 1.6), unit="m", description="part of the floor where people walk: x0, y0, x1, y1"
