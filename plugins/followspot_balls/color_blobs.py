@@ -101,12 +101,6 @@ class ColorBlobs(Stage):
             unit="px",
             description="measured minus true radius of a ball; raising it suits overexposed balls",
         )
-        maximum_area: float = Field(
-            1.5,
-            gt=0,
-            unit="1",
-            description="largest blob area over the template's; raising it accepts merged balls",
-        )
         maximum_expected_area: float = Field(
             1.8,
             gt=0,

@@ -31,7 +31,13 @@ class DetectionParams(SearchParams):
         0.3,
         gt=0,
         unit="1",
-        description="smallest blob area over the template's; lowering it finds partly hidden balls",
+        description="smallest blob area over the template's; raising it rejects more",
+    )
+    maximum_area: float = Field(
+        1.5,
+        gt=0,
+        unit="1",
+        description="largest blob area over the template's; raising it accepts more",
     )
 
 

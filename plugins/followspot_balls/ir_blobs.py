@@ -74,12 +74,6 @@ class IrBlobs(Stage):
             unit="px",
             description="measured minus true radius of a ball; negative if patches are dimmer at the edge",
         )
-        maximum_area: float = Field(
-            1.5,
-            gt=0,
-            unit="1",
-            description="largest blob area over the template's; raising it accepts merged balls",
-        )
 
     params: Params
 

@@ -1,6 +1,6 @@
-"""The way from taps to the page: packets in a private folder, dropped where the page does not take them.
+"""Connections from taps to the page: packets over a socket in a private folder, dropped if the page is busy.
 
-Sequenced packets and no datagrams: of those the kernel holds ten for a receiver, whoever sends them.
+The sockets carry sequenced packets, not datagrams, because the kernel queues only ten datagrams a receiver.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _SEPARATOR = b"\0"
 
 
 class Line:
-    """The sending end, and the gate of those who look. Raises OSError where no page is in the folder."""
+    """The sending end, and the page's gate. Raises OSError if no page is in the folder."""
 
     def __init__(self, folder: Path) -> None:
         self.gate = Gate(folder)
@@ -36,28 +36,28 @@ class Line:
 
     @property
     def watched(self) -> bool:
-        """Whether anybody looks at pictures."""
+        """Whether a browser shows pictures."""
         return self.gate.watched
 
     @property
     def deserted(self) -> bool:
-        """Never: whoever sends learns it."""
+        """Never: :meth:`send` raises instead."""
         return False
 
     def send(self, port: str, message: Message) -> None:
-        """Send a message of a port, or drop it: nobody waits for a page. Raises EOFError when it is gone."""
+        """Send a message of a port, or drop it if the page is busy. Raises EOFError if the page has ended."""
         data = packet(port, message)
         try:
             if len(data) > MAX_PACKET:
                 raise OSError("too large")
             self._socket.send(data)
         except (BrokenPipeError, ConnectionResetError):
-            raise EOFError("the page is gone") from None
+            raise EOFError("the page has ended") from None
         except OSError:
             self.dropped += 1
 
     def close(self) -> None:
-        """Let go of the page."""
+        """Disconnect."""
         self._socket.close()
         self.gate.close()
 
@@ -71,13 +71,13 @@ class PostLine:
 
     @property
     def watched(self) -> bool:
-        """Whether anybody looks."""
+        """Whether a reader is there."""
         self._looked_at |= self._post.wanted
         return self._post.wanted
 
     @property
     def deserted(self) -> bool:
-        """Whether those who looked have gone."""
+        """Whether the last reader has left."""
         return not self.watched and self._looked_at
 
     def send(self, port: str, message: Message) -> None:
@@ -91,21 +91,21 @@ class PostLine:
 
 
 def line_of(context: Context, folder: Path | None) -> Line | PostLine | None:
-    """The line of a tap to those who look on; None where there are none.
+    """The connection of a tap to its reader; None if there is no reader.
 
-    folder: theirs, where they are on this host.
+    folder: of the reader's sockets, if the reader is on this host.
     """
     if folder is None:
         return PostLine(context.post) if context.post is not None else None
     try:
         return Line(folder)
     except OSError as error:
-        context.warn(f"there is nobody to tell in {folder}: {error}")
+        context.warn(f"no reader answers in {folder}: {error}")
         return None
 
 
 def packet(port: str, message: Message) -> bytes:
-    """A message of a port as it travels."""
+    """A packet with a message of a port."""
     return _SEPARATOR.join((port.encode(), type(message).__name__.encode(), pack(message)))
 
 

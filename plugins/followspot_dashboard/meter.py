@@ -1,4 +1,4 @@
-"""How regularly a port sends, measured where it does."""
+"""How regularly a port sends, measured in the worker that sends."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from collections.abc import Callable
 
 import numpy as np
 
-from followspot import Field, InputPath, Message, Stage, StageParams
+from followspot import Field, Message
 from followspot.messages import stamped
-from followspot_dashboard.line import Line, PostLine, line_of
+from followspot_dashboard.observer import Observer
 
 MOST = 4096
-"""Messages that are remembered at most; of a port that sends more in the window, the newest count."""
+"""Largest number of remembered messages; the oldest are dropped if the window has more."""
 
 
 class Rhythm(Message):
     """The messages of a port within a window, and the gaps between them.
 
     count: messages since the meter began; rate: 1/s; mean_ms, jitter_ms (standard deviation), p95_ms,
-    worst_ms: of the gaps; 0 where there are fewer than two messages.
+    worst_ms: of the gaps; 0 if there are fewer than two messages.
     """
 
     count: int
@@ -31,14 +31,10 @@ class Rhythm(Message):
     worst_ms: float
 
 
-class Meter(Stage):
-    """Tell `followspot hz` now and then how regularly a port sends."""
+class Meter(Observer):
+    """Report to `followspot hz` how regularly a port sends."""
 
-    class Params(StageParams):
-        folder: InputPath | None = Field(
-            None, description="folder of the reader's sockets, if the reader is on this host"
-        )
-        port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
+    class Params(Observer.Params):
         window: float = Field(
             5.0,
             gt=0,
@@ -51,25 +47,22 @@ class Meter(Stage):
         )
 
     params: Params
-    tap = True
-    line: Line | PostLine | None = None
     monotonic_ns: Callable[[], int] = staticmethod(time.monotonic_ns)
     """A clock, ns."""
 
     def setup(self) -> None:
-        """Find who reads; without them, nothing is measured."""
-        self.port = self.params.port or self.context.name
+        """Connect to the reader; without one, nothing is measured."""
+        super().setup()
         self.window = int(self.params.window * 1e9)
         self.every = int(self.params.report_interval * 1e9)
         self.count = self.tell_at = 0
         self.times: deque[int] = deque(maxlen=MOST)
-        self.line = line_of(self.context, self.params.folder)
 
     def process(self, message: Message) -> None:
-        """Note when the message came. Raises EOFError when nobody reads any more."""
+        """Note when the message came. Raises EOFError if the reader has left."""
         line = self.line
         if line is not None and line.deserted:
-            raise EOFError("nobody reads any more")
+            raise EOFError("the reader has left")
         if line is None:
             return
         now = self.monotonic_ns()
@@ -84,15 +77,9 @@ class Meter(Stage):
                 self.port, stamped(rhythm(self.count, times[times >= now - self.window]), message.header)
             )
 
-    def close(self) -> None:
-        """Let go of the line."""
-        if self.line is not None:
-            self.line.close()
-        self.line = None
-
 
 def rhythm(count: int, times: np.ndarray) -> Rhythm:
-    """Of messages that came at these times, ns, rising; count: of all messages."""
+    """The rhythm of messages with these ascending arrival times, ns; count: of all messages."""
     if len(times) < 2:
         return Rhythm(count, 0.0, 0.0, 0.0, 0.0, 0.0)
     gaps = np.diff(times) / 1e6

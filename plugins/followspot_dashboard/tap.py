@@ -1,28 +1,25 @@
-"""A look at a port, in the worker of the stage that sends there."""
+"""Previews of a port for the page, made in the worker of the stage that sends."""
 
 from __future__ import annotations
 
 import time
 
-from followspot import Field, InputPath, Message, Stage, StageParams
+from followspot import Field, Message
 from followspot.tracking import Frame
-from followspot_dashboard.line import Line, PostLine, line_of
+from followspot_dashboard.line import Line
+from followspot_dashboard.observer import Observer
 from followspot_dashboard.picture import picture_of
 from followspot_dashboard.turn import GateTurn, GridTurn, Turn
 
 
-class Tap(Stage):
-    """Send previews of a port to those who look on; `followspot run --dashboard` adds one for each port.
+class Tap(Observer):
+    """Send previews of a port to the page; `followspot run --dashboard` adds a tap for each port.
 
-    Pictures are made smaller here, and only while somebody looks. Whatever the page does not take at once is
-    dropped: a tap never waits.
+    The tap shrinks pictures, and only while a browser shows them. It drops what the page does not take at
+    once: a tap never waits.
     """
 
-    class Params(StageParams):
-        folder: InputPath | None = Field(
-            None, description="folder of the page's sockets, if the page is on this host"
-        )
-        port: str = Field("", description="observed port, STAGE.PORT; by default this stage's name")
+    class Params(Observer.Params):
         sets_times: bool = Field(
             False, description="whether this tap chooses the capture times that all taps show; for a source"
         )
@@ -41,25 +38,22 @@ class Tap(Stage):
         )
 
     params: Params
-    tap = True
-    line: Line | PostLine | None = None
 
     def setup(self) -> None:
-        """Find the page; without one, the tap passes everything over."""
+        """Connect to the page; without one, the tap ignores every message."""
+        super().setup()
         given = self.params
-        self.port = given.port or self.context.name
         self.between = int(1e9 / given.message_rate) if given.message_rate else 0
         self.next_at = 0
         period = int(1e9 / given.picture_rate)
-        self.line = line = line_of(self.context, given.folder)
         self.turn: Turn
-        if isinstance(line, Line):
-            self.turn = GateTurn(line.gate, period, leads=given.sets_times)
+        if isinstance(self.line, Line):
+            self.turn = GateTurn(self.line.gate, period, leads=given.sets_times)
         else:
             self.turn = GridTurn(period)
 
     def process(self, message: Message) -> None:
-        """Show the message, or pass it over. Raises EOFError when the page is gone."""
+        """Show or ignore the message. Raises EOFError if the page has ended."""
         line = self.line
         if line is None:
             return
@@ -72,11 +66,5 @@ class Tap(Stage):
             line.send(self.port, picture)
 
     def _between_pictures(self) -> bool:
-        """Whether one more is shown before the next picture."""
+        """Whether one more message is shown before the next picture."""
         return self.between > 0 and time.monotonic_ns() >= self.next_at
-
-    def close(self) -> None:
-        """Let go of the page."""
-        if self.line is not None:
-            self.line.close()
-        self.line = None

@@ -8,7 +8,6 @@ where points fixed to the body would wander into it. Head features turn about th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -72,12 +71,6 @@ def read_shape(path: Path = SHIPPED) -> ShapeModel:
         reason = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         remedy = 'make a file with "followspot shape fit"'
         raise InputError([Mistake(None, f"{path}: no shape model: {reason}", remedy)]) from None
-
-
-@cache
-def shipped_shape() -> ShapeModel:
-    """The model that comes with the plugin."""
-    return read_shape()
 
 
 def shape_of(document: dict[str, Any]) -> ShapeModel:

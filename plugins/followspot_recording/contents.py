@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import struct
 import zlib
 from dataclasses import dataclass
 from typing import IO
@@ -27,7 +26,6 @@ from followspot_recording.records import (
 )
 
 _FOOTER = Span(0, HEAD.size + 20)
-_CHUNK_HEAD = struct.Struct("<QQ")
 _MAX_ITEMS = 1 << 22
 """Most records that one file is read for."""
 

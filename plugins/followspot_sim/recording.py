@@ -7,6 +7,7 @@ import csv
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, TypeVar
 
 import cv2
 import numpy as np
@@ -15,11 +16,13 @@ import pydantic
 from followspot import Array, Camera, FollowspotError, InputError, Room
 from followspot.errors import Mistake
 from followspot.geometry import project
+from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.picture import Picture
 from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import Scene, setting, world_of
 
+P = TypeVar("P", SimParams, ActorParams)
 CLIP_FRAMES = 20
 """Length of a template clip."""
 COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pair")
@@ -38,10 +41,15 @@ def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = N
         raise InputError([Mistake(None, text, "give each `source: {uses: sim.camera, with: ...}`")])
     values = shared[0][1] if shared else {}
     values.update({k: v for k, v in (("frames", frames), ("seed", seed)) if v is not None})
+    for _, own in given:
+        finite(CameraParams, **{**own, **values})
+    return finite(SimParams, **values)
+
+
+def finite(kind: type[P], **values: Any) -> P:
+    """Checked parameters of a room that ends. Raises InputError."""
     try:
-        params = SimParams(**values)
-        for _, own in given:
-            CameraParams(**{**own, **values})
+        params = kind(**values)
     except pydantic.ValidationError as error:
         wrong = [Mistake(None, f"{'.'.join(map(str, e['loc']))}: {e['msg']}", "") for e in error.errors()]
         raise InputError(wrong) from None

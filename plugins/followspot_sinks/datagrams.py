@@ -1,21 +1,23 @@
-"""A socket to send datagrams from, that never makes the graph wait and never ends it."""
+"""Sinks that send UDP datagrams; a slow or broken network neither delays nor ends the graph."""
 
 from __future__ import annotations
 
 import socket
 from collections.abc import Callable
 from ipaddress import IPv4Address
+from typing import Any
 
+from followspot import Field, OutputHost, Stage, StageParams
 from followspot.errors import InputError, Mistake
 
 
 class Datagrams:
-    """Sends to one address; what the network does not take at once is dropped, counted and told once."""
+    """Sends to one address; drops and counts what the network does not take at once, and warns once."""
 
     def __init__(self, host: str, port: int, interface: str, warn: Callable[[str], None]) -> None:
-        """host: name or address of the receiver, or a multicast group, which is sent into `interface` only.
+        """host: of the receiver, or a multicast group; interface: own address to send to a group from.
 
-        Raises InputError where the host is unknown.
+        Raises InputError if the host is unknown.
         """
         self.warn = warn
         self.dropped = 0
@@ -37,7 +39,7 @@ class Datagrams:
         try:
             self.socket.sendto(packet, self.address)
         except ConnectionRefusedError:
-            return  # an earlier one found nobody listening; the receiver may come later
+            return  # no receiver listened to an earlier datagram; one may start later
         except OSError as error:
             self.dropped += 1
             if self.dropped == 1:
@@ -45,7 +47,31 @@ class Datagrams:
                 self.warn(f"the network did not take a packet for {host}:{port}: {error.strerror}")
 
     def close(self) -> None:
-        """Close the socket; tells how many packets were dropped."""
+        """Close the socket, and warn of dropped packets."""
         self.socket.close()
         if self.dropped > 1:
             self.warn(f"{self.dropped} packets for {self.address[0]}:{self.address[1]} were not sent")
+
+
+class DatagramSink(Stage):
+    """Base of the sinks that send datagrams."""
+
+    class Params(StageParams):
+        """The receiver."""
+
+        host: OutputHost = Field("127.0.0.1", description="receiver: name, address or multicast group")
+        port: int = Field(9000, ge=1, le=65535, unit="1", description="UDP port of the receiver")
+        interface: str = Field("127.0.0.1", description="own address to send a multicast group from")
+
+    params: Any
+    network: Datagrams | None = None
+
+    def setup(self) -> None:
+        """Open the socket. Raises InputError if the host is unknown."""
+        p = self.params
+        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
+
+    def close(self) -> None:
+        """Close the socket."""
+        if self.network is not None:
+            self.network.close()

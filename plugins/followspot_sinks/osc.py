@@ -7,41 +7,27 @@ from collections.abc import Iterable
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
-from followspot import Field, OutputHost, Stage, StageParams
+from followspot import Field
 from followspot.people import Poses
 from followspot.tracking import Tracks
-from followspot_sinks.datagrams import Datagrams
-from followspot_sinks.slots import PersonSlots, Slots, with_tracks
+from followspot_sinks.datagrams import DatagramSink
+from followspot_sinks.slots import PersonSlotParams, PersonSlots, Slots, with_tracks
 
 
-class OscSink(Stage):
+class OscSink(DatagramSink):
     """Base of the OSC sinks: a bundle a frame, one address for each group of values, floats only."""
 
-    class Params(StageParams):
-        """Where to send, and under which addresses."""
+    class Params(DatagramSink.Params):
+        """The receiver and the addresses."""
 
-        host: OutputHost = Field("127.0.0.1", description="receiver: name, address or multicast group")
-        port: int = Field(9000, ge=1, le=65535, description="UDP port of the receiver", unit="1")
-        interface: str = Field("127.0.0.1", description="own address to send into, for a multicast group")
         prefix: str = Field("/followspot", pattern=r"^(/[\w.-]+)+$", description="start of every address")
 
     params: Params
-    network: Datagrams | None = None
-
-    def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
-        p = self.params
-        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
 
     def send(self, slots: Slots, heading: bool) -> None:
         """Send one bundle."""
         if self.network is not None:
             self.network.send(bundle(self.params.prefix, slots, heading))
-
-    def close(self) -> None:
-        """Close the socket."""
-        if self.network is not None:
-            self.network.close()
 
 
 class Osc(OscSink):
@@ -52,7 +38,7 @@ class Osc(OscSink):
     """
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
+        """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
         self.slots = Slots.free(len(self.room.targets))
 
@@ -68,16 +54,13 @@ class OscPoses(OscSink):
     As `sinks.osc`, and `/followspot/1/heading` (rad, counter-clockwise from the room's x axis).
     """
 
-    class Params(OscSink.Params):
-        slots: int = Field(8, ge=1, le=256, unit="1", description="largest number of persons shown at a time")
-        hold_time: float = Field(
-            3.0, ge=0, unit="s", description="time for which a slot is kept for a person that is not seen"
-        )
+    class Params(OscSink.Params, PersonSlotParams):
+        """The receiver and the slots."""
 
     params: Params
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
+        """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
         self.persons = PersonSlots(self.params.slots, self.params.hold_time)
 

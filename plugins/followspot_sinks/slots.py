@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from followspot import Field, StageParams
 from followspot.messages import Array
 from followspot.people import Poses
 from followspot.tracking import Tracks
@@ -54,6 +55,15 @@ def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
 def _meant(numbers: Array) -> Array:
     """Rows in which every number is one that can be sent: (N, K) -> (N,) bool."""
     return np.asarray((np.abs(numbers) <= FARTHEST).all(axis=1))  # NaN is not
+
+
+class PersonSlotParams(StageParams):
+    """How persons share slots."""
+
+    slots: int = Field(8, ge=1, le=256, unit="1", description="largest number of persons shown at a time")
+    hold_time: float = Field(
+        3.0, ge=0, unit="s", description="time for which a slot is kept for a person that is not seen"
+    )
 
 
 class PersonSlots:

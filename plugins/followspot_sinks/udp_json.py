@@ -1,36 +1,32 @@
-"""Any message as a datagram of JSON, for programs that speak nothing else."""
+"""Any message as a JSON datagram."""
 
 from __future__ import annotations
 
 import json
 
-from followspot import Field, Message, OutputHost, Stage, StageParams
-from followspot_sinks.datagrams import Datagrams
+from followspot import Field, Message
+from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.json_lines import as_json
 
 MOST_BYTES = 65_507
 """Longest UDP datagram."""
 
 
-class UdpJson(Stage):
+class UdpJson(DatagramSink):
     """Send a JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
 
-    class Params(StageParams):
-        host: OutputHost = Field("127.0.0.1", description="receiver: name, address or multicast group")
-        port: int = Field(9001, ge=1, le=65535, description="UDP port of the receiver", unit="1")
-        interface: str = Field("127.0.0.1", description="own address to send into, for a multicast group")
+    class Params(DatagramSink.Params):
+        port: int = Field(9001, ge=1, le=65535, unit="1", description="UDP port of the receiver")
 
     params: Params
-    network: Datagrams | None = None
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
-        p = self.params
-        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
+        """Open the socket. Raises InputError if the host is unknown."""
+        super().setup()
         self.too_long = False
 
     def process(self, message: Message) -> None:
-        """Send one message; one that does not fit into a datagram is told of once."""
+        """Send one message; warn once of messages that do not fit into a datagram."""
         if self.network is None:
             return
         packet = json.dumps(as_json(message), allow_nan=False, separators=(",", ":")).encode()
@@ -40,8 +36,3 @@ class UdpJson(Stage):
             self.too_long = True
             kind = type(message).__name__
             self.context.warn(f"{kind} of {len(packet)} bytes does not fit into a datagram and is not sent")
-
-    def close(self) -> None:
-        """Close the socket."""
-        if self.network is not None:
-            self.network.close()

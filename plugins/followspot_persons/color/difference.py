@@ -9,7 +9,6 @@ others, each with its uncertainty; without this, a tracker prefers headings that
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -57,12 +56,6 @@ def read_relations(path: Path = SHIPPED) -> ColorRelations:
     return ColorRelations(
         mean, chroma @ chroma.T + np.diag(own[:, 0]), intensity @ intensity.T + np.diag(own[:, 1])
     )
-
-
-@cache
-def shipped_relations() -> ColorRelations:
-    """The relations that come with the plugin."""
-    return read_relations()
 
 
 def completed(model: ColorModel, relations: ColorRelations) -> ColorModel:

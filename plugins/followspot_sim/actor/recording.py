@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pydantic
 
 from followspot import Camera, InputError, Room
 from followspot.errors import Mistake
@@ -16,7 +15,7 @@ from followspot_sim.actor.parameters import ActorParams
 from followspot_sim.actor.picture import ActorPicture
 from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.actor.visibility import Onlooker
-from followspot_sim.recording import open_video
+from followspot_sim.recording import finite, open_video
 
 STAGE = "sim.person_camera"
 COLUMNS = (
@@ -40,14 +39,7 @@ def actor_parameters_of(room: Room, *, frames: int | None = None, seed: int | No
         text = "all cameras of a simulated room with people have one source with the same parameters"
         raise InputError([Mistake(None, text, f"give each `source: {{uses: {STAGE}, with: ...}}`")])
     replaced = {k: v for k, v in (("frames", frames), ("seed", seed)) if v is not None}
-    try:
-        params = ActorParams(**{**given[0][1], **replaced})
-    except pydantic.ValidationError as error:
-        wrong = [Mistake(None, f"{'.'.join(map(str, e['loc']))}: {e['msg']}", "") for e in error.errors()]
-        raise InputError(wrong) from None
-    if params.frames == 0:
-        raise InputError([Mistake(None, "this room never ends", "say how many frames: --frames 600")])
-    return params
+    return finite(ActorParams, **{**given[0][1], **replaced})
 
 
 def record_people(room: Room, params: ActorParams, folder: Path) -> None:

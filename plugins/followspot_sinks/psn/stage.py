@@ -4,26 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Field, OutputHost, Stage, StageParams
+from followspot import Field, OutputHost
 from followspot.messages import Array
 from followspot.people import Poses
 from followspot.tracking import Tracks
-from followspot_sinks.datagrams import Datagrams
+from followspot_sinks.datagrams import DatagramSink
 from followspot_sinks.psn.packets import data_packets, info_packets
-from followspot_sinks.slots import SECOND, PersonSlots, Slots, with_tracks
+from followspot_sinks.slots import SECOND, PersonSlotParams, PersonSlots, Slots, with_tracks
 
 
-class PsnSink(Stage):
+class PsnSink(DatagramSink):
     """Base of the PSN sinks: data packets for every frame, the names once a second of capture time."""
 
-    class Params(StageParams):
-        """Where to send, and how the stage lies in the room."""
+    class Params(DatagramSink.Params):
+        """The receiver, and the axes of the stage in the room."""
 
         host: OutputHost = Field(
             "236.10.10.10", description="receiver; by default the multicast group of the standard"
         )
         port: int = Field(56565, ge=1, le=65535, unit="1", description="UDP port of the receiver")
-        interface: str = Field("127.0.0.1", description="own address in the lighting network")
         system_name: str = Field(
             "followspot", min_length=1, max_length=64, description="name that receivers show"
         )
@@ -34,13 +33,11 @@ class PsnSink(Stage):
         )
 
     params: Params
-    network: Datagrams | None = None
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
-        p = self.params
-        self.axes = axes_matrix(p.axes)
-        self.network = Datagrams(p.host, p.port, p.interface, self.context.warn)
+        """Open the socket. Raises InputError if the host is unknown."""
+        super().setup()
+        self.axes = axes_matrix(self.params.axes)
         self.frame = 0
         self.named_at = -SECOND
 
@@ -56,17 +53,12 @@ class PsnSink(Stage):
             self.network.send(packet)
         self.frame += 1
 
-    def close(self) -> None:
-        """Close the socket."""
-        if self.network is not None:
-            self.network.close()
-
 
 class Psn(PsnSink):
     """Send each target as tracker 1, 2, ... in the order of the room file; status 1: its place is known."""
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
+        """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
         free = Slots.free(len(self.room.targets))
         self.slots = Slots(tuple(self.room.targets), free.known, free.position, free.velocity, free.heading)
@@ -80,16 +72,13 @@ class Psn(PsnSink):
 class PsnPoses(PsnSink):
     """Send each person as a tracker of their own: the head's top, and where they face."""
 
-    class Params(PsnSink.Params):
-        slots: int = Field(8, ge=1, le=256, unit="1", description="largest number of persons shown at a time")
-        hold_time: float = Field(
-            3.0, ge=0, unit="s", description="time for which a slot is kept for a person that is not seen"
-        )
+    class Params(PsnSink.Params, PersonSlotParams):
+        """The receiver and the slots."""
 
     params: Params
 
     def setup(self) -> None:
-        """Open the socket. Raises InputError where the host is unknown."""
+        """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
         self.persons = PersonSlots(self.params.slots, self.params.hold_time)
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from followspot_persons.color.difference import OBSERVATION, ColorRelations, completed, shipped_relations
+from followspot_persons.color.difference import OBSERVATION, ColorRelations, completed, read_relations
 from followspot_persons.color.model import FIRST_VARIANCE, ColorModel, learnt
 from followspot_persons.hsi import from_plane, hsi, plane
 from followspot_persons.identity import same_person
-from followspot_persons.shape import shipped_shape
+from followspot_persons.shape import read_shape
 
 RNG = np.random.default_rng(5)
-NAMES = shipped_shape().names
+NAMES = read_shape().names
 SHIRT = ("chest", "ribs", "belly")
 
 
@@ -73,7 +73,7 @@ def test_the_back_of_a_shirt_is_told_by_its_front_and_less_surely(hue):
     shirt = np.tile([hue, 0.7, 0.4], (len(NAMES), 1))
     for _ in range(10):
         model = learnt(model, shirt, front.astype(float), 30)
-    told = completed(model, shipped_relations())
+    told = completed(model, read_relations())
     apart = np.abs(told.mean[back, 0] - hue)
     assert np.minimum(apart, 1 - apart).max() < 0.06
     assert (told.variance[back, 1] > told.variance[front, 1].max()).all()
@@ -86,7 +86,7 @@ def dressed(hue, intensity=0.4):
 
 
 def test_the_same_clothes_are_one_person_and_others_are_not():
-    relations = shipped_relations()
+    relations = read_relations()
     same = same_person(dressed(0.3), dressed(0.31), (1.75, 1.76), relations)
     other = same_person(dressed(0.3), dressed(0.8), (1.75, 1.76), relations)
     taller = same_person(dressed(0.3), dressed(0.31), (1.75, 1.95), relations)

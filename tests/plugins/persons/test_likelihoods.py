@@ -18,7 +18,7 @@ from followspot_persons.color.likelihood import (
 from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.hog.likelihood import NOTHING, box_likelihood, heading_log_likelihood
-from followspot_persons.shape import shipped_shape, turn
+from followspot_persons.shape import read_shape, turn
 
 RNG = np.random.default_rng(4)
 
@@ -40,14 +40,14 @@ def test_edge_likelihood_is_the_mean_of_gaussians_weighted_by_magnitude():
 
 
 def test_the_shipped_shape_has_the_features_of_the_paper():
-    shape = shipped_shape()
+    shape = read_shape()
     assert len(shape.outline.side) == 19
     assert len(shape.names) == 45
 
 
 def test_visibility_falls_with_the_angle_between_feature_centre_and_camera():
     """Section 3.1: no normals; a feature on the far side is invisible."""
-    shape = shipped_shape()
+    shape = read_shape()
     heading = np.linspace(-np.pi, np.pi, 12)
     seen = turn(shape, heading, heading, np.zeros(12)).visibility
     forward, left = shape.surface.outward.T

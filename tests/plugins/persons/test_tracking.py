@@ -13,7 +13,7 @@ from followspot.people import Appearances, Boxes, Gradients
 from followspot.stage import Context
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.body_view import HEADING, view
-from followspot_persons.color.difference import shipped_relations
+from followspot_persons.color.difference import read_relations
 from followspot_persons.color.model import ColorModel
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.girth import girths_of
@@ -23,7 +23,7 @@ from followspot_persons.identity import same_person
 from followspot_persons.look import Look
 from followspot_persons.occlusion import covered
 from followspot_persons.pose_tracker import PoseTracker
-from followspot_persons.shape import shipped_shape, with_girth
+from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.spawning import farthest, spawned
 from followspot_persons.track import Track
@@ -56,7 +56,7 @@ def empty(camera):
 
 @pytest.mark.parametrize("camera", [perspective(), panorama()])
 def test_a_person_right_behind_another_one_is_hidden_and_one_beside_is_not(camera):
-    shape = shipped_shape()
+    shape = read_shape()
     picture = covered(empty(camera), shape, standing(1.5))
     fitness = Fitness(picture, shape, Weights())
     assert fitness.shown(standing(3.0)) < 0.1
@@ -64,7 +64,7 @@ def test_a_person_right_behind_another_one_is_hidden_and_one_beside_is_not(camer
 
 
 def test_a_person_on_the_seam_of_a_panorama_hides_on_both_sides_of_it():
-    shape, camera = shipped_shape(), panorama()
+    shape, camera = read_shape(), panorama()
     picture = covered(empty(camera), shape, standing(-1.5, 0.0))
     mask = picture.hidden.reshape(260, 1396)
     assert mask[:, 0].any()
@@ -73,7 +73,7 @@ def test_a_person_on_the_seam_of_a_panorama_hides_on_both_sides_of_it():
 
 
 def test_who_is_hidden_is_neither_likely_nor_unlikely():
-    shape, camera = shipped_shape(), perspective()
+    shape, camera = read_shape(), perspective()
     colors = (np.full((45, 3), 0.5, np.float32), np.full((45, 3), 0.01, np.float32))
     alone = Fitness(empty(camera), shape, Weights(), colors=colors)
     behind = replace(alone, picture=covered(alone.picture, shape, standing(1.5)))
@@ -83,7 +83,7 @@ def test_who_is_hidden_is_neither_likely_nor_unlikely():
 
 
 def test_girths_compared_at_once_are_those_of_single_models():
-    shape, camera = shipped_shape(), perspective()
+    shape, camera = read_shape(), perspective()
     pose = np.stack([standing(2.0, 0.1, heading=a) for a in np.linspace(-3, 3, 70)])
     together = view(camera, girths_of(shape), pose)
     single = view(camera, with_girth(shape, 0.78), pose[:7])
@@ -92,7 +92,7 @@ def test_girths_compared_at_once_are_those_of_single_models():
 
 
 def test_a_late_detection_is_moved_and_turned_as_the_person_has_since():
-    camera, shape = perspective(), shipped_shape()
+    camera, shape = perspective(), read_shape()
     then, now = standing(3.0, 0.5, heading=np.pi), standing(3.0, -0.5, heading=np.pi + 0.5)
     seen = view(camera, shape, np.stack([then, now]))
     directions = np.arange(16) * (2 * np.pi / 16)
@@ -132,7 +132,7 @@ def test_who_comes_back_has_the_body_that_was_learnt():
 def test_a_long_lens_sees_people_farther_away():
     short = perspective()
     long = replace(short, matrix=short.matrix * np.array([[3.0, 1, 1], [1, 3, 1], [1, 1, 1]]))
-    shape, none = shipped_shape(), np.zeros(0)
+    shape, none = read_shape(), np.zeros(0)
     for camera, away in ((short, 20.0), (long, 60.0)):
         box = view(camera, shape, standing(away)[None]).box[0]
         rng = np.random.default_rng(1)
@@ -146,7 +146,7 @@ def looks(points, evidence=3.0):
 
 
 def test_a_few_misplaced_features_do_not_make_another_person():
-    relations = shipped_relations()
+    relations = read_relations()
     clothes = relations.mean.copy()
     clothes[21:, 0] += 0.3
     strayed = clothes.copy()
