@@ -9,24 +9,24 @@ import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
-from followspot_balls.life_cycle import Evidence, LifeCycle, aged, believed, sought
-from followspot_balls.motion import Motion, followed, predict, started
+from followspot_balls.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
+from followspot_balls.motion import Motion, followed, initiated, predict
 
 NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
-"""Between frames, s, until two of them were seen."""
+"""Frame interval before the second frame, s."""
 
 
 @dataclass(frozen=True)
 class Outputs:
-    """What the filter gives: the targets now, and where they will be."""
+    """The targets now, and their forecast for the next frame."""
 
     tracks: Tracks
     forecast: Forecast
 
 
 class Kalman(Stage):
-    """Filter each target with a first-order motion model, and keep its life cycle: tracked, missing, lost."""
+    """Filter each target with a first-order motion model; keep its life cycle: tracked, missing, lost."""
 
     class Params(StageParams):
         acceleration_sigma: float = Field(
@@ -114,7 +114,7 @@ class Kalman(Stage):
         p = self.params
         self.advance(positions.header.time)
         status = sought(self.life, p.local_search_frames)
-        life, counted = believed(self.life, status, p.local_search_frames, positions, self.evidence)
+        life, counted = confirmed(self.life, status, p.local_search_frames, positions, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
@@ -123,7 +123,7 @@ class Kalman(Stage):
         new = status.take(target) == LOST
         old = slice(None)
         if new.any():
-            motion = started(motion, target[new], xyz[new], noise[new], p.initial_velocity_sigma)
+            motion = initiated(motion, target[new], xyz[new], noise[new], p.initial_velocity_sigma)
             old = ~new
         self.motion = followed(
             motion, target[old], xyz[old], noise[old], sure[old], self.period, p.bounce_gate
@@ -133,7 +133,7 @@ class Kalman(Stage):
         if positions.predicted.any():
             vague = self.motion.sigma.take(target, axis=0).max(axis=1) > p.maximum_predicted_sigma
             bridged[target] = positions.predicted & ~vague
-        self.life = aged(life, measured, bridged, p.maximum_missed_frames)
+        self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
         self.remember(target, target[new])
         return Outputs(self.tracks(), self.forecast())
 
@@ -144,11 +144,11 @@ class Kalman(Stage):
         self.time = time
 
     def noise(self, covariance: Array) -> Array:
-        """Covariances of measurements, with the constant one where the fusion knows none."""
+        """Covariances of measurements, with the constant one if the fusion gives none."""
         return np.where(np.isfinite(covariance), covariance, self.constant)
 
     def remember(self, target: Array, new: Array) -> None:
-        """Keep the last two estimates of measured targets; let those that were not measured come to rest."""
+        """Store the last two estimates of measured targets, and slow down coasting targets."""
         self.before[target] = self.last.take(target, axis=0)
         self.last[target] = self.motion.xyz.take(target, axis=0)
         self.before[new] = self.last[new]
@@ -161,7 +161,7 @@ class Kalman(Stage):
             self.motion.state[missing, :3], self.motion.state[missing, 3:] = self.last[missing], 0.0
 
     def tracks(self) -> Tracks:
-        """Rows of the targets that were measured in this frame, or at least seen once."""
+        """Rows of the targets that are tracked or predicted."""
         target = ((self.life.status == TRACKED) | (self.life.status == PREDICTED)).nonzero()[0]
         return Tracks(
             target=target.astype(np.int32),
@@ -172,7 +172,7 @@ class Kalman(Stage):
         )
 
     def forecast(self) -> Forecast:
-        """Where the targets will be one period from now; the rows of lost ones are zero."""
+        """The targets one period later; the rows of lost targets are zero."""
         status = sought(self.life, self.params.local_search_frames)
         known = status != LOST
         ahead = predict(self.motion, self.period, self.params.acceleration_sigma)

@@ -1,4 +1,9 @@
-"""When a target is tracked, missing or lost, and what recovers it (Jin & Qian 2008, section 3.8)."""
+"""The life cycle of a target: tentative, confirmed, coasting, deleted (Jin & Qian 2008, section 3.8).
+
+A lost target that shows candidates is tentative. Enough evidence confirms it: its status is TRACKED. Without
+measurements it coasts as MISSING, or as PREDICTED while one view bridges the gap, and is deleted after some
+frames: it is LOST again.
+"""
 
 from __future__ import annotations
 
@@ -13,34 +18,34 @@ from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
 
 @dataclass(frozen=True)
 class Evidence:
-    """What a target that is not tracked must show before its position is believed.
+    """What confirms a tentative target.
 
-    support: candidates that agree in one frame, or two if one of them is evident by itself; or else so many
-    frames that show an evident one, each within reach (m) of the last. One colour-infrared pair may be a
-    coincidence, but hardly again and again.
+    support: number of candidates that agree in one frame; two are enough if one of them is evident.
+    frames: number of frames with an evident candidate, each within `reach` (m) of the one before, that
+    confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are.
     """
 
     support: int
     frames: int
     reach: float
     apart: float
-    """m, less than any two targets can be: what is nearer to another one is that one."""
+    """m; a position that is nearer than this to another target belongs to that target."""
 
 
 class LifeCycle(NamedTuple):
-    """Of T targets."""
+    """The life cycles of T targets."""
 
     status: Array
     """(T,) u8: LOST, TRACKED, MISSING or PREDICTED."""
-    unseen: Array
-    """(T,) frames since the target was last measured: the paper's missing-frame counter."""
-    seen: Array
-    """(T,) frames in which it was measured since it was last lost."""
+    missed: Array
+    """(T,) frames since the last measurement: the paper's missing-frame counter."""
+    hits: Array
+    """(T,) frames with a measurement since the target was last lost."""
     streak: Array
-    """(T,) frames in a row that showed a target which is not tracked yet; one in which a target that roams
-    was sought near its last place does not end the row."""
+    """(T,) successive frames with an evident candidate of a tentative target. A frame in which a roaming
+    target was sought near its last position does not count and does not end the streak."""
     place: Array
-    """(T, 3) m, where the last of them showed it."""
+    """(T, 3) m, the candidate in the last of these frames."""
 
     @classmethod
     def lost(cls, count: int) -> Self:
@@ -50,29 +55,29 @@ class LifeCycle(NamedTuple):
 
 
 def roaming(life: LifeCycle, near: int) -> Array:
-    """Missing targets that may be anywhere, not back at their last place after `near` frames: (T,) bool."""
-    return np.asarray((life.status == MISSING) & (life.unseen > near))
+    """Missing targets that have not reappeared near their last position for `near` frames: (T,) bool."""
+    return np.asarray((life.status == MISSING) & (life.missed > near))
 
 
 def sought(life: LifeCycle, near: int) -> Array:
-    """As what the targets are sought in the next frame: (T,) u8.
+    """The status that decides where the next frame is searched: (T,) u8.
 
-    One that roams is sought as if it were lost in every second frame; near: frames before it does.
+    A roaming target counts as lost in every second frame; near: frames before it roams.
     """
     everywhere = roaming(life, near)
     if not everywhere.any():
         return life.status.copy()
-    everywhere &= (life.unseen - near) % 2 == 1
+    everywhere &= (life.missed - near) % 2 == 1
     return np.where(everywhere, np.uint8(LOST), life.status)
 
 
-def believed(
+def confirmed(
     life: LifeCycle, status: Array, near: int, positions: Positions, evidence: Evidence
 ) -> tuple[LifeCycle, Array]:
-    """Which measurements count: all of tracked targets, of others those with enough evidence.
+    """Which measurements count: those of tracked targets, and those that confirm a tentative target.
 
-    What was sought as lost is recovered by colour-infrared pairs only. status: (T,) as what the targets were
-    `sought`; near: likewise. Returns the life cycle with its streaks moved on, and (M,) bool.
+    Only colour-infrared pairs recover a target that was sought as lost.
+    status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz
     streak = np.where(roaming(life, near) & (status == MISSING), life.streak, 0)
@@ -88,11 +93,11 @@ def believed(
     strong = possible & (agreeing | (row >= evidence.frames))
     place = life.place.copy()
     streak[target], place[target] = row, xyz
-    return LifeCycle(life.status, life.unseen, life.seen, streak, place), known | strong
+    return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong
 
 
 def occupied(xyz: Array, known: Array, apart: float) -> Array:
-    """Which targets that are not known seem to be where another one is, that is known or comes first.
+    """Which tentative targets are at the position of another target that is known or comes first.
 
     xyz: (M, 3) m; known: (M,) bool; apart: m. Returns (M,) bool.
     """
@@ -103,18 +108,19 @@ def occupied(xyz: Array, known: Array, apart: float) -> Array:
     return np.asarray((beside & first).any(axis=1) & ~known)
 
 
-def aged(life: LifeCycle, measured: Array, bridged: Array, patience: int) -> LifeCycle:
-    """One frame later: measured targets are tracked, others missing, and lost after `patience` frames.
+def coasted(life: LifeCycle, measured: Array, bridged: Array, maximum_missed: int) -> LifeCycle:
+    """The life cycle one frame later: measured targets are tracked, others coast or are deleted.
 
-    A target that was seen in fewer frames than that is lost after as many: it may never have been there.
-    measured, bridged: (T,) bool; a bridged target is predicted instead of missing.
+    A target is deleted after `maximum_missed` frames without a measurement, or after as many as it had
+    measurements, because a target with few of them may be false.
+    measured, bridged: (T,) bool; a bridged target is PREDICTED instead of MISSING.
     """
-    seen = life.seen + measured
+    hits = life.hits + measured
     if measured.all():
-        status = np.full(len(seen), TRACKED, np.uint8)
-        return LifeCycle(status, np.zeros(len(seen), int), seen, life.streak, life.place)
-    unseen = np.where(measured, 0, life.unseen + 1)
-    waiting = ~measured & (life.status != LOST) & (unseen <= np.minimum(seen, patience))
-    absent = np.where(waiting, np.where(bridged, PREDICTED, MISSING), LOST)
+        status = np.full(len(hits), TRACKED, np.uint8)
+        return LifeCycle(status, np.zeros(len(hits), int), hits, life.streak, life.place)
+    missed = np.where(measured, 0, life.missed + 1)
+    coasting = ~measured & (life.status != LOST) & (missed <= np.minimum(hits, maximum_missed))
+    absent = np.where(coasting, np.where(bridged, PREDICTED, MISSING), LOST)
     status = np.where(measured, TRACKED, absent).astype(np.uint8)
-    return LifeCycle(status, unseen, seen * (status != LOST), life.streak, life.place)
+    return LifeCycle(status, missed, hits * (status != LOST), life.streak, life.place)

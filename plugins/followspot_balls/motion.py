@@ -37,8 +37,8 @@ class Motion(NamedTuple):
         return np.asarray(np.sqrt(self.covariance.diagonal(axis1=1, axis2=2)[:, :3]))
 
 
-def started(motion: Motion, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
-    """With some targets newly at rest where they were measured.
+def initiated(motion: Motion, target: Array, xyz: Array, noise: Array, speed: float) -> Motion:
+    """The motion with some targets initiated: at rest where they were measured.
 
     target: (M,); xyz: (M, 3) m; noise: (M, 3, 3) m^2; speed: one sigma of the velocity, m/s.
     """

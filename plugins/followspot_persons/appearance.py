@@ -50,14 +50,14 @@ STRANGE = 2.0
 class Acquaintance:
     """A person, known or not yet: number 0 until enough boxes have shown that somebody is there.
 
-    begun, seen: ns, of the first and of the last box; hits, trust: number of the boxes so far, and their
+    initiated, seen: ns, of the first and of the last box; hits, trust: number of the boxes so far, and their
     scores less what missing ones cost; absent: whether the person is away.
     """
 
     number: int
     track: Track
     colors: ColorModel
-    begun: int
+    initiated: int
     seen: int
     hits: int
     trust: float
@@ -138,9 +138,11 @@ class Appearance(Stage):
         missed = set(range(len(present))) - {person for person, _ in pairs}
         kept = [p for i, p in enumerate(present) if i not in missed]
         kept += [p for i in sorted(missed) if (p := self.missed(present[i], seconds, now))]
-        kept += [self.begun(detections[i], float(boxes.score[i]), now) for i in self.unclaimed(boxes, pairs)]
-        gone = [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= self.params.memory_time]
-        self.people = self.recognised(kept + gone)
+        new = self.unclaimed(boxes, pairs)
+        kept += [self.initiated(detections[i], float(boxes.score[i]), now) for i in new]
+        memory = self.params.memory_time
+        kept += [p for p in self.people if p.absent and (now - p.seen) * NANOSECOND <= memory]
+        self.people = self.recognised(kept)
         return self.appearances(frame.camera)
 
     def distance(self, person: Acquaintance) -> float:
@@ -221,19 +223,19 @@ class Appearance(Stage):
         absent = trust <= 0 or (now - person.seen) * NANOSECOND > self.params.maximum_missed_time
         return replace(person, track=coasted(person.track, seconds), trust=trust, absent=absent)
 
-    def begun(self, detection: Detection, score: float, now: int) -> Acquaintance:
+    def initiated(self, detection: Detection, score: float, now: int) -> Acquaintance:
         """Somebody whom one box has shown."""
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
         return Acquaintance(
-            0, Track.begun(particles), ColorModel.unseen(len(self.shape.names)), now, now, 1, score
+            0, Track.initiated(particles), ColorModel.unseen(len(self.shape.names)), now, now, 1, score
         )
 
     def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:
         """Everybody, newcomers with the number of one who was lost and looks the same, or with a new one."""
-        newcomers = [p for p in people if self.convincing(p)]
-        others = [p for p in people if not self.convincing(p)]
+        newcomers = [p for p in people if self.confirmed(p)]
+        others = [p for p in people if not self.confirmed(p)]
         for newcomer in newcomers:
-            lost = [p for p in others if p.number and p.seen < newcomer.begun]
+            lost = [p for p in others if p.number and p.seen < newcomer.initiated]
             likeness = [self.likeness(newcomer, p) for p in lost]
             if likeness and max(likeness) >= self.params.minimum_likeness:
                 known = lost[int(np.argmax(likeness))]
@@ -245,7 +247,7 @@ class Appearance(Stage):
                 others.append(replace(newcomer, number=self.numbers))
         return others
 
-    def convincing(self, person: Acquaintance) -> bool:
+    def confirmed(self, person: Acquaintance) -> bool:
         """Whether a newcomer is a person."""
         unusual = 0.5 * ((person.track.stature - STATURE) / UNUSUAL) ** 2
         return (

@@ -81,7 +81,7 @@ class Fusion(Stage):
 
     def setup(self) -> None:
         self.people: list[Fused] = []
-        self.gone: list[Fused] = []
+        self.deleted: list[Fused] = []
         self.numbers = 0
         self.time = -1
 
@@ -97,8 +97,8 @@ class Fusion(Stage):
         self.people = [
             self.moved(person, seen, groups[i], seconds, now) for i, person in enumerate(self.people)
         ]
-        self.people += [self.begun(seen, rows, now) for rows in self.grouped(seen, free)]
-        self.forget(now)
+        self.people += [self.initiated(seen, rows, now) for rows in self.grouped(seen, free)]
+        self.delete_missed(now)
         return self.fused()
 
     def assigned(self, seen: Sightings, seconds: float) -> tuple[list[list[int]], list[int]]:
@@ -155,20 +155,20 @@ class Fusion(Stage):
         confidence = float(seen.confidence[rows].max())
         return Fused(person.number, pose, sigma, velocity, confidence, now, person.hits + 1, members)
 
-    def begun(self, seen: Sightings, rows: list[int], now: int) -> Fused:
+    def initiated(self, seen: Sightings, rows: list[int], now: int) -> Fused:
         """Somebody whom no one knew, or one who was gone and whom a camera knows again."""
         pose, sigma = blended(seen, rows, None)
         members = {seen.names[i]: int(seen.person[i]) for i in rows}
         confidence = float(seen.confidence[rows].max())
-        for old in self.gone:
+        for old in self.deleted:
             if members.items() & old.members.items():
-                self.gone.remove(old)
+                self.deleted.remove(old)
                 return Fused(
                     old.number, pose, sigma, np.zeros(2), confidence, now, old.hits, old.members | members
                 )
         return Fused(0, pose, sigma, np.zeros(2), confidence, now, 1, members)
 
-    def forget(self, now: int) -> None:
+    def delete_missed(self, now: int) -> None:
         """Give numbers to the confirmed; let go who was not seen for long."""
         people = []
         for person in self.people:
@@ -179,9 +179,9 @@ class Fusion(Stage):
             if age <= self.params.maximum_missed_time:
                 people.append(person)
             elif person.number:
-                self.gone.append(person)
+                self.deleted.append(person)
         self.people = people
-        self.gone = [p for p in self.gone if (now - p.seen) * NANOSECOND <= self.params.memory_time]
+        self.deleted = [p for p in self.deleted if (now - p.seen) * NANOSECOND <= self.params.memory_time]
 
     def fused(self) -> Poses:
         """Everybody who has a number."""

@@ -127,7 +127,7 @@ class PoseTracker(Stage):
             return self.poses(frame.camera)
         self.listen(people, now)
         if seconds > self.params.maximum_missed_time:
-            self.forget(people, now)
+            self.delete_missed(people, now)
         picture = pictured(self.camera, frame, gradients)
         told = self.detections(boxes, now, seconds)
         row = {number: i for i, number in enumerate(people.person.tolist())}
@@ -135,7 +135,7 @@ class PoseTracker(Stage):
             i = row[number]
             colors = (people.mean[i].astype(np.float32), people.variance[i].astype(np.float32))
             picture = self.follow(number, picture, colors, told.get(number), seconds, now)
-        self.forget(people, now)
+        self.delete_missed(people, now)
         return self.poses(frame.camera)
 
     def nearest_first(self, known: Collection[int]) -> list[int]:
@@ -153,7 +153,7 @@ class PoseTracker(Stage):
             self.heard[number] = Hearing(seen, pose)
             known = self.people.get(number)
             if known is None:
-                self.people[number] = Followed(number, self.begun(number, before, now), now, seen)
+                self.people[number] = Followed(number, self.initiated(number, before, now), now, seen)
                 continue
             track = known.track
             then = known.trail.at(seen)
@@ -163,13 +163,13 @@ class PoseTracker(Stage):
             stature = track.stature + HEEDING * (float(pose[HEIGHT]) - track.stature)
             self.people[number] = replace(known, track=replace(track, particles=particles, stature=stature))
 
-    def begun(self, number: int, before: Hearing | None, now: int) -> Track:
+    def initiated(self, number: int, before: Hearing | None, now: int) -> Track:
         """The track of somebody whom the slow instance has just told of, not for the first time perhaps."""
         hearing = self.heard[number]
         age = (now - hearing.time) * NANOSECOND
         places = self.strewn(hearing.forecast(before, age), self.params.particles, age)
         past = self.known.get(number)
-        return past.resumed(places) if past else Track.begun(places)
+        return past.resumed(places) if past else Track.initiated(places)
 
     def strewn(self, pose: Array, count: int, age: float = 0.0) -> Array:
         """Particles about a pose `age` seconds old, (count, 6); some turned, for headings err easily."""
@@ -230,7 +230,7 @@ class PoseTracker(Stage):
             return picture
         return covered(picture, with_girth(self.shape, track.girth.mean), track.pose)
 
-    def forget(self, people: Appearances, now: int) -> None:
+    def delete_missed(self, people: Appearances, now: int) -> None:
         """Stop following who does not appear any more."""
         known = set(people.person.tolist())
         for number, person in list(self.people.items()):

@@ -64,7 +64,7 @@ class Track:
     shown: float = 1.0
 
     @classmethod
-    def begun(cls, particles: Array) -> Track:
+    def initiated(cls, particles: Array) -> Track:
         """A person of whom only these places are known."""
         pose = particles.mean(axis=0)
         return cls(particles, pose, particles.std(axis=0), np.zeros(2), float(pose[HEIGHT]))
@@ -72,7 +72,7 @@ class Track:
     def resumed(self, particles: Array) -> Track:
         """The same person after an absence, at one of these places: the body is still known."""
         return replace(
-            Track.begun(particles),
+            Track.initiated(particles),
             stature=self.stature,
             girth=self.girth,
             weight=self.weight,

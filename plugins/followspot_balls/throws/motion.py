@@ -17,9 +17,9 @@ class Paths(NamedTuple):
     """Open paths, one row each."""
 
     number: Array
-    """(K,) never given twice."""
+    """(K,) never used twice."""
     target: Array
-    """(K,) which target the blobs belong to."""
+    """(K,) target of the blobs."""
     state: Array
     """(K, 3, 2) position px, velocity px/s, acceleration px/s^2."""
     covariance: Array
@@ -28,16 +28,16 @@ class Paths(NamedTuple):
     """(K,) frames since the last blob."""
 
     def take(self, rows: Array) -> Self:
-        """Some of the paths: a mask (K,) or row numbers."""
+        """The paths that a mask (K,) or row numbers select."""
         return type(self)(*(column[rows] for column in self))
 
     def and_also(self, others: Paths) -> Self:
-        """These paths, then the others."""
+        """These paths followed by the others."""
         return type(self)(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
 
 
-def born(first: int, target: Array, xy: Array, sigma: tuple[float, float, float]) -> Paths:
-    """Paths of one blob each, at rest for all one knows.
+def initiated(first: int, target: Array, xy: Array, sigma: tuple[float, float, float]) -> Paths:
+    """New paths of one blob each, initially at rest.
 
     first: number of the first path; target: (N,); xy: (N, 2) px; sigma: of position px, velocity px/s and
     acceleration px/s^2.
@@ -50,7 +50,7 @@ def born(first: int, target: Array, xy: Array, sigma: tuple[float, float, float]
 
 
 def predicted(paths: Paths, period: float, jerk: float) -> Paths:
-    """The paths a period (s) later, with white jerk of density jerk^2 (px/s^2 after one second)."""
+    """The paths after a period (s) of white jerk with density jerk^2 (px/s^2 after one second)."""
     t = period
     F = np.array([[1, t, t**2 / 2], [0, 1, t], [0, 0, 1]])
     Q = np.array([[t**5 / 20, t**4 / 8, t**3 / 6], [t**4 / 8, t**3 / 3, t**2 / 2], [t**3 / 6, t**2 / 2, t]])
@@ -79,7 +79,7 @@ def assigned(paths: Paths, target: Array, xy: Array, noise: float, gate: float) 
 
 
 def updated(paths: Paths, rows: Array, xy: Array, noise: float) -> Paths:
-    """The paths after some of them were seen: rows (M,) at xy (M, 2) px with sigma noise, px."""
+    """The paths updated by blobs: rows (M,) measured at xy (M, 2) px; noise: sigma of a blob, px."""
     covariance = paths.covariance[rows]
     gain = covariance[:, :, 0] / (covariance[:, :1, 0] + noise**2)
     innovation = xy - paths.state[rows, 0]

@@ -8,14 +8,14 @@ import numpy as np
 
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import Blobs, ImageTracks
-from followspot_balls.throws.motion import Paths, assigned, born, predicted, updated
+from followspot_balls.throws.motion import Paths, assigned, initiated, predicted, updated
 from followspot_balls.throws.parabola import bend, residual
 
 MEMORY = 240
 """Blobs of a path that its shape is judged by: two seconds of a fast camera, longer than a throw."""
 CLEAR = 5.0
 """Least rise of a path over its residual: scatter that happens to bend is no throw."""
-NO_PATHS = born(0, np.empty(0, int), np.empty((0, 2)), (0.0, 0.0, 0.0))
+NO_PATHS = initiated(0, np.empty(0, int), np.empty((0, 2)), (0.0, 0.0, 0.0))
 
 
 class Throws(Stage):
@@ -94,7 +94,7 @@ class Throws(Stage):
         self.paths = NO_PATHS
         self.points: dict[int, deque[tuple[float, float, float]]] = {}
         self.time = 0.0
-        self.births = 0
+        self.initiated_paths = 0
         self.largest = np.array(self.camera.size) - 1.0
 
     def process(self, blobs: Blobs) -> ImageTracks:
@@ -130,18 +130,18 @@ class Throws(Stage):
         sigma = (p.blob_sigma, p.initial_velocity_sigma, p.initial_acceleration_sigma)
         blob = np.concatenate([blob, fresh])
         path = np.concatenate([path, len(paths.number) + np.arange(len(fresh))])
-        paths = paths.and_also(born(self.births, target[fresh], xy[fresh], sigma))
-        self.births += len(fresh)
+        paths = paths.and_also(initiated(self.initiated_paths, target[fresh], xy[fresh], sigma))
+        self.initiated_paths += len(fresh)
         self.remember(time, paths.number[path], xy[blob])
-        return self.kept(paths, path), blob
+        return self.without_deleted(paths, path), blob
 
     def remember(self, time: float, number: Array, xy: Array) -> None:
         """Add a place (px) at a time (s) to each of some paths."""
         for key, (u, v) in zip(number.tolist(), xy.tolist(), strict=True):
             self.points.setdefault(key, deque(maxlen=MEMORY)).append((time, u, v))
 
-    def kept(self, paths: Paths, seen: Array) -> Array:
-        """Forget paths that were missed too long; the rows that were seen, as they are numbered then."""
+    def without_deleted(self, paths: Paths, seen: Array) -> Array:
+        """Delete paths that were missed too long; returns the new row numbers of the rows `seen`."""
         keep = paths.missed <= self.params.maximum_missed_frames
         for number in paths.number[~keep].tolist():
             del self.points[number]

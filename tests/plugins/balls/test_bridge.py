@@ -79,7 +79,7 @@ def test_a_position_that_no_pair_supports_gives_way_to_a_view_at_the_forecast() 
 @pytest.mark.parametrize(
     ("jump", "evident", "kept"), [(0.02, False, True), (0.2, False, False), (0.2, True, True)]
 )
-def test_a_lone_pair_far_from_the_forecast_is_believed_only_if_it_is_evident(
+def test_a_single_pair_far_from_the_forecast_counts_only_if_it_is_evident(
     jump: float, evident: bool, kept: bool
 ) -> None:
     place = (PLACE[0], PLACE[1] + jump, PLACE[2])

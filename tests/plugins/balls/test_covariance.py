@@ -15,7 +15,7 @@ from followspot.messages import Array, stamped
 from followspot.stage import Context
 from followspot.tracking import LOST
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, followed, predict, started, update
+from followspot_balls.motion import Motion, followed, initiated, predict, update
 
 RATES = (0.2, 1.0, 5.0, 12.5, 30.0, 60.0, 120.0, 240.0)
 """Frames per second."""
@@ -44,7 +44,7 @@ def is_covariance(covariance: Array) -> bool:
 def test_the_covariance_of_a_long_run_is_one(rate: float, seed: int) -> None:
     """Sharp and vague measurements along any axis, bounces, gaps of any length."""
     rng, everybody = np.random.default_rng(seed), np.arange(4)
-    motion = started(Motion.zero(4), everybody, np.zeros((4, 3)), noises(rng, 4, 1e-3, 1e-2), SPEED)
+    motion = initiated(Motion.zero(4), everybody, np.zeros((4, 3)), noises(rng, 4, 1e-3, 1e-2), SPEED)
     for _ in range(400):
         motion = predict(motion, rng.choice([1, 1, 1, 2, 40]) / rate, ACCELERATION)
         seen = np.flatnonzero(rng.random(4) > 0.3)
@@ -61,7 +61,7 @@ def test_what_a_thousand_updates_leave_is_what_exact_arithmetic_gives() -> None:
     seconds, acceleration = Fraction(1, rate), Fraction(12)
     a, b, c = noise, Fraction(0), Fraction(9)  # variance of the place, covariance, variance of the velocity
     one = np.array([0])
-    motion = started(Motion.zero(1), one, np.zeros((1, 3)), np.eye(3)[None] * float(noise), SPEED)
+    motion = initiated(Motion.zero(1), one, np.zeros((1, 3)), np.eye(3)[None] * float(noise), SPEED)
     for step in range(1000):
         a, b = a + 2 * seconds * b + seconds**2 * c, b + seconds * c
         a, b = a + acceleration**2 * seconds**4 / 4, b + acceleration**2 * seconds**3 / 2

@@ -9,7 +9,7 @@ from tests.plugins.balls.scene import make_room, positions_at
 from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
 from followspot_balls.kalman import Kalman, Outputs
-from followspot_balls.motion import Motion, predict, started, update
+from followspot_balls.motion import Motion, initiated, predict, update
 
 FPS = 30
 HERE, THERE = (0.0, 0.0, 1.0), (2.0, 0.0, 1.0)
@@ -107,7 +107,7 @@ def test_a_lost_target_is_recovered_only_by_a_color_infrared_pair() -> None:
     assert len(watch(stage, 1, first=20)[0].tracks.target) == 1
 
 
-def test_a_single_pair_is_believed_after_frames_in_a_row() -> None:
+def test_a_single_pair_is_confirmed_by_frames_in_a_row() -> None:
     shown = [len(o.tracks.target) for o in watch(kalman(confirmation_frames=4), 6, support=1)]
     assert shown == [0, 0, 0, 1, 1, 1]
 
@@ -119,12 +119,12 @@ def test_frames_that_show_it_less_evidently_keep_the_count() -> None:
     assert len(watch(stage, 1, first=4, support=1)[0].tracks.target) == 1
 
 
-def test_a_pair_that_is_not_evident_is_not_believed_alone() -> None:
+def test_a_pair_that_is_not_evident_is_not_confirmed_alone() -> None:
     assert all(len(o.tracks.target) == 0 for o in watch(kalman(), 10, support=1, evident=False))
     assert all(len(o.tracks.target) == 0 for o in watch(kalman(), 10, support=2, evident=False))
 
 
-def test_pairs_that_agree_are_believed_at_once() -> None:
+def test_pairs_that_agree_are_confirmed_at_once() -> None:
     assert len(watch(kalman(), 1, support=3, evident=False)[0].tracks.target) == 1
     assert len(watch(kalman(), 1, support=2)[0].tracks.target) == 1
 
@@ -192,7 +192,7 @@ def test_a_missing_target_comes_to_rest_near_its_last_place() -> None:
 
 
 def test_prediction_and_update_follow_the_equations() -> None:
-    motion = started(Motion.zero(1), np.array([0]), np.array([[1.0, 2.0, 3.0]]), np.eye(3)[None] * 4.0, 1.0)
+    motion = initiated(Motion.zero(1), np.array([0]), np.array([[1.0, 2.0, 3.0]]), np.eye(3)[None] * 4.0, 1.0)
     ahead = predict(motion, 0.5, 2.0)
     # P = 4 + 0.5^2 * 1 + (0.5^2 / 2)^2 * 2^2 = 4.3125; P_v = 1 + 0.5^2 * 4 = 2; P_xv = 0.5 + 0.125 * 0.5 * 4
     assert ahead.covariance[0, 0, 0] == pytest.approx(4.3125)

@@ -11,7 +11,7 @@ from tests.plugins.balls.scene import make_room, positions_at
 from followspot.messages import Array
 from followspot.stage import Context
 from followspot_balls.kalman import Kalman
-from followspot_balls.motion import Motion, jump, manoeuvred, predict, started, update
+from followspot_balls.motion import Motion, initiated, jump, manoeuvred, predict, update
 
 T = 0.04
 NOISE = np.eye(3) * 0.008**2
@@ -19,7 +19,7 @@ NOISE = np.eye(3) * 0.008**2
 
 def flying() -> Motion:
     """Two targets at 2 m/s along x that were measured well, predicted to x = 0."""
-    motion = started(Motion.zero(2), np.array([0, 1]), np.zeros((2, 3)), np.stack([NOISE] * 2), 0.5)
+    motion = initiated(Motion.zero(2), np.array([0, 1]), np.zeros((2, 3)), np.stack([NOISE] * 2), 0.5)
     motion.state[:, 0], motion.state[:, 3] = -2.0 * T, 2.0
     return predict(motion, T, 12.0)
 

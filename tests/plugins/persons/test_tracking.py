@@ -123,7 +123,7 @@ def test_two_hearings_tell_where_a_walker_is_by_now():
 
 
 def test_who_comes_back_has_the_body_that_was_learnt():
-    track = replace(Track.begun(standing(2.0)[None]), stature=1.85, weight=40.0, typical=0.6)
+    track = replace(Track.initiated(standing(2.0)[None]), stature=1.85, weight=40.0, typical=0.6)
     back = track.resumed(standing(3.0, height=1.7)[None])
     assert (back.stature, back.weight, back.typical) == (1.85, 40.0, 0.6)
     assert back.pose[0] == 3.0
