@@ -34,6 +34,7 @@ from followspot.geometry import IDENTITY
 from followspot.graph.compile import compile_graph
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_file import load, save
+from followspot.tables import table
 
 ROOT = Path(__file__).parent.parent
 CAMERAS, TARGETS = (2, 4, 6, 12, 24), (1, 3, 6, 12, 24)
@@ -191,14 +192,15 @@ def target(name: str, color: Sequence[int], cameras: dict[str, Camera], base: Ro
 def text(rows: Sequence[Row]) -> str:
     """The table, and what the stages take of it."""
     names = list(rows[0].stages_ms) if rows else []
-    head = f"{'cameras':>7}{'targets':>9}{'size':>12}{'tracked, ms':>13}{'searching, ms':>15}{'found':>7}"
-    lines = [head + "".join(f"{name:>13}" for name in names)]
-    for row in rows:
-        size = "{}x{}".format(*row.case.size)
-        cells = f"{row.case.cameras:>7}{row.case.targets:>9}{size:>12}{row.tracked_ms:>13.2f}"
-        cells += f"{row.searching_ms:>15.2f}{row.targets_tracked:>7.1f}"
-        lines.append(cells + "".join(f"{row.stages_ms[name]:>13.2f}" for name in names))
-    return "\n".join(lines)
+    cells = [
+        (
+            *(str(row.case.cameras), str(row.case.targets), "{}x{}".format(*row.case.size)),
+            *(f"{row.tracked_ms:.2f}", f"{row.searching_ms:.2f}", f"{row.targets_tracked:.1f}"),
+            *(f"{row.stages_ms[name]:.2f}" for name in names),
+        )
+        for row in rows
+    ]
+    return table(("cameras", "targets", "size", "tracked, ms", "searching, ms", "found", *names), cells)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from followspot.messages import Array, Header, Message, seal, stamped
+from followspot.tables import table
 from followspot.tracking import Frame
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.ring.reader import RingReader
@@ -62,7 +63,7 @@ def main() -> None:
         for size in SIZES
         for edge in EDGES
     ]
-    print(json.dumps(report(results), indent=2) if options.json else table(results))
+    print(json.dumps(report(results), indent=2) if options.json else text(results))
 
 
 def arguments() -> argparse.Namespace:
@@ -183,18 +184,21 @@ def slower(result: Result, results: list[Result]) -> dict[str, float]:
     return {"p50": result.p50_ms / best.p50_ms, "per_frame": best.per_second / result.per_second}
 
 
-def table(results: list[Result]) -> str:
+def text(results: list[Result]) -> str:
     """The results for people."""
-    lines = [
-        f"{'frame':<11}{'edge':<16}{'p50 ms':>8}{'p99 ms':>8}{'frames/s':>10}{'slower p50':>12}{'flooded':>9}"
-    ]
-    for result in results:
-        ratio = slower(result, results)
-        lines.append(
-            f"{result.size:<11}{result.edge:<16}{result.p50_ms:>8.3f}{result.p99_ms:>8.3f}{result.per_second:>10.0f}"
-            f"{ratio['p50']:>11.1f}x{ratio['per_frame']:>8.1f}x"
+    rows = [
+        (
+            *(
+                f"{found.size} {found.edge}",
+                f"{found.p50_ms:.3f}",
+                f"{found.p99_ms:.3f}",
+                f"{found.per_second:.0f}",
+            ),
+            *(f"{ratio:.1f}x" for ratio in slower(found, results).values()),
         )
-    return "\n".join(lines)
+        for found in results
+    ]
+    return table(("frame and edge", "p50 ms", "p99 ms", "frames/s", "slower p50", "flooded"), rows)
 
 
 if __name__ == "__main__":

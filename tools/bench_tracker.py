@@ -22,7 +22,7 @@ import json
 import statistics
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -36,6 +36,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.launch import run_plan
 from followspot.plugins.registry import use_plugin_files
+from followspot.tables import table
 from followspot.worker.wiring import RunOptions
 
 ROOT = Path(__file__).parent.parent
@@ -49,6 +50,7 @@ from pathlib import Path
 
 from followspot import Field, Source, Stage, StageParams, at
 from followspot.plugins.registry import load_stage
+from followspot.tables import table
 from followspot.tracking import Frame
 
 
@@ -176,21 +178,24 @@ def _summary(costs: Sequence[Cost], plain: Sequence[float]) -> dict[str, Any]:
 
 def _text(result: Mapping[str, Any]) -> str:
     """The tables as text."""
-    lines = [f"{'':<12}{'graph':>10}{'fastest':>10}{'plain script':>14}{'ratio':>8}   targets tracked"]
-    for side in SIDES:
-        r = result[side]
-        rates = f"{r['sets_per_second']:>10.0f}{r['fastest_sets_per_second']:>10.0f}"
-        rates += f"{r['plain_sets_per_second']:>14.0f}{r['ratio']:>8.2f}"
-        lines.append(f"{side:<12}{rates}   {r['targets_tracked']:.1f}")
-    if "processes" in result:
+    rates = ("sets_per_second", "fastest_sets_per_second", "plain_sets_per_second")
+    rows = [
+        (side, *(f"{r[key]:.0f}" for key in rates), f"{r['ratio']:.2f}", f"{r['targets_tracked']:.1f}")
+        for side, r in ((side, result[side]) for side in SIDES)
+    ]
+    if "processes" in result:  # tracked, in wall-clock time
         r = result["processes"]
-        rates = f"{r['sets_per_second']:>10.0f}{'':>24}{r['ratio']:>8.2f}"
-        lines.append(f"{'processes':<12}{rates}   tracked, by the clock of the wall")
-    lines += ["", f"{'stage':<14}" + "".join(f"{side + ', ms':>16}{'share':>8}" for side in SIDES)]
-    for name in result[SIDES[0]]["ms"]:
-        cells = ((result[side]["ms"][name], result[side]["ms"]["total"]) for side in SIDES)
-        lines.append(f"{name:<14}" + "".join(f"{ms:>16.3f}{ms / total:>8.0%}" for ms, total in cells))
-    return "\n".join(lines)
+        rows.append(("processes", f"{r['sets_per_second']:.0f}", "", "", f"{r['ratio']:.2f}", ""))
+    stages = [[name, *_shares(result, name)] for name in result[SIDES[0]]["ms"]]
+    heads = [text for side in SIDES for text in (f"{side}, ms", "share")]
+    sides = table(("sets/s", "graph", "fastest", "plain script", "ratio", "targets tracked"), rows)
+    return f"{sides}\n\n{table(('stage', *heads), stages)}"
+
+
+def _shares(result: Mapping[str, Any], stage: str) -> Iterator[str]:
+    for ms in (result[side]["ms"] for side in SIDES):
+        yield f"{ms[stage]:.3f}"
+        yield f"{ms[stage] / ms['total']:.0%}"
 
 
 if __name__ == "__main__":

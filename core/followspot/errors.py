@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 
 from followspot.files import DOCUMENT, read_text
 
@@ -105,6 +107,11 @@ class InputError(FollowspotError):
         super().__init__(mistakes)
         self.mistakes = tuple(mistakes)
 
+    @classmethod
+    def of(cls, text: str, remedy: str | Guess = "") -> InputError:
+        """One mistake that has no place in a file."""
+        return cls([Mistake(None, text, remedy)])
+
     def __str__(self) -> str:
         lines_of = lru_cache(maxsize=1)(_lines)  # mistakes stand together by file
         parts = [mistake.render(lines_of) for mistake in self.mistakes[:MOST_SHOWN]]
@@ -112,6 +119,15 @@ class InputError(FollowspotError):
         if more > 0:
             parts.append(f"and {more} more, which are shown when these are mended")
         return "\n".join(parts)
+
+
+@contextmanager
+def writing(path: Path | None = None) -> Iterator[None]:
+    """Raise FollowspotError for an OSError of the block; path: named if the OSError names no file."""
+    try:
+        yield
+    except OSError as error:
+        raise FollowspotError(f"{error.filename or path} cannot be written: {error.strerror}") from None
 
 
 def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:

@@ -191,7 +191,7 @@ def test_ratio_compares_means_over_all_rooms_with_those_of_the_first_variant() -
 def test_without_matplotlib_the_tables_remain_and_it_says_how_to_get_plots(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_svg", None)
+    monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     assert draw(Comparison((trial("plain", "hall", red=figures()),)), tmp_path) == MISSING
     assert 'pip install "followspot[plots]"' in MISSING
     assert not list(tmp_path.iterdir())

@@ -142,7 +142,7 @@ def test_what_would_be_accepted_is_what_the_detector_accepts(template: str) -> N
 def test_sizes_and_hues_are_those_that_the_detector_takes_by_default() -> None:
     default = ColorBlobs.Params()
     ours = SIMILARITY, HUE_SHARE, SMALLEST, LARGEST
-    assert ours == (default.similarity, default.hue_share, default.smallest, default.largest)
+    assert ours == (default.similarity, default.minimum_hue_share, default.minimum_area, default.maximum_area)
     hues = np.eye(16)[3]
     sizes = np.array([0.29, 0.31, 2.98, 3.02]) * 100
     assert accepted_share(ColorSpots(np.tile(hues, (4, 1)), sizes), hues, (100.0, 200.0)) == 0.5

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from followspot import Camera, Context
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_cameras.images import Images
 from followspot_cameras.video import Video
@@ -19,8 +19,7 @@ def folders_of(folder: Path, noun: str) -> list[Path]:
     """The folders of the things shown, in the order of their names. Raises InputError if there is none."""
     found = sorted(p for p in folder.iterdir() if p.is_dir()) if folder.is_dir() else []
     if not found:
-        text = f"{folder} has no folder per {noun}"
-        raise InputError([Mistake(None, text, f"needs {folder}/<{noun}>/<camera>.mkv")])
+        raise InputError.of(f"{folder} has no folder per {noun}", f"needs {folder}/<{noun}>/<camera>.mkv")
     return found
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.accuracy.rows import read_rows
 from followspot.cli.progress import ProgressBar
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.library.execute import TRACKS, OnProgress, RunOptions, run_plan
@@ -62,7 +62,7 @@ def tracking_plan(
     found = detectors(plan)
     if not found:
         text = f"graph {plan.graph} has no stage that joins the blobs of several cameras"
-        raise InputError([Mistake(None, text, "give one that tracks, for example graphs/glowballs.yaml")])
+        raise InputError.of(text, "give one that tracks, for example graphs/glowballs.yaml")
     stage = {"uses": "sinks.csv_blobs", "in": {"blobs": list(found)}, "with": {"path": SIGHTINGS}}
     changed = {"include": str(Path(graph).absolute()), "stages": {"write_sightings": stage}}
     file = folder / "graph.yaml"
@@ -101,7 +101,7 @@ def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
         plan = tracking_plan(graph, room, (), (), Path(folder))
         if frames is None and any(stage.live for stage in plan.stages):
             remedy = "record them first, or say how many frames to use: --frames 1000"
-            raise InputError([Mistake(None, f"the cameras of {room} are live and never end", remedy)])
+            raise InputError.of(f"the cameras of {room} are live and never end", remedy)
         return track(plan, Path(folder), frames, bar.show if bar.terminal else None)
 
 

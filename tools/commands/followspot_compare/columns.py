@@ -5,25 +5,27 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from followspot_compare.trial import TargetFigures
 
 Figures = Sequence[TargetFigures]
+"""One for each target."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A figure. of: its value for some targets, NaN if unknown; ratio: True if ratios make sense."""
+    """A figure. of: its value over targets or rooms, NaN if unknown; ratio: True if ratios make sense."""
 
     key: str
     heading: str
     form: str
-    of: Callable[[Figures], float]
+    of: Callable[[Sequence[Any]], float]
     ratio: bool = True
 
-    def cell(self, figures: Figures) -> str:
+    def cell(self, figures: Sequence[Any]) -> str:
         """The value as text, a dash for NaN."""
         value = self.of(figures)
         return self.form.format(value) if math.isfinite(value) else "-"
@@ -33,6 +35,11 @@ def mean(values: Sequence[float]) -> float:
     """Mean of what was measured; NaN for nothing."""
     known = [value for value in values if math.isfinite(value)]
     return float(np.mean(known)) if known else math.nan
+
+
+def finite(value: float) -> float | None:
+    """The value for JSON; None for NaN and infinities."""
+    return value if math.isfinite(value) else None
 
 
 def _false_percent(figures: Figures) -> float:

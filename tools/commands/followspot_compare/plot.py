@@ -27,19 +27,16 @@ def draw(comparison: Comparison, folder: Path) -> str:
     if not comparison.trackable:
         return ""
     try:
-        from matplotlib.backends.backend_svg import FigureCanvasSVG
+        import matplotlib as mpl
         from matplotlib.figure import Figure
     except ImportError:
         return MISSING
-    import matplotlib as mpl
-
     drawings = {ERRORS: _errors}
     if _stepping(comparison):
         drawings[ITERATIONS] = _iterations
     with mpl.rc_context({"svg.hashsalt": "followspot", "svg.fonttype": "none", "font.size": 9}):
         for name, drawing in drawings.items():
             figure = Figure(figsize=(max(7.5, 0.55 * len(comparison.trackable)), 3.2), layout="constrained")
-            FigureCanvasSVG(figure)
             axes = figure.add_subplot()
             axes.spines[["top", "right"]].set_visible(False)
             drawing(axes, comparison)

@@ -9,7 +9,7 @@ from typing import Any
 
 from followspot.accuracy import PersonsScore, persons_to_json, to_json
 from followspot.tables import table
-from followspot_compare.columns import COLUMNS, Figures, measured
+from followspot_compare.columns import COLUMNS, Figures, finite, measured
 from followspot_compare.persons import persons_means, persons_text
 from followspot_compare.trial import Trial
 
@@ -105,9 +105,9 @@ def data(comparison: Comparison) -> dict[str, Any]:
         "variants": list(comparison.variants),
         "rooms": list(comparison.rooms),
         "trials": [_trial_data(trial) for trial in comparison.trials],
-        "means": {v: {c.key: _finite(c.of(groups[v])) for c in COLUMNS} for v in comparison.variants},
+        "means": {v: {c.key: finite(c.of(groups[v])) for c in COLUMNS} for v in comparison.variants},
         "ratios": {
-            v: {c.key: _finite(comparison.ratio(v, c.key)) for c in COLUMNS if c.ratio}
+            v: {c.key: finite(comparison.ratio(v, c.key)) for c in COLUMNS if c.ratio}
             for v in comparison.variants
         },
         "persons": persons_means(comparison.persons()),
@@ -118,7 +118,7 @@ def _trial_data(trial: Trial) -> dict[str, Any]:
     scores = to_json({name: figures.tracks for name, figures in trial.targets.items()})
     more = ("true_jerk_cost", "fused_mm", "fused_px", "detection_px", "detection_std_px")
     for name, figures in trial.targets.items():
-        scores[name] |= {key: _finite(getattr(figures, key)) for key in more}
+        scores[name] |= {key: finite(getattr(figures, key)) for key in more}
     return {
         "variant": trial.variant,
         "room": trial.room,
@@ -176,7 +176,3 @@ def _iterations(comparison: Comparison) -> str:
     return "steps of the fusion: positions that took so many\n" + table(
         ("", *(str(step) for step in range(longest))), rows
     )
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

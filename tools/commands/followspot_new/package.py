@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from string import Template
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.plugins.registry import catalogue
 
@@ -113,4 +113,4 @@ def _write(path: Path, template: str, words: Mapping[str, str]) -> None:
 
 
 def _wrong(text: str, remedy: str) -> InputError:
-    return InputError([Mistake(None, text, remedy)])
+    return InputError.of(text, remedy)

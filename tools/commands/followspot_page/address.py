@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 
 HOST, PORT = "127.0.0.1", 8777
 """Default host and port."""
@@ -16,7 +16,7 @@ def read_address(option: str, text: str) -> tuple[str, int]:
     host = host.strip("[]")
     if not (colon and host and port.isdecimal() and len(port) < 6 and int(port) < 1 << 16):
         remedy = f"for example {HOST}:{PORT}, or 0.0.0.0:{PORT}"
-        raise InputError([Mistake(None, f"{option}: {text!r} is no HOST:PORT", remedy)])
+        raise InputError.of(f"{option}: {text!r} is no HOST:PORT", remedy)
     return host, int(port)
 
 

@@ -6,7 +6,7 @@ import argparse
 import importlib.util
 import os
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot_page.address import HOST, PORT, is_loopback, read_address
 from followspot_page.showing import PageOrder
 
@@ -21,17 +21,15 @@ def order_of(args: argparse.Namespace, pid: int | None = None) -> PageOrder:
     """
     missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
     if missing:
-        remedy = 'pip install "followspot[dashboard]"'
-        raise InputError([Mistake(None, f"the page needs {', '.join(missing)}", remedy)])
+        raise InputError.of(f"the page needs {', '.join(missing)}", 'pip install "followspot[dashboard]"')
     if not 0 < args.dashboard_rate <= MAX_RATE:
         text = f"--dashboard-rate: {args.dashboard_rate:g} pictures a second cannot be"
-        raise InputError([Mistake(None, text, f"more than 0, at most {MAX_RATE:g}")])
+        raise InputError.of(text, f"more than 0, at most {MAX_RATE:g}")
     host, port = (
         (HOST, PORT) if args.dashboard_at is None else read_address("--dashboard-at", args.dashboard_at)
     )
     if not (is_loopback(host) or args.dashboard_open):
         text = f"--dashboard-at: other computers reach {host}, and the page asks nobody for a password"
-        remedy = "say --dashboard-open if whoever reaches that address may see the cameras"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, "say --dashboard-open if whoever reaches that address may see the cameras")
     firm = args.dashboard_at is not None
     return PageOrder(os.getpid() if pid is None else pid, host, port, firm, args.dashboard_rate)

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from followspot import Room
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.graph.output_ports import chosen_ports
 from followspot.messages import Message
 from followspot.people import Gradients
@@ -32,7 +32,7 @@ def export_command(args: argparse.Namespace) -> int:
     form = FORMATS[args.to]
     if form.needs and importlib.util.find_spec(form.needs) is None:
         remedy = f'pip install "followspot[{args.to}]"'
-        raise InputError([Mistake(None, f"export --to {args.to} needs {form.needs}", remedy)])
+        raise InputError.of(f"export --to {args.to} needs {form.needs}", remedy)
     folder = Path(args.folder)
     with Recording(args.recording) as recording:
         names = chosen_ports(args.ports, recording.ports, "--ports")
@@ -41,7 +41,7 @@ def export_command(args: argparse.Namespace) -> int:
             names = tuple(name for name in names if recording.ports[name].schema not in left_out)
         if not names:
             remedy = f"recorded: {', '.join(recording.ports) or 'none'}"
-            raise InputError([Mistake(None, f"{recording.path} has no such ports", remedy)])
+            raise InputError.of(f"{recording.path} has no such ports", remedy)
         folder.mkdir(parents=True, exist_ok=True)
         room = recorded_room(recording)
         counts = {}

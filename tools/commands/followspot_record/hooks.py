@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from followspot.cli.graph_options import add_change_options, add_graph_options, add_plugin_option
 from followspot.cli.run import add_run_options
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.plugins.hooks import Command, PlanOptions, RecordingReader, hookimpl, load_plan_options
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def recorded(plan: Plan, args: argparse.Namespace) -> Plan:
 def _need_mcap() -> None:
     """Raises InputError where the extra is missing."""
     if importlib.util.find_spec("mcap") is None:
-        raise InputError([Mistake(None, "recordings need mcap", 'pip install "followspot[recording]"')])
+        raise InputError.of("recordings need mcap", 'pip install "followspot[recording]"')
 
 
 def record(args: argparse.Namespace) -> int:

@@ -15,7 +15,7 @@ from typing import Any
 from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.document import Node, child, read
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError
 from followspot.files import read_text
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
@@ -65,7 +65,7 @@ def target_of(
 def record_command(args: argparse.Namespace) -> int:
     """Run and record. Returns the exit code."""
     if args.record is None:
-        raise InputError([Mistake(None, "followspot record needs a file", "--record FILE.mcap")])
+        raise InputError.of("followspot record needs a file", "--record FILE.mcap")
     return execute(plan_of(args), args)
 
 
@@ -73,7 +73,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
     """The plan that records as the options say. Raises InputError."""
     path = Path(args.record).absolute()
     if problem := _unsuitable(path):
-        raise InputError([Mistake(None, f"--record: {args.record} {problem}", "name a new file: FILE.mcap")])
+        raise InputError.of(f"--record: {args.record} {problem}", "name a new file: FILE.mcap")
     names = chosen_ports(args.record_ports, output_ports(plan), "--record-ports")
     params = {
         "picture_format": args.record_pictures,
@@ -184,8 +184,7 @@ def _text(path: Path) -> str | None:
         return read_text(path, _MAX_FILE)
     except OSError as error:
         if error.errno == errno.EFBIG:
-            text = f"{path} is too large to be embedded; at most {_MAX_FILE} bytes"
-            raise FollowspotError(text) from None
+            raise FollowspotError(f"{path} is too large to be embedded; at most {_MAX_FILE} bytes") from None
         return None
     except UnicodeError:
         return None

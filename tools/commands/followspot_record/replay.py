@@ -119,4 +119,4 @@ def _check_live(plan: Plan) -> None:
     live = [stage.name for stage in plan.stages if stage.live]
     if live:
         remedy = "name with --ports what is played instead of what follows it"
-        raise InputError([Mistake(None, f"{', '.join(live)} is live and was not recorded", remedy)])
+        raise InputError.of(f"{', '.join(live)} is live and was not recorded", remedy)

@@ -11,7 +11,7 @@ from contextlib import closing
 from pathlib import Path
 
 from followspot.cli.progress import ProgressBar
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError
 from followspot.graph.output_ports import output_ports
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, run_plan
@@ -35,7 +35,7 @@ def verify_command(args: argparse.Namespace) -> int:
         missing = [port for port in sources if port not in old.ports]
         if missing:
             remedy = "record it with all ports"
-            raise InputError([Mistake(None, f"the source {', '.join(missing)} was not recorded", remedy)])
+            raise InputError.of(f"the source {', '.join(missing)} was not recorded", remedy)
         plan = played(plan, replays(old, plan, sources), Clip(old.path))
         check_sampled_cycles(plan, "the graph and record it again: what timing decided cannot be verified")
         names = [port for port in output_ports(plan) if port in old.ports and port not in sources]

@@ -6,7 +6,7 @@ import errno
 from dataclasses import replace
 from pathlib import Path
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import DATA, read_bytes
 from followspot_room.checks import Unfit
 from followspot_room.format import Calibration, Texts
@@ -45,9 +45,9 @@ def read_calibration(path: Path) -> Calibration:
                 notes = calibration.notes if calibration.posed else (*calibration.notes, NO_POSES)
                 return replace(calibration, notes=notes)
     except Unfit as mistake:
-        raise InputError([Mistake(None, f"{path}: {mistake}", mistake.remedy)]) from None
+        raise InputError.of(f"{path}: {mistake}", mistake.remedy) from None
     names = "; ".join(known.name for known in FORMATS)
-    raise InputError([Mistake(None, f"{path} is no calibration in a known format", f"known: {names}")])
+    raise InputError.of(f"{path} is no calibration in a known format", f"known: {names}")
 
 
 def _texts(path: Path) -> Texts:
@@ -66,9 +66,9 @@ def _texts(path: Path) -> Texts:
         return {}
     except OSError as error:
         if error.errno == errno.EFBIG:
-            raise InputError([Mistake(None, f"{path} is larger than {DATA} bytes", TOO_LARGE)]) from None
+            raise InputError.of(f"{path} is larger than {DATA} bytes", TOO_LARGE) from None
         text = f"{path} cannot be read: {error.strerror}"
-        raise InputError([Mistake(None, text, "give a calibration file or its folder")]) from None
+        raise InputError.of(text, "give a calibration file or its folder") from None
     return texts
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.room import Camera
 from followspot.room_file import load
 from followspot_room.calibration import FORMATS
@@ -30,7 +30,7 @@ def export_room(room_file: Path, output: Path, format_key: str | None, *, as_jso
     chosen = WRITABLE[format_key or format_of(output)]
     room = load(room_file)
     if not room.cameras:
-        raise InputError([Mistake(None, f"{room_file} has no cameras", "import or calibrate them first")])
+        raise InputError.of(f"{room_file} has no cameras", "import or calibrate them first")
     written = write_calibration(list(room.cameras.values()), output, chosen)
     left_out = [kind for kind, there in (("planes", room.planes), ("targets", room.targets)) if there]
     if left_out:
@@ -48,7 +48,7 @@ def format_of(output: Path) -> str:
         if output.name.lower().endswith(ending):
             return key
     text = f"the name {output.name} does not say the format"
-    raise InputError([Mistake(None, text, f"give --format {'|'.join(WRITABLE)}")])
+    raise InputError.of(text, f"give --format {'|'.join(WRITABLE)}")
 
 
 def write_calibration(cameras: Sequence[Camera], output: Path, chosen: Format) -> list[str]:
@@ -57,11 +57,9 @@ def write_calibration(cameras: Sequence[Camera], output: Path, chosen: Format) -
     try:
         files = chosen.write(cameras)
     except Unfit as mistake:
-        raise InputError([Mistake(None, str(mistake), mistake.remedy)]) from None
-    try:
+        raise InputError.of(str(mistake), mistake.remedy) from None
+    with writing(output):
         return _write_folder(files, output) if chosen.folder else _write_file(files, output)
-    except OSError as error:
-        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
 
 
 def _write_folder(files: Texts, output: Path) -> list[str]:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.messages import Array
 from followspot.room import StageUse
 from followspot.room_file import save
@@ -55,15 +55,13 @@ def guess_room(video: Path, output: Path, field: float, person: float, *, as_jso
     field: horizontal field of view, rad; person: usual height of people, m.
     """
     if not video.is_file():
-        raise InputError([Mistake(None, f"there is no video {video}", "give a video in which people walk")])
+        raise InputError.of(f"there is no video {video}", "give a video in which people walk")
     size, found = people_in(video)
     focal = size[0] / 2 / np.tan(field / 2)
     guess = guess_pose(found, size, focal, person)
-    try:
+    with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
         save(room_of(video, output, size, focal, guess), output)
-    except OSError as error:
-        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
     print(_as_json(output, guess) if as_json else _summary(output, guess))
     return 0
 
@@ -120,9 +118,7 @@ def guess_pose(people: Array, size: tuple[int, int], focal: float, person: float
     moving = without_still(people)
     if len(moving) < FEWEST:
         text = f"only {len(moving)} people were found at places of their own"
-        raise InputError(
-            [Mistake(None, text, f"give a video in which {FEWEST} and more people walk upright")]
-        )
+        raise InputError.of(text, f"give a video in which {FEWEST} and more people walk upright")
     best = Guess(0.0, 0.0, np.inf, len(moving))
     for pitch in PITCHES.tolist():
         feet = _below_horizon(moving[:, :2], size, focal, pitch)

@@ -113,12 +113,12 @@ def run_guess(args: argparse.Namespace) -> int:
     """
     from math import radians
 
-    from followspot.errors import InputError, Mistake
+    from followspot.errors import InputError
     from followspot_room.guessing import guess_room
 
     if not 5.0 <= args.field <= 150.0 or not 0.5 <= args.person <= 2.5:
         text = f"--field {args.field:g} or --person {args.person:g} is out of range"
-        raise InputError([Mistake(None, text, "a field is 5 to 150 degrees, a person 0.5 to 2.5 m")])
+        raise InputError.of(text, "a field is 5 to 150 degrees, a person 0.5 to 2.5 m")
     return guess_room(args.video, args.output, radians(args.field), args.person, as_json=args.json)
 
 
@@ -140,9 +140,9 @@ def run_rectify(args: argparse.Namespace) -> int:
     Example:
       followspot room rectify room.yaml --scale 0.5 -o upright.yaml
     """
-    from followspot.errors import InputError, Mistake
+    from followspot.errors import InputError
     from followspot_room.rectifying import rectify_room
 
     if not 0.05 <= args.scale <= 1.0:
-        raise InputError([Mistake(None, f"--scale {args.scale:g} is out of range", "give 0.05 to 1")])
+        raise InputError.of(f"--scale {args.scale:g} is out of range", "give 0.05 to 1")
     return rectify_room(args.room, args.output, args.scale, as_json=args.json)

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
+from followspot.errors import InputError, Mistake, did_you_mean, writing
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
@@ -47,11 +47,9 @@ def import_room(
     known = with_recorded_sizes(known, recordings)
     truth = find_truth(videos, names) if videos else None
     room = room_of(known, recordings, truth, output)
-    try:
+    with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
         save(room, output)
-    except OSError as error:
-        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
     for name in missing:
         print(f"warning: camera {name} has no recording in {videos} and no source", file=sys.stderr)
     for note in known.notes:
@@ -89,7 +87,7 @@ def _check_known(calibration: Calibration, names: Sequence[str], option: str) ->
     unknown = [name for name in names if name not in known]
     if unknown:
         remedy = did_you_mean(unknown[0], known, "cameras")
-        raise InputError([Mistake(None, f'{option}: there is no camera "{unknown[0]}"', remedy)])
+        raise InputError.of(f'{option}: there is no camera "{unknown[0]}"', remedy)
 
 
 def find_truth(videos: Path, cameras: Sequence[str]) -> tuple[str, Path] | None:

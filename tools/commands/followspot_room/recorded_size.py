@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot_cameras.images import natural_order, read_picture
 from followspot_cameras.video import open_video
 
@@ -48,7 +48,7 @@ def as_recorded(camera: Camera, size: tuple[int, int] | None) -> tuple[Camera, s
     scale = now / was
     if abs(scale[0] / scale[1] - 1) > SAME_SHAPE:
         remedy = "give the recording that belongs to the calibration, or calibrate the camera at this size"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, remedy)
     matrix = camera.matrix.copy()
     matrix[:2] *= scale[:, None]
     matrix[:2, 2] = (camera.matrix[:2, 2] + 0.5) * scale - 0.5

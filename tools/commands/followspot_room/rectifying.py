@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.geometry import ray
 from followspot.messages import Array
 from followspot.room import StageUse
@@ -35,14 +35,12 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
     changed = [name for name, camera in turned.items() if camera is not room.cameras[name]]
     if not changed:
         text = f"{room_file} has no pinhole or fisheye camera with a video that looks at a horizon"
-        raise InputError([Mistake(None, text, "import the room with its videos: followspot room import")])
+        raise InputError.of(text, "import the room with its videos: followspot room import")
     kept = {name: _moved(turned[name], output.parent) for name in turned if name not in changed}
     truth = room.truth and _use_in(room.truth, output.parent)
-    try:
+    with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
         save(replace(room, name=output.stem, cameras={**turned, **kept}, truth=truth), output)
-    except OSError as error:
-        raise FollowspotError(f"{output} cannot be written: {error.strerror}") from None
     for name in kept:
         print(f"warning: camera {name} stays as it is", file=sys.stderr)
     sizes = {name: turned[name].size for name in changed}

@@ -19,7 +19,7 @@ from followspot.accuracy import (
     to_json,
 )
 from followspot.accuracy.rows import header_of
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot.room_file import load
 from followspot_score.plot import draw
@@ -36,7 +36,7 @@ def score_files(
         return score_poses(reported, truth, plots, as_json=as_json)
     if len(truth) > 1 or plots is not None:
         text = f"{reported} has tracks of targets, which are scored against one file and without plots"
-        raise InputError([Mistake(None, text, "several files of truth and --plot are for poses of persons")])
+        raise InputError.of(text, "several files of truth and --plot are for poses of persons")
     scores = score(read_tracks_csv(reported), read_truth_csv(truth[0]), load(room) if room else None)
     return json.dumps(to_json(scores)) if as_json else table(scores)
 
@@ -49,7 +49,7 @@ def score_poses(reported: Path, truth: Sequence[Path], plots: Path | None, *, as
         if len(truth) == 1:
             return true.viewpoint
         text = f"{reported} has poses relative to one camera {camera}".rstrip()
-        raise InputError([Mistake(None, text, "give the truth of that camera alone")])
+        raise InputError.of(text, "give the truth of that camera alone")
 
     poses = read_poses_csv(reported, viewpoint)
     scores = score_persons(poses, true)

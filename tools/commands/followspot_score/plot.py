@@ -11,7 +11,7 @@ from followspot.accuracy.persons.errors import PoseErrors, together
 from followspot.accuracy.persons.matching import NOBODY, match
 from followspot.accuracy.persons.scoring import errors_of
 from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
-from followspot.errors import FollowspotError
+from followspot.errors import writing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,6 @@ def draw(poses: PoseTable, truth: PoseTruthTable, folder: Path) -> str:
     """Draw into a folder; a line that names the files or the missing package. Raises FollowspotError."""
     try:
         import matplotlib as mpl
-        from matplotlib.backends.backend_svg import FigureCanvasSVG
         from matplotlib.figure import Figure
     except ImportError:
         return MISSING
@@ -49,13 +48,10 @@ def draw(poses: PoseTable, truth: PoseTruthTable, folder: Path) -> str:
         wide, square = (Figure(figsize=size, layout="constrained") for size in ((9.0, 5.0), (5.0, 5.0)))
         _histograms(wide, errors)
         _plan(square.add_subplot(), poses, truth, matches.row)
-        try:
+        with writing(folder):
             folder.mkdir(parents=True, exist_ok=True)
             for figure, path in zip((wide, square), paths, strict=True):
-                FigureCanvasSVG(figure)
                 figure.savefig(path, metadata={"Date": None})
-        except OSError as error:
-            raise FollowspotError(f"{folder} cannot be written: {error.strerror}") from None
     return "pictures: " + ", ".join(map(str, paths))
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Array
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import open_text
 from followspot_cameras.images import read_picture
 
@@ -76,4 +76,4 @@ def _pictures(folder: Path, names: list[str]) -> Array:
 
 def _mistake(path: Path, text: str) -> InputError:
     remedy = f"the folder needs pictures of one size and boxes.csv with the columns {', '.join(COLUMNS)}"
-    return InputError([Mistake(None, f"{path}: {text}", remedy)])
+    return InputError.of(f"{path}: {text}", remedy)

@@ -25,15 +25,12 @@ def draw(found: Sequence[dict[str, Any]], axes: Sequence[Axis], figure: str, fol
     if not known:
         return f'no plot: no run has a figure "{figure}"'
     try:
-        from matplotlib.backends.backend_svg import FigureCanvasSVG
+        import matplotlib as mpl
         from matplotlib.figure import Figure
     except ImportError:
         return MISSING
-    import matplotlib as mpl
-
     with mpl.rc_context({"svg.hashsalt": "followspot", "svg.fonttype": "none", "font.size": 9}):
         sheet = Figure(figsize=(1.0 + 3.2 * len(varied), 3.2), layout="constrained")
-        FigureCanvasSVG(sheet)
         panels = sheet.subplots(1, len(varied), squeeze=False, sharey=True)[0]
         for panel, axis in zip(panels, varied, strict=True):
             _panel(panel, known, axis, figure)

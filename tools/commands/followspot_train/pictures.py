@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Array
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import PICTURE, open_text
 from followspot_cameras.images import read_picture
 
@@ -128,4 +128,4 @@ def _picture(file: Path) -> Array:
 
 
 def _mistake(text: str, remedy: str) -> InputError:
-    return InputError([Mistake(None, text, remedy)])
+    return InputError.of(text, remedy)

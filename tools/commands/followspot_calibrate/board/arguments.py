@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -18,8 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--timestamps", type=Path, metavar="CSV", help="what belongs together (default: DIR/timestamps.csv)")
     add("--floor", type=int, metavar="FRAME", help="moment at which the board lies on the floor")
     add("--pictures", type=int, default=300, metavar="N", help="most moments to search (default: 300)")
-    add("--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.board.html)")
-    add("--json", action="store_true", help="print one JSON object with the cameras")
+    add_output_options(parser, "board")
 
 
 def run(args: argparse.Namespace) -> int:

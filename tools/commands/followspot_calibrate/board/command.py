@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from followspot import Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.board.looking import find
 from followspot_calibrate.board.page import page_of
@@ -18,6 +17,7 @@ from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.board.verdict import as_json, summary, warnings_of
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.pictures import recordings
+from followspot_calibrate.output import print_result
 from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.report import Page, write_report
 
@@ -29,17 +29,15 @@ def calibrate_board(args: argparse.Namespace) -> int:
     board = parse_board(args.board)
     if board.symmetric:
         text = f"--board {args.board}: nobody can tell which end of this chessboard is which"
-        raise InputError(
-            [Mistake(None, text, "use a ChArUco board, or an odd and an even number of corners")]
-        )
+        raise InputError.of(text, "use a ChArUco board, or an odd and an even number of corners")
     room = load(args.room)
     paths = recordings(args.videos, args.clip, list(room.cameras))
     strange = [name for name in paths if name not in room.cameras]
     if strange or len(paths) < 2:
         text = f'{args.room} has no camera "{strange[0]}"' if strange else "only one camera has a recording"
-        raise InputError([Mistake(None, text, f"cameras: {', '.join(room.cameras)}")])
+        raise InputError.of(text, f"cameras: {', '.join(room.cameras)}")
     if args.pictures < 1:
-        raise InputError([Mistake(None, f"--pictures {args.pictures} is less than 1", "give 50 to 1000")])
+        raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
     cameras = [camera for name, camera in room.cameras.items() if name in paths]
     moments = _moments(args, [camera.name for camera in cameras])
     views = find(cameras, paths, board, moments, args.pictures)
@@ -50,11 +48,7 @@ def calibrate_board(args: argparse.Namespace) -> int:
     report = args.report or args.room.with_suffix(".board.html")
     page = page_of(room.name, found, room.planes if args.floor is None else {}, notes)
     write(args.room, room, found, report, page)
-    for note in notes:
-        print(f"warning: {note}", file=sys.stderr)
-    print(as_json(found, notes) if args.json else summary(found))
-    if not args.json:
-        print(f"written to {args.room}; the page to look at: {report}")
+    print_result(args, as_json(found, notes), summary(found), report, notes, args.room)
     return 0
 
 
@@ -70,8 +64,6 @@ def write(path: Path, room: Room, found: BoardCalibration, report: Path, page: P
         c.name: replace(room.cameras[c.name], rotation=c.rotation, translation=c.translation)
         for c in found.cameras
     }
-    try:
+    with writing(path):
         update(path, cameras={**room.cameras, **placed})
         write_report(report, page)
-    except OSError as error:
-        raise FollowspotError(f"{error.filename or path} cannot be written: {error.strerror}") from None

@@ -6,7 +6,7 @@ import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import DATA, open_text
 
 NEEDED = ("sync_index", "cam_id", "frame_index")
@@ -64,4 +64,4 @@ def _whole(line: Mapping[str, str | None], column: str, path: Path, number: int)
 
 
 def _wrong(text: str, remedy: str) -> InputError:
-    return InputError([Mistake(None, text, remedy)])
+    return InputError.of(text, remedy)

@@ -9,7 +9,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.errors import InputError, did_you_mean
 from followspot.messages import Array
 
 USUAL_MARKER = 0.75
@@ -105,9 +105,9 @@ def _dictionary(name: str) -> str:
     known = [key for key in dir(cv2.aruco) if key.startswith("DICT_")]
     if name not in known:
         text = f'--board: there is no dictionary "{name}"'
-        raise InputError([Mistake(None, text, did_you_mean(name, known, "dictionaries"))])
+        raise InputError.of(text, did_you_mean(name, known, "dictionaries"))
     return name
 
 
 def _wrong(text: str) -> InputError:
-    return InputError([Mistake(None, text, FORM)])
+    return InputError.of(text, FORM)

@@ -9,7 +9,7 @@ from pathlib import Path
 import cv2
 
 from followspot import Camera, Context
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
@@ -35,13 +35,11 @@ def recordings(videos: Path | None, clips: list[str], cameras: list[str]) -> dic
         name, _, path = clip.partition("=")
         if not path or not Path(path).exists():
             text = f"--clip {clip}: " + (f"{path} is not there" if path else "this is no CAMERA=PATH")
-            raise InputError([Mistake(None, text, "for example --clip cam0=boards/cam0.mp4")])
+            raise InputError.of(text, "for example --clip cam0=boards/cam0.mp4")
         found[name] = Path(path)
     if not found:
         text = f"{videos} has no recording of a camera" if videos else "no recordings are given"
-        raise InputError(
-            [Mistake(None, text, "give --videos DIR with DIR/<camera>.mp4, or --clip CAMERA=PATH")]
-        )
+        raise InputError.of(text, "give --videos DIR with DIR/<camera>.mp4, or --clip CAMERA=PATH")
     return found
 
 
@@ -71,7 +69,7 @@ def live_pictures(camera: Camera) -> Numbered:
     if use is None or stage_type is None or not stage_type.live:
         text = f"camera {camera.name} has no live source"
         remedy = "give it one in the room file: source: {uses: cameras.device}, or give --videos"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, remedy)
     number = 0
 
     def warn(text: str) -> None:

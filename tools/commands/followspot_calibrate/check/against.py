@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.geometry import project, project_local, ray
 from followspot.messages import Array
 from followspot_calibrate.check.alignment import aligned
@@ -142,6 +142,6 @@ def _pairs(
     if len(pairs) < 2:
         text = f"the calibrations share {len(pairs)} cameras"
         remedy = f"name them alike: {', '.join(c.name for c in mine)} and {', '.join(there)}"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, remedy)
     alone = {c.name for c in (*mine, *other)} - {a.name for a, _ in pairs}
     return pairs, (f"only in one of the two: {', '.join(sorted(alone))}",) if alone else ()

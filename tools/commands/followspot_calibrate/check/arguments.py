@@ -7,6 +7,7 @@ from pathlib import Path
 
 from followspot.cli.graph_options import frame_count
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 GRAPH = "graphs/glowballs.yaml"
 
@@ -43,10 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="largest error of a good camera, px (default: 0.3 %% of the picture's longer side); "
         "with it, differences from OTHER count too",
     )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.check.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead of tables")
+    add_output_options(parser, "check")
 
 
 def run(args: argparse.Namespace) -> int:

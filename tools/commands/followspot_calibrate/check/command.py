@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.messages import Array
 from followspot.room_file import load
 from followspot_calibrate.check.against import compare
@@ -19,6 +19,7 @@ from followspot_calibrate.check.lengths import measured_length
 from followspot_calibrate.check.page import page_of
 from followspot_calibrate.check.text import as_json, as_text
 from followspot_calibrate.check.tracks import read_run, target_sightings
+from followspot_calibrate.output import print_result
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.report import write_report
 from followspot_calibrate.tracked import track_recording
@@ -36,15 +37,9 @@ def check_calibration(args: argparse.Namespace) -> int:
     room = load(args.room)
     found = findings(args, room)
     report = args.report or args.room.with_suffix(".check.html")
-    try:
+    with writing():
         write_report(report, page_of(room, found))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
-    if args.json:
-        print(as_json(found))
-    else:
-        print(as_text(found))
-        print(f"the page to look at: {report}")
+    print_result(args, as_json(found), as_text(found), report)
     return 1 if found.failures else 0
 
 
@@ -52,12 +47,12 @@ def refuse_nonsense(args: argparse.Namespace) -> None:
     """Raises InputError for options that do not go together."""
     if not (args.points or args.run or args.track or args.against):
         text = "there is nothing to check the room with"
-        raise InputError([Mistake(None, text, "give --points, --run, --track or --against")])
+        raise InputError.of(text, "give --points, --run, --track or --against")
     if args.length is not None and not args.points:
-        raise InputError([Mistake(None, "--length is measured on points", "give them: --points wand.csv")])
+        raise InputError.of("--length is measured on points", "give them: --points wand.csv")
     for name, value in (("--length", args.length), ("--limit", args.limit)):
         if value is not None and not 0 < value < np.inf:
-            raise InputError([Mistake(None, f"{name} {value:g} is not positive", "for example 0.5")])
+            raise InputError.of(f"{name} {value:g} is not positive", "for example 0.5")
 
 
 def findings(args: argparse.Namespace, room: Room) -> Findings:

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Room
 from followspot.accuracy import TrackTable, read_tracks_csv
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.geometry import Views
 from followspot.library.execute import TRACKS
 from followspot.messages import Array
@@ -42,13 +42,13 @@ def read_run(folder: Path, room: Room) -> Tracked:
             "add a stage to the graph: blobs: {uses: sinks.csv_blobs, in: {blobs: [color, infrared]}}; "
             "or let the check track by itself: --track"
         )
-        raise InputError([Mistake(None, f"{folder} has no {FILES[0]}", remedy)])
+        raise InputError.of(f"{folder} has no {FILES[0]}", remedy)
     table = read_tracks_csv(folder / TRACKS)
     targets = tuple(room.targets)
     strange = [name for name in table.objects if name not in targets]
     if strange:
         text = f"{folder / TRACKS} has a target {strange[0]}, which the room does not have"
-        raise InputError([Mistake(None, text, "give the room file that the run used")])
+        raise InputError.of(text, "give the room file that the run used")
     number = np.array([targets.index(name) for name in table.objects], int)
     tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
     return Tracked(tracks, read_blobs(blobs, tuple(room.cameras), targets))

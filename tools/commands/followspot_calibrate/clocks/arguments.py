@@ -7,6 +7,7 @@ from pathlib import Path
 
 from followspot.cli.graph_options import add_change_options, frame_count
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 GRAPH = "graphs/glowballs.yaml"
 ROUNDS = 4
@@ -30,10 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"refuse offsets whose standard deviation is larger, ms (default: {LIMIT:g})",
     )
     parser.add_argument("--dry-run", action="store_true", help="show the offsets, write nothing")
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.clocks.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+    add_output_options(parser, "clocks")
     add_change_options(parser)
 
 

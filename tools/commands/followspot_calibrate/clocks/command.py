@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +14,14 @@ import numpy as np
 
 from followspot import Room, room_file
 from followspot.cli.progress import ProgressBar
-from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
+from followspot.errors import FollowspotError, InputError, did_you_mean, writing
 from followspot.graph.plan import Plan
 from followspot.messages import Array
+from followspot.tables import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
 from followspot_calibrate.clocks.page import page_of
+from followspot_calibrate.output import print_result
 from followspot_calibrate.report import write_report
 from followspot_calibrate.tracked import Tracked, track, tracking_plan
 
@@ -43,18 +44,16 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
         plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, Path(folder))
         if args.frames is None and any(stage.live for stage in plan.stages):
             remedy = "record them first, or say how many frames to use: --frames 1000"
-            raise InputError([Mistake(None, f"the cameras of {args.room} are live and never end", remedy)])
+            raise InputError.of(f"the cameras of {args.room} are live and never end", remedy)
         found = found_in_rounds(plan, Path(folder), args)
     if reference is not None:
         found = found.relative_to(reference)
     if not args.dry_run:
         write(args.room, room, found)
     report = args.report or args.room.with_suffix(".clocks.html")
-    try:
+    with writing():
         write_report(report, page_of(room, found))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
-    print(as_json(room, found) if args.json else f"{table(room, found)}\nthe page to look at: {report}")
+    print_result(args, as_json(room, found), text(room, found), report)
     return 0
 
 
@@ -63,10 +62,10 @@ def camera_number(room: Room, name: str | None) -> int | None:
     names = list(room.cameras)
     if len(names) < 2:
         text = f"room {room.name} has {len(names)} cameras"
-        raise InputError([Mistake(None, text, "clocks are compared: two or more are needed")])
+        raise InputError.of(text, "clocks are compared: two or more are needed")
     if name is not None and name not in names:
         text = f'--reference: the room has no camera "{name}"'
-        raise InputError([Mistake(None, text, did_you_mean(name, names, "cameras"))])
+        raise InputError.of(text, did_you_mean(name, names, "cameras"))
     return None if name is None else names.index(name)
 
 
@@ -122,20 +121,17 @@ def check(room: Room, found: Offsets, limit: float) -> None:
 def write(path: Path, room: Room, found: Offsets) -> None:
     """Put the offsets into the room file. Raises FollowspotError."""
     changed = with_offsets(room, np.round(found.offset, DECIMALS))
-    try:
+    with writing(path):
         room_file.update(path, cameras=changed.cameras)
-    except OSError as error:
-        raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
 
 
-def table(room: Room, found: Offsets) -> str:
+def text(room: Room, found: Offsets) -> str:
     """One line per camera."""
-    lines: list[Sequence[str]] = [("camera", "offset ms", "+- ms", "sightings")]
-    for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True):
-        lines.append((name, f"{offset * 1e3:+.2f}", f"{sigma * 1e3:.2f}", str(count)))
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    rows = ([cell.rjust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
-    return "\n".join("  ".join(row) for row in rows)
+    rows = [
+        (name, f"{offset * 1e3:+.2f}", f"{sigma * 1e3:.2f}", str(count))
+        for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True)
+    ]
+    return table(("camera", "offset ms", "+- ms", "sightings"), rows)
 
 
 def as_json(room: Room, found: Offsets) -> str:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -21,8 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--camera", nargs="+", default=[], metavar="NAME", help="only these cameras")
     add("--model", choices=("pinhole", "fisheye"), default="pinhole", help="of the lens (default: pinhole)")
     add("--pictures", type=int, default=300, metavar="N", help="most pictures to search (default: 300)")
-    add("--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.intrinsics.html)")
-    add("--json", action="store_true", help="print one JSON object with the lenses")
+    add_output_options(parser, "intrinsics")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError, writing
 from followspot.room_file import load, save, update
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import Detector
@@ -28,9 +28,9 @@ def calibrate_intrinsics(args: argparse.Namespace) -> int:
     """
     if bool(args.live or args.device) == bool(args.videos or args.clip):
         text = "give recordings (--videos, --clip) or live cameras (--live, --device), one of them"
-        raise InputError([Mistake(None, text)])
+        raise InputError.of(text)
     if args.pictures < 1:
-        raise InputError([Mistake(None, f"--pictures {args.pictures} is less than 1", "give 50 to 1000")])
+        raise InputError.of(f"--pictures {args.pictures} is less than 1", "give 50 to 1000")
     board = parse_board(args.board)
     room = load(args.room) if args.room.exists() else Room(args.room.stem)
     live = live_cameras(args, room.cameras)
@@ -74,15 +74,13 @@ def write(
         )
         if name in room.cameras and known.translation.any():
             notes[name].append("its pose was found with another lens: calibrate board or wand again")
-    try:
+    with writing(path):
         if path.exists():
             update(path, cameras=cameras)
         else:
             path.parent.mkdir(parents=True, exist_ok=True)
             save(replace(room, cameras=cameras), path)
         write_report(report, page_of(room.name, done, notes))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename or path} cannot be written: {error.strerror}") from None
     for name, texts in notes.items():
         for text in texts:
             print(f"warning: {name}: {text}", file=sys.stderr)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.errors import InputError, did_you_mean
 from followspot.room import StageUse
 from followspot_calibrate.boards.detection import Detector
 from followspot_calibrate.boards.pictures import count, live_pictures, pictures, recordings
@@ -23,12 +23,12 @@ def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[
     """The live cameras: of --device, and with --live of the room. Raises InputError."""
     size = _SIZE.fullmatch(args.size)
     if size is None:
-        raise InputError([Mistake(None, f"--size {args.size} is no WIDTHxHEIGHT", "for example 1280x720")])
+        raise InputError.of(f"--size {args.size} is no WIDTHxHEIGHT", "for example 1280x720")
     found = {}
     for text in args.device:
         name, _, device = text.partition("=")
         if not device:
-            raise InputError([Mistake(None, f"--device {text} is no CAMERA=DEVICE", "for example cam0=0")])
+            raise InputError.of(f"--device {text} is no CAMERA=DEVICE", "for example cam0=0")
         source = StageUse("cameras.device", {"device": int(device) if device.isdecimal() else device})
         found[name] = blank(name, (int(size[1]), int(size[2])), source)
     if not args.live:
@@ -38,7 +38,7 @@ def live_cameras(args: argparse.Namespace, known: Mapping[str, Camera]) -> dict[
     if unknown or not chosen:
         text = f'{args.room} has no camera "{unknown[0]}"' if unknown else f"{args.room} has no cameras"
         remedy = did_you_mean(unknown[0], known, "cameras") if unknown else "name one: --device cam0=0"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, remedy)
     return {**{name: known[name] for name in chosen}, **found}
 
 

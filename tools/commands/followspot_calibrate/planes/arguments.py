@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -15,10 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     evidence.add_argument("--points", type=Path, metavar="CSV", help="file plane,point,camera,u,v")
     evidence.add_argument("--clips", type=Path, metavar="DIR", help="folder with one folder per plane")
     parser.add_argument("--floor", metavar="PLANE", help="the plane that becomes z = 0 of the room")
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.planes.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object with the planes")
+    add_output_options(parser, "planes")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from followspot import Room
-from followspot.errors import FollowspotError, InputError, Mistake, did_you_mean
+from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.room_file import load, update
 from followspot.tables import table
+from followspot_calibrate.output import print_result
 from followspot_calibrate.planes.dots import find_marks
 from followspot_calibrate.planes.fit import FittedPlane, fit_plane
 from followspot_calibrate.planes.frame import moved_plane, onto_floor
@@ -39,29 +39,18 @@ def calibrate_planes(args: argparse.Namespace) -> int:
         cameras_after = {name: motion.camera(camera) for name, camera in room.cameras.items()}
         planes_after = {name: moved_plane(plane, motion) for name, plane in planes.items()}
     report = args.report or args.room.with_suffix(".planes.html")
-    try:
+    with writing():
         update(args.room, cameras=None if motion is None else cameras_after, planes=planes_after)
         write_report(report, page_of(room.name, cameras_after, planes_after, marks, fits, motion, warnings))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
-    for text in warnings:
-        print(f"warning: {text}", file=sys.stderr)
-    print(
-        as_json(fits, planes_after, args.floor, warnings)
-        if args.json
-        else summary(fits, planes_after, args.floor)
-    )
-    if not args.json:
-        print(f"written to {args.room}; the page to look at: {report}")
+    data, text = as_json(fits, planes_after, args.floor, warnings), summary(fits, planes_after, args.floor)
+    print_result(args, data, text, report, warnings, args.room)
     return 0
 
 
 def floor_of(planes: Mapping[str, Array], name: str) -> Array:
     """The plane of that name. Raises InputError."""
     if name not in planes:
-        raise InputError(
-            [Mistake(None, f'there is no plane "{name}" for --floor', did_you_mean(name, planes, "planes"))]
-        )
+        raise InputError.of(f'there is no plane "{name}" for --floor', did_you_mean(name, planes, "planes"))
     return planes[name]
 
 

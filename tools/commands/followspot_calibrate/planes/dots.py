@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_balls.glow import brightness
 from followspot_calibrate.clips import folders_of, read_frames
@@ -40,7 +40,7 @@ def find_marks(clips: Path, cameras: Sequence[Camera]) -> Marks:
         recordings = find_recordings(folder, [camera.name for camera in cameras])
         if len(recordings) < 2:
             text = f"{folder} has clips of {len(recordings)} of the room's cameras"
-            raise InputError([Mistake(None, text, "a plane is measured by two cameras or more")])
+            raise InputError.of(text, "a plane is measured by two cameras or more")
         points: dict[int, dict[int, list[float]]] = {}
         for number, camera in enumerate(cameras):
             if camera.name in recordings:

@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.accuracy.rows import Row, read_rows
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.form import is_name
 from followspot_calibrate.sightings import Sightings
 
@@ -37,7 +37,7 @@ def read_marks(path: Path, cameras: Sequence[Camera]) -> Marks:
             raise row.mistake("camera", "each camera once per point")
         views[camera] = row.numbers("u", "v")
     if not found:
-        raise InputError([Mistake(None, f"{path} has no points", f"needs lines {','.join(COLUMNS)}")])
+        raise InputError.of(f"{path} has no points", f"needs lines {','.join(COLUMNS)}")
     return {plane: sightings(cameras, list(points.values())) for plane, points in found.items()}
 
 

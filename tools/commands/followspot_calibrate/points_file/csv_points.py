@@ -9,7 +9,7 @@ import numpy as np
 
 from followspot import Camera
 from followspot.accuracy.rows import Row, read_rows
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import open_text
 from followspot.form import is_name
 from followspot_calibrate.points_file.naming import sizes_of
@@ -38,7 +38,7 @@ def read_csv(path: Path, cameras: Sequence[Camera], size: tuple[int, int] | None
             raise row.mistake("camera", "each camera once per frame and point")
         views[name] = row.numbers("u", "v")
     if not found:
-        raise InputError([Mistake(None, f"{path} has no points", f"needs lines {','.join(COLUMNS)}")])
+        raise InputError.of(f"{path} has no points", f"needs lines {','.join(COLUMNS)}")
     names = tuple(c.name for c in cameras) or tuple(sorted({n for views in found.values() for n in views}))
     place = {name: number for number, name in enumerate(names)}
     moments = sorted(found)
@@ -55,7 +55,7 @@ def _head(path: Path) -> list[str]:
         with open_text(path, errors="replace") as file:
             return [cell.strip() for cell in file.readline(1000).split(",")]
     except OSError as error:
-        raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
+        raise InputError.of(f"{path} cannot be read: {error.strerror}") from None
 
 
 def _numbered(cameras: Sequence[Camera]) -> Mapping[str, str]:

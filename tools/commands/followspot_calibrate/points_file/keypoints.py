@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import open_regular
 from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of, sizes_of
@@ -39,7 +39,7 @@ def read_keypoints(
     if keypoints is None or keypoints.ndim != 4 or keypoints.shape[3] != 3 or keypoints.dtype.kind != "f":
         shape = "none" if keypoints is None else f"{keypoints.dtype} {keypoints.shape}"
         text = f'{path}: array "{KEY}" is {shape}'
-        raise InputError([Mistake(None, text, "needs floats (camera, frame, point, [u v confidence])")])
+        raise InputError.of(text, "needs floats (camera, frame, point, [u v confidence])")
     count, frames, points, _ = keypoints.shape
     keypoints = keypoints.astype(float).transpose(1, 2, 0, 3).reshape(frames * points, count, 3)
     unseen = ~np.isfinite(keypoints).all(axis=2) | (keypoints[..., 2] < confidence)
@@ -63,8 +63,8 @@ def _arrays(path: Path) -> dict[str, Array]:
         with open_regular(path) as opened, zipfile.ZipFile(opened) as archive:
             unpacked = sum(member.file_size for member in archive.infolist())
         if unpacked > MOST_BYTES:
-            raise InputError([Mistake(None, f"{path} unpacks to {unpacked} bytes, at most {MOST_BYTES}")])
+            raise InputError.of(f"{path} unpacks to {unpacked} bytes, at most {MOST_BYTES}")
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
             return {name: file[name] for name in (KEY, VIEWS) if name in file}
     except _UNREADABLE as error:
-        raise InputError([Mistake(None, f"{path} cannot be read: {error}", "needs an NPZ file")]) from None
+        raise InputError.of(f"{path} cannot be read: {error}", "needs an NPZ file") from None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 
 
@@ -18,7 +18,7 @@ def names_of(path: Path, count: int, cameras: Sequence[Camera]) -> tuple[str, ..
         return tuple(f"cam{number}" for number in range(count))
     if count != len(cameras):
         text = f"{path} has {count} cameras, the room {len(cameras)}"
-        raise InputError([Mistake(None, text, "remove the others from the room, or calibrate a new one")])
+        raise InputError.of(text, "remove the others from the room, or calibrate a new one")
     return tuple(camera.name for camera in cameras)
 
 
@@ -30,5 +30,5 @@ def sizes_of(
     sizes = [known.get(name, size) for name in names]
     if None in sizes:
         text = f"{path} does not say how large the pictures are"
-        raise InputError([Mistake(None, text, "give --size 640x480, or --room with these cameras")])
+        raise InputError.of(text, "give --size 640x480, or --room with these cameras")
     return np.array(sizes).reshape(-1, 2)

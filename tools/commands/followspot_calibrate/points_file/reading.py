@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot_calibrate.points_file.csv_points import read_csv
 from followspot_calibrate.points_file.keypoints import read_keypoints
 from followspot_calibrate.points_file.svoboda import read_svoboda
@@ -44,9 +44,7 @@ def read_points(
     elif path.suffix.lower() in (".csv", ".txt"):
         found = read_csv(path, cameras, size)
     else:
-        raise InputError(
-            [Mistake(None, f"{path} is no file of points in a known format", f"known: {FORMATS}")]
-        )
+        raise InputError.of(f"{path} is no file of points in a known format", f"known: {FORMATS}")
     return _checked(path, found, cameras)
 
 
@@ -55,7 +53,7 @@ def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightin
     for camera, size in zip(cameras, found.sizes.tolist(), strict=True) if cameras else ():
         if camera.size != tuple(size):
             text = f"{path}: pictures of {camera.name} have {size[0]}x{size[1]} px, in the room {camera.size}"
-            raise InputError([Mistake(None, text, "mend the size in the room file, or scale the points")])
+            raise InputError.of(text, "mend the size in the room file, or scale the points")
     _require_own_pictures(path, found)
     margin = FAR_OUTSIDE * found.sizes
     outside = np.any((found.pixel < -margin) | (found.pixel > found.sizes + margin), axis=2)
@@ -64,7 +62,7 @@ def _checked(path: Path, found: Sightings, cameras: Sequence[Camera]) -> Sightin
         if share > FAR_OUTSIDE:
             width, height = found.sizes[number]
             text = f"{path}: most points of {name} lie outside its picture of {width}x{height} px"
-            raise InputError([Mistake(None, text, "mend the size in the room file, or give --size")])
+            raise InputError.of(text, "mend the size in the room file, or give --size")
     return Sightings(
         found.cameras,
         found.sizes,
@@ -84,4 +82,4 @@ def _require_own_pictures(path: Path, found: Sightings) -> None:
         if own[number] + own[other] > max(BEYOND, 2 * exchanged):
             one, two = found.cameras[number], found.cameras[other]
             text = f"{path}: {one} and {two} see points beyond their pictures, but not beyond each other's"
-            raise InputError([Mistake(None, text, "exchange their points, or their sizes in the room file")])
+            raise InputError.of(text, "exchange their points, or their sizes in the room file")

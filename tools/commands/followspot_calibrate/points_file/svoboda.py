@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.files import open_text
 from followspot.messages import Array
 from followspot_calibrate.points_file.naming import names_of
@@ -45,10 +45,10 @@ def _matrix(path: Path) -> Array:
         with open_text(path) as file:
             return np.loadtxt(file, ndmin=2)
     except OSError as error:
-        raise InputError([Mistake(None, f"{path} cannot be read: {error.strerror}")]) from None
+        raise InputError.of(f"{path} cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise _mistake(path, str(error).split(";")[0], "rows of numbers of one length") from None
 
 
 def _mistake(path: Path, found: str, wanted: str) -> InputError:
-    return InputError([Mistake(None, f"{path}: {found}", f"needs {wanted}")])
+    return InputError.of(f"{path}: {found}", f"needs {wanted}")

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from followspot.cli.graph_options import frame_count
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 GRAPH = "graphs/glowballs.yaml"
 
@@ -32,10 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--frames", type=frame_count, metavar="N", help="track the first N frames only")
     parser.add_argument("--dry-run", action="store_true", help="show what would change, write no room")
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.refine.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object instead of a table")
+    add_output_options(parser, "refine")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -8,9 +8,10 @@ import json
 import numpy as np
 
 from followspot import Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.check.tracks import read_run, target_sightings
+from followspot_calibrate.output import print_result
 from followspot_calibrate.places import Places, find_places
 from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.choosing import telling, together
@@ -32,16 +33,11 @@ def refine_room(args: argparse.Namespace) -> int:
     found = refined(room, tracked, shown)
     clear_progress()
     report = args.report or args.room.with_suffix(".refine.html")
-    try:
+    with writing():
         if not args.dry_run:
             update(args.room, cameras={c.name: c for c in found.after.cameras}, planes=found.planes)
         write_report(report, page_of(room, found))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename} cannot be written: {error.strerror}") from None
-    if args.json:
-        print(json.dumps(as_json(found)))
-    else:
-        print(f"{as_text(found)}\nthe page to look at: {report}")
+    print_result(args, json.dumps(as_json(found)), as_text(found), report)
     return 0
 
 
@@ -49,12 +45,9 @@ def require(room: Room, args: argparse.Namespace) -> None:
     """Raises InputError if the room has cameras that cannot be compared with each other."""
     if len(room.cameras) < 3:
         text = f"{args.room} has {len(room.cameras)} cameras"
-        remedy = "three or more are needed; calibrate `wand` or `board` instead"
-        raise InputError([Mistake(None, text, remedy)])
+        raise InputError.of(text, "three or more are needed; calibrate `wand` or `board` instead")
     if not room.targets:
-        raise InputError(
-            [Mistake(None, f"{args.room} has no targets", "learn them first: followspot calibrate targets")]
-        )
+        raise InputError.of(f"{args.room} has no targets", "learn them first: followspot calibrate targets")
 
 
 def refined(room: Room, tracked: Tracked, shown: Places | None) -> Refinement:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 RADIUS = 0.0762
 """Radius of the 6-inch balls of Jin & Qian 2008, m."""
@@ -25,10 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="cameras and planes stay, also where they are slightly off",
     )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.targets.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object with the templates")
+    add_output_options(parser, "targets")
 
 
 def run(args: argparse.Namespace) -> int:

@@ -8,9 +8,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from followspot import Room, Target
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import FollowspotError, InputError, writing
 from followspot.room_file import load, update
 from followspot_calibrate.clips import folders_of
+from followspot_calibrate.output import print_result
 from followspot_calibrate.progress import clear_progress, show_progress
 from followspot_calibrate.refine.solving import Refinement
 from followspot_calibrate.report import write_report
@@ -30,8 +31,7 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     the others are written.
     """
     if args.radius is not None and not args.radius > 0:
-        text = f"--radius {args.radius:g} is not positive"
-        raise InputError([Mistake(None, text, "give metres, for example 0.05")])
+        raise InputError.of(f"--radius {args.radius:g} is not positive", "give metres, for example 0.05")
     room_file, radius = args.room, args.radius
     room = load(room_file)
     report = {folder.name: learn_aloud(folder, room) for folder in folders_of(args.clips, "target")}
@@ -46,14 +46,10 @@ def calibrate_targets(args: argparse.Namespace, usual: float) -> int:
     clear_progress()
     outcome = Outcome(report, told_apart(room, targets, report), held)
     page = args.report or room_file.with_suffix(".targets.html")
-    try:
+    with writing(room_file):
         write_room(room_file, targets, held.correction)
         write_report(page, page_of(room.name, outcome))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename or room_file} cannot be written: {error.strerror}") from None
-    for text in outcome.warnings:
-        print(f"warning: {text}", file=sys.stderr)
-    print(as_json(outcome) if args.json else f"{summary(outcome)}\nthe page to look at: {page}")
+    print_result(args, as_json(outcome), summary(outcome), page, outcome.warnings)
     if failed:
         raise FollowspotError(f"no camera saw {', '.join(failed)}; {room_file} has the other targets")
     return 0

@@ -22,10 +22,8 @@ APART = "blobs of the target on the left that the template above accepts, in the
 
 def summary(outcome: Outcome) -> str:
     """A line per target and camera, then the separability, and corrections of cameras."""
-    lines = [HEAD, *(template_row(name, one) for name, all_ in outcome.lessons.items() for one in all_)]
-    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-    rows = ([cell.ljust(width) for cell, width in zip(line, widths, strict=True)] for line in lines)
-    parts = ["\n".join("  ".join(row).rstrip() for row in rows)]
+    rows = [template_row(name, one) for name, all_ in outcome.lessons.items() for one in all_]
+    parts = [table(HEAD, rows)]
     if outcome.apart:
         one = worst(outcome.apart)
         parts.append(f"{APART}\n{table(('', *one.targets), accepted_rows(one))}")

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 from followspot.plugins.hooks import Command
+from followspot_calibrate.output import add_output_options
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,10 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="write clock_offset of all cameras into the room file; needs --fps",
     )
-    parser.add_argument(
-        "--report", type=Path, metavar="FILE.html", help="page to look at (default: ROOM.wand.html)"
-    )
-    parser.add_argument("--json", action="store_true", help="print one JSON object with the result")
+    add_output_options(parser, "wand")
 
 
 def frame_range(text: str) -> tuple[int, int | None]:

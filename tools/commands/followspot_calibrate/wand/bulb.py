@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_balls.glow import brightness
 from followspot_calibrate.adjust import Progress
@@ -34,7 +34,7 @@ def find_bulb(clips: Path, cameras: Sequence[Camera], progress: Progress | None 
     absent = [camera.name for camera in cameras if camera.name not in recordings]
     if absent:
         text = f"{clips} has no recording of {', '.join(absent)}"
-        raise InputError([Mistake(None, text, f"needs {clips / absent[0]}.mkv, or a room without it")])
+        raise InputError.of(text, f"needs {clips / absent[0]}.mkv, or a room without it")
     tracks = []
     for number, camera in enumerate(cameras):
         if progress is not None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera, Room
-from followspot.errors import FollowspotError, InputError, Mistake
+from followspot.errors import InputError, Mistake, writing
 from followspot.room import StageUse
 from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
+from followspot_calibrate.output import print_result
 from followspot_calibrate.places import find_places
 from followspot_calibrate.points_file import read_points
 from followspot_calibrate.progress import clear_progress, show_progress
@@ -43,17 +43,10 @@ def calibrate_wand(args: argparse.Namespace) -> int:
     result = calibrated(args, room)
     output = args.output or args.room
     report = args.report or output.with_suffix(".wand.html")
-    try:
+    with writing(output):
         write(result.cameras, room, args.room, output)
         write_report(report, page_of(room or Room(output.stem), result))
-    except OSError as error:
-        raise FollowspotError(f"{error.filename or output} cannot be written: {error.strerror}") from None
-    for text in result.warnings:
-        print(f"warning: {text}", file=sys.stderr)
-    if args.json:
-        print(as_json(result))
-    else:
-        print(f"{summary(result)}\nwritten to {output}; the page to look at: {report}")
+    print_result(args, as_json(result), summary(result), report, result.warnings, output)
     return 0
 
 
@@ -97,7 +90,7 @@ def _sightings(args: argparse.Namespace, known: Sequence[Camera], progress: Prog
     chosen = (found.frame >= first) & (found.frame <= (found.frame.max() if last is None else last))
     if not chosen.any():
         text = f"there are no points in the frames {first}-{'' if last is None else last}"
-        raise InputError([Mistake(None, text, f"there are {found.frame.min()}-{found.frame.max()}")])
+        raise InputError.of(text, f"there are {found.frame.min()}-{found.frame.max()}")
     return found.rows(chosen)
 
 
@@ -180,7 +173,7 @@ def _size(text: str | None) -> tuple[int, int] | None:
         return None
     width, _, height = text.lower().partition("x")
     if not (width.isdecimal() and height.isdecimal()):
-        raise InputError([Mistake(None, f"--size {text} is no size", "give width and height, as 640x480")])
+        raise InputError.of(f"--size {text} is no size", "give width and height, as 640x480")
     if not (0 < int(width) <= LARGEST and 0 < int(height) <= LARGEST):
-        raise InputError([Mistake(None, f"--size {text} is no size of a picture", f"from 1 to {LARGEST}")])
+        raise InputError.of(f"--size {text} is no size of a picture", f"from 1 to {LARGEST}")
     return int(width), int(height)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot.accuracy.rows import Row, read_rows
-from followspot.errors import InputError, Mistake
+from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_calibrate.wand.alignment import Marker
 
@@ -39,7 +39,7 @@ def read_marker(path: Path, cameras: Sequence[str]) -> Marker:
             raise row.mistake("camera", "each camera once per point")
         views[number] = row.numbers("u", "v")
     if not seen:
-        raise InputError([Mistake(None, f"{path} has no points", "needs lines x,y,z,camera,u,v")])
+        raise InputError.of(f"{path} has no points", "needs lines x,y,z,camera,u,v")
     return Marker(np.array(list(seen)), np.array(list(seen.values())))
 
 
