@@ -138,10 +138,9 @@ class Owed:
         return sum(isinstance(due, Spoken) for due in self.due) <= self.spare
 
     def rest(self) -> None:
-        """Nothing is on its way: what did not come was missing, and a cut before now takes nothing more."""
+        """Nothing is on its way: what did not come was missing. A cut may still be noticed later."""
         if not self.joins:
             self.due.clear()
-            self.leaks = False
             self.spare = 0
             self.given = self.got = self.consumed = 0
 

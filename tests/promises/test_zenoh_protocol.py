@@ -50,6 +50,8 @@ class ZenohEdge(RuleBasedStateMachine):
         self.announced: set[int] = set()
         self.number = self.time = 0
         self.over = self.silent = self.asleep = self.apart = False
+        self.was_cut = False
+        """Whether the first reader's cable was ever cut: the ends notice that at any later time."""
         self.writer_returns(0)
         for index in range(READERS):
             self.reader_returns(index)
@@ -181,9 +183,10 @@ class ZenohEdge(RuleBasedStateMachine):
 
     @rule(index=st.integers(0, 1), with_host=st.booleans())
     def reader_dies(self, index: int, with_host: bool) -> None:
+        """Alone, or with its host; Zenoh may keep its presence for ever if its link is just coming back."""
         reader = self.readers[index]
         if reader is not None:
-            if with_host:
+            if with_host or self.leaks(index):
                 self.hosts.reader_host_dies(index)
             reader.close()
             self.readers[index] = None
@@ -203,7 +206,7 @@ class ZenohEdge(RuleBasedStateMachine):
             incarnation=self.readers_before[index],
         )
         self.readers_before[index] += 1
-        self.eras[index] = [Owed(joins=True, leaks=self.apart, announced=self.announced)]
+        self.eras[index] = [Owed(joins=True, leaks=self.leaks(index), announced=self.announced)]
         if self.over:
             self.owed[index].say(Advance(END))
 
@@ -243,8 +246,8 @@ class ZenohEdge(RuleBasedStateMachine):
         self.writer_host = host
         self.over = self.asleep = False
         self.announced = set()
-        for eras in self.eras:
-            eras.append(Owed(leaks=self.apart, vague=True, announced=self.announced))
+        for index, eras in enumerate(self.eras):
+            eras.append(Owed(leaks=self.leaks(index), vague=True, announced=self.announced))
 
     @precondition(lambda self: self.speaks and not self.replaced and not self.apart)
     @rule()
@@ -271,9 +274,10 @@ class ZenohEdge(RuleBasedStateMachine):
     @precondition(lambda self: not self.apart)
     @rule(held=st.booleans())
     def cut(self, held: bool) -> None:
-        self.apart = True
+        self.apart = self.was_cut = True
         self.hosts.cable.hold() if held else self.hosts.cable.cut()
-        self.owed[0].leaks = True
+        for owed in self.eras[0]:
+            owed.leaks = True
 
     @precondition(lambda self: self.apart)
     @rule(lost=st.booleans())
@@ -348,6 +352,10 @@ class ZenohEdge(RuleBasedStateMachine):
                 end.close()
 
     # The pieces.
+
+    def leaks(self, index: int) -> bool:
+        """Whether messages to this reader may be missing."""
+        return index == 0 and self.was_cut
 
     @property
     def speaks(self) -> bool:

@@ -18,7 +18,7 @@ from followspot.messages import InvalidMessage, Message
 from followspot.operator.run_handle import RunHandle
 from followspot.taps.framing import Record
 from followspot.taps.receivers import Gaps, LocalReceiver, RemoteReceiver
-from followspot.transport.keys import look_key
+from followspot.transport.keys import tap_key
 from followspot.wire import unpack
 
 _PERIOD = 1.0
@@ -110,7 +110,7 @@ class _Feed:
     def _receive(self, homes: dict[str, str]) -> None:
         """Subscribe to taps on other hosts, before they are placed."""
         network = self._around.network
-        keys = {name: look_key(self._run.run, host, name, SINK) for name, host in homes.items()}
+        keys = {name: tap_key(self._run.run, host, name, SINK) for name, host in homes.items()}
         with self._lock:
             if keys and network is not None and not self._over.is_set():
                 self._remote.append(RemoteReceiver(network, keys, self._hear))

@@ -1,1 +1,1 @@
-"""The log of a run: workers collect records, hosts keep the newest of them, a file keeps all."""
+"""The log of a run: workers collect records, hosts keep the newest ones, and a file keeps all."""

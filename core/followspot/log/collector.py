@@ -1,4 +1,4 @@
-"""What stages and libraries of a worker say, until it is taken away: bounded, and in nobody's way."""
+"""Collects log records of a worker's stages and libraries, at a bounded rate, until the host takes them."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from followspot.log.record import MAX_TEXT, Level, LogRecord
 from followspot.stage import LOGGER
 
 PER_SECOND = 50.0
-"""Records taken in the long run, 1/s."""
+"""Records kept in the long run, 1/s."""
 BURST = 500
-"""Records taken at once; what comes on top is counted."""
+"""Records kept at once; further ones are only counted."""
 
 
 class LogCollector(logging.Handler):
-    """Takes Python's log records and warnings of stages; safe from any thread.
+    """Takes Python's log records and the warnings of stages. Safe from any thread.
 
-    worker: whose they are; monotonic: a clock, s.
+    worker: its name; monotonic: a clock, s.
     """
 
     def __init__(self, worker: str, monotonic: Callable[[], float] = time.monotonic) -> None:
@@ -33,7 +33,7 @@ class LogCollector(logging.Handler):
         self._allowed, self._at = float(BURST), monotonic()
 
     def say(self, level: Level, stage: str, text: str) -> None:
-        """Take a record, or count it where too many came."""
+        """Take a record, or only count it if too many came."""
         with self._guard:
             now = self._monotonic()
             self._allowed = min(BURST, self._allowed + (now - self._at) * PER_SECOND)
@@ -45,17 +45,17 @@ class LogCollector(logging.Handler):
             self._waiting.append(self._record(level, stage, text))
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Take one of Python's."""
+        """Take one of Python's log records."""
         try:
             text = record.getMessage()
             if record.exc_info:
                 text += "\n" + logging.Formatter().formatException(record.exc_info)
         except Exception as error:
-            text = f"{record.msg!r} cannot be told: {error}"
+            text = f"{record.msg!r} cannot be formatted: {error}"
         self.say(_level(record.levelno), record.name.removeprefix(f"{LOGGER}."), text)
 
     def take(self) -> list[LogRecord]:
-        """What has come since; each record once."""
+        """Records since the last call."""
         with self._guard:
             taken, self._waiting = self._waiting, []
             left_out, self._left_out = self._left_out, 0
@@ -69,7 +69,7 @@ class LogCollector(logging.Handler):
 
 @contextmanager
 def collecting(collector: LogCollector) -> Iterator[None]:
-    """While the block runs, what this process logs goes to the collector, from level info on."""
+    """Within the block, log records of this process go to the collector, from level info on."""
     root = logging.getLogger()
     before = root.level
     root.addHandler(collector)

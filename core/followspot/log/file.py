@@ -1,4 +1,4 @@
-"""The log of a run in its output folder: a JSON object a line."""
+"""The log file in the output folder of a run: a JSON object a line."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from followspot.log.record import LogRecord, records_from_data
 
 NAME = "log.jsonl"
 MAX_BYTES = 64 << 20
-"""Where the file ends, whatever comes."""
+"""Largest file, bytes; further records are not written."""
 
 
 class LogFile:
-    """Writes records to the folder; the file is made with the first, and ended by a disk that is full.
+    """Writes records to a file, which it creates with the first record, and ends when the disk is full.
 
-    again: whether it is the same run as before in this folder; else the log that is there goes.
+    again: whether the run of this folder goes on; else an older log there is deleted.
     """
 
     def __init__(self, folder: Path, *, again: bool = False) -> None:
@@ -32,7 +32,7 @@ class LogFile:
                 self.path.unlink()
 
     def write(self, record: LogRecord) -> None:
-        """Append a record, which is on the disk's way when this returns."""
+        """Append a record; the system has it when this returns."""
         line = json.dumps(record.to_data()) + "\n"
         if len(line) > self._left:
             return
@@ -45,12 +45,12 @@ class LogFile:
 
 
 def read_log(folder: Path) -> Iterator[LogRecord]:
-    """The records in a run's output folder. Raises InputError where there are none, or a line is none."""
+    """The records in a run's output folder. Raises InputError if there is no log, or a line is no record."""
     path = folder / NAME
     try:
         with open_text(path, errors="replace") as file:
             for number, line in enumerate(iter(lambda: file.readline(MAX_BYTES), ""), 1):
-                if line.endswith("\n"):  # else it is being written, or was when the run was killed
+                if line.endswith("\n"):  # else it is not written completely, or never will be
                     yield _record(path, number, line)
     except OSError as error:
         remedy = "name the output folder of a run, or a run that goes on"

@@ -10,15 +10,15 @@ from followspot.log.run_log import OnLog, RunLog
 
 
 class Logging(Protocol):
-    """Who keeps a log."""
+    """A host that keeps a log."""
 
     @property
     def log(self) -> RunLog:
-        """Of one host."""
+        """The host's log."""
 
 
 class MergedLog(RunLog):
-    """Takes the records of all hosts over in the order in which they come here."""
+    """Merges the logs of all hosts, in the order in which records arrive here."""
 
     def __init__(self, hosts: Sequence[Logging], on_log: OnLog | None = None) -> None:
         super().__init__(on_log)
@@ -26,12 +26,12 @@ class MergedLog(RunLog):
         self._gathering = Lock()
 
     def join(self, host: Logging) -> None:
-        """Take the records of one more host."""
+        """Merge the log of one more host."""
         with self._gathering:
             self._taken.append((host, [-1]))
 
     def gather(self) -> None:
-        """Take what is new; safe from any thread."""
+        """Take new records of all hosts. Safe from any thread."""
         with self._gathering:
             for host, last in self._taken:
                 while host.log.last > last[0]:

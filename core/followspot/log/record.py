@@ -13,7 +13,7 @@ from followspot.ranges import Last, Nanoseconds
 
 Level = Literal["info", "warning", "error"]
 LEVELS: tuple[Level, ...] = ("info", "warning", "error")
-"""The mildest first."""
+"""In order of severity."""
 MAX_TEXT = 4000
 """Longest text, characters."""
 PAGE = 500
@@ -23,9 +23,9 @@ _MAX_NAME = 300
 
 @dataclass(frozen=True)
 class LogRecord:
-    """What was said, and where: host, worker and stage are empty where it concerns none.
+    """A text with its origin; host, worker and stage are "" if it concerns none.
 
-    time: ns since 1970 by the clock of its host; stage: or the name of a Python logger that is no stage's.
+    time: ns since 1970 by the clock of its host; stage: its name, or that of another Python logger.
     """
 
     time: Nanoseconds
@@ -42,7 +42,7 @@ class LogRecord:
 
 @dataclass(frozen=True)
 class LogPage:
-    """Records in the order in which they came, and the number of the last; -1 before the first."""
+    """Records in order of arrival, and the number of the last; -1 before the first."""
 
     records: Annotated[tuple[LogRecord, ...], pydantic.Field(max_length=PAGE)] = ()
     last: Last = -1

@@ -1,4 +1,4 @@
-"""The newest records of a run, as a host or the operator's side keeps them."""
+"""The newest log records of a run, which each host keeps, and the operator."""
 
 from __future__ import annotations
 
@@ -11,17 +11,14 @@ from threading import Lock
 from followspot.log.record import MAX_TEXT, PAGE, Level, LogPage, LogRecord
 
 KEPT = 2000
-"""Records kept."""
+"""Most records kept."""
 
 OnLog = Callable[[LogRecord], None]
-"""Called with every record, in the order in which they come."""
+"""Called with every record, in order of arrival."""
 
 
 class RunLog:
-    """Records, numbered from 0 as they come; safe from any thread.
-
-    on_log: called with each.
-    """
+    """Records, numbered from 0 in order of arrival. Safe from any thread. on_log: called with each."""
 
     def __init__(self, on_log: OnLog | None = None) -> None:
         self.on_log = on_log
@@ -31,7 +28,7 @@ class RunLog:
         self._guard = Lock()
 
     def add(self, *records: LogRecord) -> None:
-        """Take records."""
+        """Append records."""
         with self._guard:
             for record in records:
                 self._kept.append(record)
@@ -40,11 +37,11 @@ class RunLog:
                     self.on_log(record)
 
     def say(self, level: Level, text: str, *, worker: str = "") -> None:
-        """Add a record of what happens here and now."""
+        """Append a record with the present time."""
         self.add(LogRecord(time.time_ns(), level, text[:MAX_TEXT], worker=worker))
 
     def after(self, number: int) -> LogPage:
-        """The records that came after the one of this number, as many as fit on a page, the oldest first."""
+        """Records after the one of this number, the oldest first, as many as fit on a page."""
         with self._guard:
             first = self.last + 1 - len(self._kept)
             start = max(0, number + 1 - first)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from followspot.errors import FollowspotError
 from followspot.files import DOCUMENT, read_bytes
-from followspot.transport.host_registry import NAME, REGISTRY, Member, Role, read_host_registry, roster_text
+from followspot.transport.host_registry import NAME, REGISTRY, Member, Role, read_host_registry, registry_text
 
 try:
     from cryptography import x509
@@ -149,10 +149,10 @@ class Authority:
         _write(home / "ca.pem", self._certificate.public_bytes(Encoding.PEM), 0o644)
 
     def _write_rosters(self) -> None:
-        _write(self.folder / REGISTRY, roster_text("", self._members).encode(), 0o644)
+        _write(self.folder / REGISTRY, registry_text("", self._members).encode(), 0o644)
         for name in self._members:
             if (self.folder / name).is_dir():
-                _write(self.folder / name / REGISTRY, roster_text(name, self._members).encode(), 0o644)
+                _write(self.folder / name / REGISTRY, registry_text(name, self._members).encode(), 0o644)
 
 
 def create_authority(folder: Path, now: datetime | None = None) -> Authority:
@@ -177,7 +177,7 @@ def create_authority(folder: Path, now: datetime | None = None) -> Authority:
         home.mkdir(mode=0o700, parents=True)
         _write(home / "key.pem", _key_text(key), 0o600)
         _write(home / "ca.pem", certificate.public_bytes(Encoding.PEM), 0o644)
-        _write(folder / REGISTRY, roster_text("", {}).encode(), 0o644)
+        _write(folder / REGISTRY, registry_text("", {}).encode(), 0o644)
     except OSError as error:
         raise FollowspotError(f"the authority cannot be written: {error}") from None
     return Authority(folder, now)

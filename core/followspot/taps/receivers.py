@@ -67,7 +67,7 @@ class RemoteReceiver:
 
     def __init__(self, network: Network, keys: Mapping[str, str], hear: Hear) -> None:
         """keys: of Zenoh, by port. Raises FollowspotError if the network cannot be reached."""
-        from followspot.transport.zenoh.post import looking
+        from followspot.transport.zenoh.post import subscribe
         from followspot.transport.zenoh.session import connected
 
         self._waiting: deque[tuple[str, bytes]] = deque()
@@ -78,7 +78,7 @@ class RemoteReceiver:
         self._thread = threading.Thread(target=hear, args=(self._records(),), name="taps", daemon=True)
         self._thread.start()
         for port, key in keys.items():
-            looking(self._session, key, partial(self._arrived, port))
+            subscribe(self._session, key, partial(self._arrived, port))
 
     def close(self) -> None:
         """Hear the rest of the queue, and unsubscribe."""

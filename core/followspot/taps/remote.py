@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from followspot.transport.keys import look_key
+from followspot.transport.keys import tap_key
 
 if TYPE_CHECKING:
     import zenoh
 
     from followspot.transport.zenoh.network import Network
 
-__all__ = ["RemoteTaps", "look_key"]
+__all__ = ["RemoteTaps", "tap_key"]
 
 
 class RemoteTaps:
@@ -31,10 +31,10 @@ class RemoteTaps:
 
         host: of the port's stage; uses: the tap; take: called with each packet in a thread of Zenoh.
         """
-        from followspot.transport.zenoh.post import looking
+        from followspot.transport.zenoh.post import subscribe
 
         if port not in self._subscribers:
-            self._subscribers[port] = looking(self._session, look_key(self._run, host, port, uses), take)
+            self._subscribers[port] = subscribe(self._session, tap_key(self._run, host, port, uses), take)
 
     def unsubscribe(self, *ports: str) -> None:
         """Take no more packets of these ports."""

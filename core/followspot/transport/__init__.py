@@ -1,6 +1,7 @@
 """Edges between workers: what may cross a process boundary, and how.
 
-Entry: `edge.PortWriter` and `edge.PortReader`, with two kinds behind them: the ring in shared memory
-(`ring_writer`, `ring_reader`) within a host, Zenoh (`zenoh_edge`) between hosts. An edge within one worker
-is a call and needs nothing of this. Not here: when a stage fires, what is counted, who connects whom.
+Entry: `edge.PortWriter` and `edge.PortReader`, with two kinds behind them: the ring in shared memory (`ring`)
+within a host, Zenoh (`zenoh`) between hosts. Writers hold back until readers give credit, which is the
+backpressure of an edge. An edge within one worker is a call and needs nothing of this package. Firing,
+counting and connecting belong to `followspot.worker`.
 """

@@ -1,7 +1,7 @@
-"""Messages to bytes and back, with everything checked on arrival (docs/wire.md).
+"""Messages to bytes and back; everything is checked on arrival (docs/wire.md).
 
-Both sides know the message type. The head repeats its contract, so that a reader of another version
-finds out, and a stranger can read it. Whatever does not fit is an InvalidMessage, never a crash.
+Both sides know the message type. The head repeats its contract, so that a reader of another version notices,
+and other programs can read it. Bytes that do not fit raise InvalidMessage.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ MAX_PACKED = MAX_BYTES + 2 * MAX_HEAD
 
 
 class Codec:
-    """Encodes and decodes one message type; what depends on the type alone is prepared once."""
+    """Encodes and decodes one message type; prepares once what depends on the type alone."""
 
     def __init__(self, kind: type[Message]) -> None:
-        """Raises TypeError where a column is not made of plain numbers."""
+        """Raises TypeError if a column is not made of plain numbers."""
         self.kind = kind
         self.name = kind.__qualname__
         self.places = Struct(f"<{len(kind.columns)}q")
-        """Where in a body each array begins."""
+        """Layout of the index in a body, bytes, at which each array begins."""
         self._shaped: tuple[Any, list[tuple[int, ...]], list[int]] = (self, [], [])
         self._columns = tuple((c.name, c.dtype.str, c.shape, c.dtype) for c in kind.columns)
         for name, code, shape, dtype in self._columns:
@@ -54,15 +54,15 @@ class Codec:
     def decode(self, head: list[Any], body: Array, places: bytes | memoryview | None = None) -> Message:
         """The message of an unpacked head, with read-only views of `body` as its arrays.
 
-        body: (B,) uint8, aligned; places: where in it each array begins, packed by `places`; one after
-        the other, and no byte more, unless told. Raises InvalidMessage.
+        body: (B,) uint8, aligned; places: index in it, bytes, at which each array begins, packed by
+        `self.places`; without it, arrays follow each other and fill the body. Raises InvalidMessage.
         """
         if len(head) != 7 or head[0] != self.name:
             raise InvalidMessage(f"expected {self.name} of 7 parts, not {str(head[0])[:80]} of {len(head)}")
         header = _header(*head[1:5])
         values = self._scalars(head[5])
         shaped = self._shaped
-        if head[6] != shaped[0]:  # mostly, the columns are like those before
+        if head[6] != shaped[0]:  # mostly the columns are those of the message before
             shaped = self._shaped = (head[6], *self.shapes(head[6]))
         _, shapes, spans = shaped
         if places is None:
@@ -127,7 +127,7 @@ _CODECS: dict[type[Message], Codec] = {}
 
 
 def codec_of(kind: type[Message]) -> Codec:
-    """The codec of a message type. Raises TypeError where a column is not made of plain numbers."""
+    """The codec of a message type. Raises TypeError if a column is not made of plain numbers."""
     codec = _CODECS.get(kind)
     if codec is None:
         codec = _CODECS[kind] = Codec(kind)
@@ -147,19 +147,19 @@ def pack(token: Message | Watermark) -> bytes:
 
 
 def unpack(data: bytes, kind: type[Message]) -> Message | Watermark:
-    """What `pack` packed, the arrays in fresh memory. Raises InvalidMessage."""
+    """The token that `pack` packed, its arrays in new memory. Raises InvalidMessage."""
     if len(data) > MAX_PACKED:
         raise InvalidMessage(f"{len(data)} bytes, at most {MAX_PACKED} allowed")
     head, start = unpack_head(data)
     if head[0] is None:
-        return Watermark(_bound(head, len(data) - start))
+        return Watermark(_watermark_time(head, len(data) - start))
     body = aligned(len(data) - start)
     body[:] = np.frombuffer(data, np.uint8, offset=start)
     return codec_of(kind).decode(head, body)
 
 
 def _successive(spans: Sequence[int], size: int) -> list[int]:
-    """Where arrays of these sizes begin when they fill `size` bytes one after the other."""
+    """Indices, bytes, at which arrays of these sizes begin if they fill `size` bytes one after the other."""
     starts = []
     end = 0
     for span in spans:
@@ -181,7 +181,7 @@ def _header(source: Any, seq: Any, time: Any, entered: Any) -> Header:
     return in_range(header)
 
 
-def _bound(head: list[Any], surplus: int) -> int:
+def _watermark_time(head: list[Any], surplus: int) -> int:
     if len(head) != 2 or type(head[1]) is not int or not is_watermark(head[1]) or surplus:
         raise InvalidMessage(f"the watermark {str(head)[:80]} is not one number in its range")
     return head[1]

@@ -1,4 +1,4 @@
-"""The writing end of an edge that drops: its reader may be as slow as it likes, and gets the newest."""
+"""The writing end of an edge that drops messages: a slow reader causes no backpressure."""
 
 from __future__ import annotations
 
@@ -25,42 +25,42 @@ class Replaceable(Protocol):
 class DroppingWriter:
     """`PortWriter` of one reader that always takes a message.
 
-    What the reader gives no credit for waits here, as many messages as the edge is deep; of more, the oldest
-    is dropped. Watermarks keep their place between the messages.
+    Messages without credit wait here, as many as the edge is deep; if more come, the oldest is dropped.
+    Watermarks keep their place between the messages.
     """
 
     def __init__(self, inner: PortWriter, depth: int) -> None:
-        """inner: has one reader and the credit for what is on its way to it; depth: messages that wait."""
+        """inner: the writer, whose credit limits messages on their way; depth: messages that wait."""
         self.inner = inner
         self.depth = depth
         self.dropped: Callable[[], None] = _nobody_counts
         """Called for each message that is dropped."""
         self.refused: Callable[[str], None] = _nobody_listens
-        """Called with the reason for each message that cannot travel."""
+        """Called with the reason for each message that cannot be sent."""
         self._waiting: deque[Message | Watermark] = deque()
         self._messages = 0
-        """Of those that wait."""
+        """Messages among the tokens that wait."""
 
     @property
     def lost(self) -> frozenset[int]:
-        """As the inner writer knows it."""
+        """That of the inner writer."""
         return self.inner.lost
 
     @property
     def strangers(self) -> int:
-        """As the inner writer knows it."""
+        """That of the inner writer."""
         return self.inner.strangers
 
     def perished(self) -> list[tuple[int, int]]:
-        """As the inner writer knows it; what waits here is dropped, or sent to the next reader."""
+        """As the inner writer knows it; messages that wait here are dropped, or sent to the next reader."""
         return self.inner.perished()
 
     def matched(self) -> bool:
-        """As the inner writer knows it."""
+        """That of the inner writer."""
         return self.inner.matched()
 
     def credit(self) -> int:
-        """There is always room."""
+        """More than a writer ever sends at once: the edge always takes a message."""
         return _PLENTY
 
     def send(self, token: Message | Watermark) -> None:
@@ -82,7 +82,7 @@ class DroppingWriter:
         return None
 
     def flush(self) -> bool:
-        """Send what waits. True when nothing does."""
+        """Send what waits. True when nothing waits."""
         self._pass_on()
         return self.inner.flush() and not self._waiting
 
@@ -95,7 +95,7 @@ class DroppingWriter:
         self.inner.want_credit()
 
     def drain(self) -> None:
-        """Swallow wake-ups and send what waited; nobody will want it where the reader died."""
+        """Clear wake-ups, and send what waited; drop it if the reader died."""
         self.inner.drain()
         self._pass_on()
 
@@ -109,7 +109,7 @@ class DroppingWriter:
         self.inner.replace(index, sock)
 
     def _pass_on(self) -> None:
-        """Send what the reader has credit for; ask to be woken where something must wait."""
+        """Send messages while there is credit; ask for a wake-up if one must wait."""
         if self.inner.lost:
             while self._messages:
                 self._drop_oldest()
@@ -144,8 +144,8 @@ class DroppingWriter:
 
 
 def _nobody_counts() -> None:
-    """Outside a run there is no ledger."""
+    """The default outside a run, which has no ledger."""
 
 
 def _nobody_listens(_: str) -> None:
-    """Outside a run there is nobody to tell."""
+    """The default outside a run."""

@@ -1,8 +1,8 @@
 """The two ends of an edge between workers, alike for the ring and for Zenoh.
 
-One writer serves all readers of an output port; each reader gets every token, in order. Messages need
-credit: at most `depth` of them are on their way to the slowest reader. Watermarks need none. Nothing
-here blocks: the runtime polls file descriptors and asks again. A peer that dies is `lost`, no exception.
+One writer serves all readers of an output port; each reader gets every token, in order. Backpressure is
+credit: at most `depth` messages are on their way to the slowest reader. Watermarks need no credit. No call
+blocks: the scheduler polls file descriptors and asks again. A peer that dies is `lost`, which raises nothing.
 """
 
 from __future__ import annotations
@@ -17,55 +17,55 @@ from followspot.transport.token import Token, Watermark
 class PortWriter(Protocol):
     """The writing end of all edges of one kind from one output port.
 
-    To sleep until credit comes: `want_credit()`, look at `credit()` once more, poll `filenos()` with a time
-    limit (100 ms), `drain()`. To finish: send `Settled(END)`, `flush()` until it is true, `close()`.
+    To sleep until credit comes: `want_credit()`, ask `credit()` once more, poll `filenos()` with a time
+    limit (100 ms), `drain()`. To finish: send `Watermark(END)`, `flush()` until it is true, `close()`.
     """
 
     @property
     def lost(self) -> frozenset[int]:
-        """Readers, by their index, that `drain` found gone before the end; they hold up nothing any more."""
+        """Indices of readers that `drain` found gone before the end; the writer no longer waits for them."""
 
     @property
     def strangers(self) -> int:
-        """How much came that was malformed or not from a reader; no ledger knows it."""
+        """How much came that was malformed or not from a reader; no ledger counts it."""
 
     def perished(self) -> list[tuple[int, int]]:
-        """Readers, by their index, that died, and how many messages were on their way to each; told once.
+        """Indices of readers that died since the last call, each with its messages that were on their way.
 
-        After `close` also those that were cut off and did not come back. A reader may have taken one or two
-        more than it had said.
+        After `close` also readers that were cut off and did not come back. A reader may have taken one or two
+        messages more than it had reported.
         """
 
     def matched(self) -> bool:
-        """Whether every reader is there; until then what is sent may miss it."""
+        """Whether every reader is there; tokens that are sent before may not reach it."""
 
     def credit(self) -> int:
-        """How many messages may be sent now; the depth where no reader is left."""
+        """How many messages may be sent now; the depth if no reader is left."""
 
     def send(self, token: Message | Watermark) -> None:
         """Send a sealed, stamped message, which needs credit, or a watermark.
 
-        Watermarks that have to wait are merged. Raises InvalidMessage where a message cannot be put on
-        the wire (a head of over 64 kB), and RuntimeError where it has no credit; nothing was sent then.
+        Watermarks that have to wait are merged. Raises InvalidMessage if a message cannot be put on the
+        wire (a head of over 64 kB), and RuntimeError if it has no credit; nothing is sent then.
         """
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
-        """A writable array to compute an output into, to be sent without a copy; None if there is none."""
+        """A writable array for an output, which is sent without a copy; None if there is none."""
 
     def flush(self) -> bool:
-        """Send what had to wait. True when nothing waits."""
+        """Send tokens that had to wait. True when none waits."""
 
     def filenos(self) -> list[int]:
-        """File descriptors that become readable when credit came, a reader died, or `flush` may go on."""
+        """File descriptors that become readable when credit comes, a reader dies, or `flush` may go on."""
 
     def want_credit(self) -> None:
-        """Ask to be woken through `filenos()` by the next credit."""
+        """Ask for a wake-up through `filenos()` at the next credit."""
 
     def drain(self) -> None:
-        """Swallow the wake-ups, notice who died, and send what had to wait."""
+        """Clear wake-ups, notice which readers died, and send tokens that had to wait."""
 
     def close(self) -> None:
-        """Let go of everything; loans and messages in other hands stay valid."""
+        """Close this end; loans and messages that a stage still holds stay valid."""
 
 
 class PortReader(Protocol):
@@ -73,27 +73,27 @@ class PortReader(Protocol):
 
     @property
     def lost(self) -> bool:
-        """Whether the writer is gone without having ended the stream; `poll` still gives what had arrived."""
+        """Whether the writer is gone and has not ended the stream; `poll` still gives what had arrived."""
 
     @property
     def broken(self) -> bool:
-        """Whether nothing will ever come from here any more, not even when the writer is started again."""
+        """Whether this reader is of no more use: a writer that is started again needs another one."""
 
     @property
     def strangers(self) -> int:
-        """How much came that was malformed or not from the writer; no ledger knows it."""
+        """How much came that was malformed or not from the writer; no ledger counts it."""
 
     def matched(self) -> bool:
         """Whether the writer is there."""
 
     def poll(self) -> list[Token]:
-        """What has arrived: each message that was sent, or an `Invalid` in its place, and watermarks."""
+        """Tokens that have arrived: each message, or an `Invalid` in its place, and watermarks."""
 
     def fileno(self) -> int:
-        """Readable when `poll` has something to give, or the writer died."""
+        """File descriptor, readable when `poll` has tokens or the writer died."""
 
     def consumed(self, count: int = 1) -> None:
-        """Give credit for messages, or `Invalid`s in their place, that were taken out of the queue."""
+        """Give credit for messages that left the queue, or for an `Invalid` in their place."""
 
     def close(self) -> None:
-        """Let go of everything; messages in other hands stay valid."""
+        """Close this end; messages that a stage still holds stay valid."""

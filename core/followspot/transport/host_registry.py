@@ -1,7 +1,8 @@
-"""The certificates of a host as a folder, and who is who: names and roles that the authority has certified.
+"""The folder of a host's certificates, and the registry of hosts: certified names and roles.
 
-``ca.pem``, ``cert.pem``, ``key.pem`` serve TLS; ``hosts.json`` says whose folder it is and lists all hosts,
-for Zenoh's access control knows certificates by their common name only. Who is not listed may do nothing.
+``ca.pem``, ``cert.pem``, ``key.pem`` serve TLS. ``hosts.json`` says to which host the folder belongs and
+lists all hosts, for Zenoh's access control knows certificates by their common name only. A host that is not
+listed may do nothing.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ _FILES = ("ca.pem", "cert.pem", "key.pem", REGISTRY)
 
 @dataclass(frozen=True)
 class Member:
-    """A host that the authority knows; expires: when its certificate ends."""
+    """A host in the registry; expires: when its certificate ends."""
 
     name: str
     role: Role
@@ -38,7 +39,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Certificates:
-    """A checked folder of certificates: whose it is, and everyone."""
+    """A checked folder of certificates: its own host, and all hosts."""
 
     folder: Path
     own: Member
@@ -48,7 +49,7 @@ class Certificates:
 def read_certificates(folder: Path, now: datetime | None = None) -> Certificates:
     """Check the folder of a host's certificates.
 
-    Raises FollowspotError where a file is missing, others can read the key, or the certificate has expired.
+    Raises FollowspotError if a file is missing, others can read the key, or the certificate has expired.
     """
     for name in _FILES:
         if not (folder / name).is_file():
@@ -74,7 +75,7 @@ def read_certificates(folder: Path, now: datetime | None = None) -> Certificates
 
 
 def read_host_registry(path: Path) -> tuple[str, tuple[Member, ...]]:
-    """Whose roster it is ("" the authority's) and its members. Raises FollowspotError."""
+    """Name of the host whose registry it is ("" the authority's), and all hosts. Raises FollowspotError."""
     try:
         data = json.loads(read_bytes(path, DOCUMENT))
         if not isinstance(data, dict) or data.get("format") != FORMAT:
@@ -84,7 +85,7 @@ def read_host_registry(path: Path) -> tuple[str, tuple[Member, ...]]:
         raise FollowspotError(f"{path} is no list of hosts: {error}") from None
 
 
-def roster_text(own: str, members: Mapping[str, Member]) -> str:
+def registry_text(own: str, members: Mapping[str, Member]) -> str:
     """The file `hosts.json`."""
     hosts = {m.name: {"role": m.role, "expires": m.expires.isoformat()} for m in members.values()}
     return json.dumps({"format": FORMAT, "own": own, "hosts": hosts}, indent=2) + "\n"

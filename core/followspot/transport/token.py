@@ -1,4 +1,4 @@
-"""What travels on an edge besides messages: watermarks, and what arrived broken."""
+"""Tokens of an edge besides messages: watermarks, and what stands for an invalid message."""
 
 from __future__ import annotations
 
@@ -7,38 +7,35 @@ from typing import NamedTuple
 from followspot.messages import MAX_TIME, Message
 
 END = 2**63 - 1
-"""The bound, ns, of a stream that is over."""
+"""Watermark, ns, of a stream that has ended."""
 ABSENT = END - 1
-"""The bound, ns, of a stream whose source is away: nothing comes for now; whatever comes next ends that."""
+"""Watermark, ns, of a stream whose source is away: nothing comes for now; the next token ends the absence."""
 MAX_LATENESS = 1 << 61
-"""What the windows of all joins of a graph can add to a capture time, ns."""
+"""Largest sum of the windows of joins along a path of a graph, ns."""
 MAX_WATERMARK = MAX_TIME + MAX_LATENESS
-"""Largest bound, ns, that a message leads to; `ABSENT` and `END` lie beyond."""
+"""Latest watermark, ns, that a message can lead to; `ABSENT` and `END` lie beyond."""
 
 MAX_COUNT = 1 << 62
-"""Largest count that one end tells the other: what is added to it still fits into the next."""
+"""Largest count that one end reports to the other; sums of two still fit into 64 bits."""
 
 
 class Watermark(NamedTuple):
-    """Nothing earlier than `time` (ns) will come; `END` for the end of the stream."""
+    """Nothing earlier than `time`, ns, will come; `END` ends the stream, `ABSENT`: its source is away."""
 
     time: int
 
 
 def is_watermark(number: int) -> bool:
-    """Whether a writer may say so: what a message leads to, the absence, or the end."""
+    """Whether `number` can be a watermark, ns: a time in range, `ABSENT` or `END`."""
     return -MAX_WATERMARK <= number <= MAX_WATERMARK or number in (ABSENT, END)
 
 
 class Invalid(NamedTuple):
-    """Stands, at the reader, for a message that was lost or breaks its contract; the text says why.
-
-    missing: whether it was lost on its way.
-    """
+    """Takes the place of a message that was lost on its way (`missing`) or breaks its contract."""
 
     reason: str
     missing: bool = False
 
 
 Token = Message | Watermark | Invalid
-"""What a reader hands out; a sealed message settles its own time, so the edge's bound is time + 1."""
+"""What a reader gives; a message advances the edge's watermark to its time + 1, plus the allowed lateness."""

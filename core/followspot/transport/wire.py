@@ -1,4 +1,4 @@
-"""The frame of everything on the wire: a prefix, a msgpack head, aligned bytes (docs/wire.md)."""
+"""The frame of every token on the wire: a prefix, a msgpack head, aligned bytes (docs/wire.md)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MAX_HEAD = (1 << 16) - ALIGN
 """Largest msgpack head, bytes."""
 
 _PACKER = msgpack.Packer()
-"""One for all, and the interpreter's lock around it: a new one costs a page fault per message."""
+"""Shared by all threads under the interpreter's lock: a new packer costs a page fault per message."""
 
 
 def padded(size: int) -> int:
@@ -30,13 +30,13 @@ def padded(size: int) -> int:
 
 def aligned(size: int) -> Array:
     """An uninitialised (size,) uint8 array whose memory starts at a multiple of `ALIGN`."""
-    room = np.empty(size + ALIGN, np.uint8)
-    start = -room.ctypes.data % ALIGN
-    return room[start : start + size]
+    memory = np.empty(size + ALIGN, np.uint8)
+    start = -memory.ctypes.data % ALIGN
+    return memory[start : start + size]
 
 
 def pack_head(fields: Sequence[Any]) -> bytes:
-    """Prefix and msgpack array, padded with zeros. Raises InvalidMessage where a field cannot be sent."""
+    """Prefix and msgpack array, padded with zeros. Raises InvalidMessage if a field cannot be sent."""
     try:
         head: bytes = _PACKER.pack(fields)
     except (TypeError, ValueError, OverflowError) as error:
@@ -48,7 +48,10 @@ def pack_head(fields: Sequence[Any]) -> bytes:
 
 
 def unpack_head(data: bytes | memoryview) -> tuple[list[Any], int]:
-    """The fields of the head that `data` begins with, and where the rest begins. Raises InvalidMessage."""
+    """The fields of the head at the start of `data`, and the index of the first byte after it, in bytes.
+
+    Raises InvalidMessage.
+    """
     if len(data) < PREFIX.size:
         raise InvalidMessage(f"{len(data)} bytes are too few for a head")
     version, size = PREFIX.unpack_from(data)

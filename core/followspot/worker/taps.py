@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 
 from followspot.control.tapping import Tapping
 from followspot.stage import Post
-from followspot.transport.keys import look_key
+from followspot.transport.keys import tap_key
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.scheduler import Worker
 from followspot.worker.tapping import close_taps, tap
@@ -49,4 +49,4 @@ class WorkerTaps:
             return None
         from followspot.transport.zenoh.post import ZenohPost
 
-        return ZenohPost(session, look_key(self._links.run, self._host, tapping.port, tapping.uses))
+        return ZenohPost(session, tap_key(self._links.run, self._host, tapping.port, tapping.uses))

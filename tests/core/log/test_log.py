@@ -49,7 +49,7 @@ def test_what_stages_and_libraries_say_is_collected_while_the_block_runs() -> No
     ]
     assert said[0].text == "dark, 3 lux"
     assert said[1].text.endswith("OSError: gone")
-    assert "cannot be told" in said[2].text
+    assert "cannot be formatted" in said[2].text
     assert collector.take() == []
 
 

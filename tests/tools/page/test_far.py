@@ -13,7 +13,7 @@ from followspot import Context, Network
 from followspot.messages import Header, Message, stamped
 from followspot.room import Room
 from followspot.tracking import Blobs, Frame
-from followspot.transport.keys import look_key
+from followspot.transport.keys import tap_key
 from followspot.transport.zenoh.post import ZenohPost
 from followspot.transport.zenoh.session import locators, open_session
 from followspot_dashboard.line import packet, read
@@ -35,7 +35,7 @@ def worker() -> Iterator[zenoh.Session]:
 
 
 def post(session: zenoh.Session, run: str, port: ShownPort) -> ZenohPost:
-    return ZenohPost(session, look_key(run, port.host, port.name, TAP))
+    return ZenohPost(session, tap_key(run, port.host, port.name, TAP))
 
 
 def at(ms: int, message: Message) -> Message:

@@ -17,7 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle, Tapping
-from followspot.taps.remote import look_key
+from followspot.taps.remote import tap_key
 from followspot_record.order import Order
 
 TAP = "recording.tap"
@@ -132,7 +132,7 @@ def recordable(plan: Plan) -> list[str]:
 def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
     """The ports on other hosts, with the Zenoh keys of their taps."""
     there = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in names}
-    return {name: look_key(run, host, name, TAP) for name, host in there.items() if host}
+    return {name: tap_key(run, host, name, TAP) for name, host in there.items() if host}
 
 
 def _params(name: str, listen: Path | None) -> dict[str, str]:

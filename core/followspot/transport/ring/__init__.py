@@ -1,1 +1,1 @@
-"""Edges between processes of one host: shared memory, and small datagrams that say what lies in it."""
+"""Edges between processes of one host: shared memory, and datagrams that tell what lies in it."""

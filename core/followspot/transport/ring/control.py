@@ -10,23 +10,23 @@ from followspot.messages import Array
 from followspot.transport.ring.memory import Memory
 
 ARENAS = 20
-"""Most arenas in a ring's life: each at least doubles the slots, from a page to the largest message."""
+"""Most arenas of a ring: each at least doubles the size of a slot, from a page to the largest message."""
 _CONSUMED, _SENT, _WAITING, _RELEASED = range(4)
 _FENCE = Lock()
 
 
 def fence() -> None:
-    """Order my earlier stores before my later loads as the other process sees them.
+    """Order this process's earlier stores before its later loads, as the other process sees them.
 
-    Both sides store a word and then look at the other's; without a fence, both may miss it. To take a lock
-    is a full fence on x86; on machines with weaker order the time limit of the runtime's sleep heals a miss.
+    Each side stores a word and then loads the other's; without a fence, both may miss it. Taking a lock is a
+    full fence on x86; on machines with weaker order the time limit of the scheduler's sleep heals a miss.
     """
     with _FENCE:
         pass
 
 
 class Control:
-    """8-byte words in shared memory, each stored by one side only; the request is cleared by the other."""
+    """8-byte words in shared memory, each stored by one side; the reader clears the request for a wake-up."""
 
     def __init__(self, memory: Memory, slots: int) -> None:
         self.memory = memory
@@ -49,7 +49,7 @@ class Control:
 
     @property
     def sent(self) -> int:
-        """Datagrams sent so far: a hint that saves the reader a look. Stored by the writer."""
+        """Datagrams sent so far, which saves the reader a system call. Stored by the writer."""
         return self._words[_SENT]
 
     @sent.setter
@@ -57,13 +57,13 @@ class Control:
         self._words[_SENT] = count
 
     def released(self, arena: int) -> Array:
-        """(slots,) uint64: stamp of the last message of each slot that the reader let go; it stores them."""
+        """(slots,) uint64: stamp of the last message released in each slot. Stored by the reader."""
         row: Array = self._released[arena]
         return row
 
     @property
     def waiting(self) -> bool:
-        """Whether the writer asks to be woken. Set by the writer, cleared by the reader."""
+        """Whether the writer asks for a wake-up. Set by the writer, cleared by the reader."""
         return self._words[_WAITING] != 0
 
     @waiting.setter

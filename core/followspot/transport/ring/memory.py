@@ -1,4 +1,4 @@
-"""Memory that two processes share and nobody can see, or leave behind, in the filesystem."""
+"""Memory that two processes share; it has no name in the filesystem, so none is left behind."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ _SEALS = fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
 
 
 class Memory:
-    """A mapped memory file; it is gone when the last process that maps it is.
+    """A mapped memory file, which the system frees when the last process unmaps it.
 
-    Its size is sealed: a peer that could shrink it could crash whoever maps it.
+    Its size is sealed: a peer that could shrink it could crash every process that maps it.
     """
 
     def __init__(self, fd: int, size: int, *, writable: bool) -> None:
-        """Takes over `fd`.
+        """Map `fd`, and own it from now on.
 
-        Raises ValueError where it is not a sealed memory file of at least `size` bytes, OSError where it
-        cannot be mapped.
+        Raises ValueError if it is not a sealed memory file of at least `size` bytes, OSError if it cannot be
+        mapped.
         """
         self.fd = fd
         if not _sealed(fd) or os.fstat(fd).st_size < size:
@@ -44,8 +44,8 @@ class Memory:
 
 
 def _sealed(fd: int) -> bool:
-    """Whether it is a file in memory that nobody can shrink."""
+    """Whether it is a memory file that no process can shrink."""
     try:
         return bool(fcntl.fcntl(fd, fcntl.F_GET_SEALS) & fcntl.F_SEAL_SHRINK)
-    except OSError:  # it is something else
+    except OSError:  # not a memory file
         return False

@@ -37,16 +37,16 @@ _ANCILLARY, _FLAGS = socket.CMSG_LEN(4), socket.MSG_CMSG_CLOEXEC
 """A datagram may bring one file descriptor."""
 _NONE = (0, 0, 0, 0, 0)
 _BATCH = 256
-"""Most datagrams that one poll takes; a flood of watermarks must not hold up the worker."""
+"""Most datagrams that one poll takes, so that a flood of watermarks does not hold up the worker."""
 _MOST_MISSING = 256
-"""Messages that may be missing before one; a socket loses none, so more are not believed."""
+"""Most messages that may be missing before one; a socket loses none, so a larger gap is refused."""
 
 
 class RingReader:
     """`PortReader` on the writer's host.
 
     The arrays of a message are read-only views; the slot is released when the last of them dies. A stage may
-    keep as many as it likes: over its share of the slots, it gets copies.
+    keep any number of messages: beyond its share of the slots, it gets copies.
     """
 
     def __init__(self, sock: socket.socket, kind: type[Message]) -> None:
@@ -75,12 +75,12 @@ class RingReader:
 
     @property
     def lost(self) -> bool:
-        """Whether the writer is gone without an end."""
+        """Whether the writer is gone without having ended the stream."""
         return self._closed and not self._ended
 
     @property
     def broken(self) -> bool:
-        """Whether the writer is gone: another one comes over another socket."""
+        """Whether the writer is gone: its replacement has another socket."""
         return self._closed
 
     def matched(self) -> bool:
@@ -92,9 +92,9 @@ class RingReader:
         return self._socket.fileno()
 
     def poll(self) -> list[Token]:
-        """What has arrived, at most 256 datagrams at once.
+        """Tokens that have arrived, at most 256 datagrams at once.
 
-        Raises FollowspotError where memory cannot be mapped.
+        Raises FollowspotError if memory cannot be mapped.
         """
         tokens: list[Token] = []
         for _ in range(_BATCH):
@@ -103,7 +103,7 @@ class RingReader:
             except BlockingIOError:
                 break
             except ConnectionResetError:
-                continue  # the writer left wake-ups unread; what it sent is still there
+                continue  # the writer left wake-ups unread; its datagrams are still there
             except OSError:
                 size = 0
             if not size:
@@ -117,7 +117,7 @@ class RingReader:
         return tokens
 
     def consumed(self, count: int = 1) -> None:
-        """Give credit for messages that were taken out of the queue."""
+        """Give credit for messages that left the queue."""
         if self._control is not None:
             self._consumed += count
             self._control.consumed = self._consumed
@@ -125,11 +125,11 @@ class RingReader:
             self._wake()
 
     def close(self) -> None:
-        """Close the socket; messages in other hands stay valid, and release their slots when they die."""
+        """Close the socket; messages that a stage still holds stay valid, and release their slots later."""
         self._socket.close()
 
     def _accept(self, data: memoryview, extra: Sequence[tuple[int, int, bytes]], tokens: list[Token]) -> None:
-        """Append what one datagram says, which brought `extra` (a file descriptor)."""
+        """Append the token of one datagram; extra: the file descriptor that it brought, if any."""
         whole = len(data) >= NOTIFICATION.size
         kind, number, slot, size, value = NOTIFICATION.unpack_from(data) if whole else _NONE
         if kind in (INLINE, SLOT) and not extra and 0 <= value - self._sequence <= _MOST_MISSING:
@@ -162,7 +162,7 @@ class RingReader:
         return self._codec.decode(head, body, data[NOTIFICATION.size + start :])
 
     def _body(self, number: int, slot: int, size: int) -> Array:
-        """The slot, leased, as bytes; a copy of its first `size` where this reader holds its share."""
+        """The slot, leased, as bytes; a copy of its first `size` if this reader has its share of leases."""
         arena = self._arena
         if arena is None or number != arena.number or slot >= len(self._interfaces) or size > arena.capacity:
             raise InvalidMessage(f"{size} bytes in slot {slot} of arena {number}, which does not exist")
@@ -175,7 +175,7 @@ class RingReader:
         return body
 
     def _release(self, lease: Lease) -> None:
-        """Let go of the message in a slot. Its stamp is its sequence number + 1."""
+        """Release the message in a slot. Its stamp is its sequence number + 1."""
         if self._control is not None:
             self._control.released(lease.arena.number)[lease.slot] = lease.stamp
         self._leased.discard((lease.arena.number, lease.slot))
@@ -183,9 +183,9 @@ class RingReader:
         self._wake()
 
     def _mapped(self, packed: bytes, kind: int, number: int, slot: int, size: int, value: int) -> bool:
-        """Map the memory that a datagram brought; False where it is not what it claims to be.
+        """Map the memory that a datagram brought; False if it is not what the datagram claims.
 
-        packed: the file descriptor. Raises FollowspotError where there is no room to map it.
+        packed: the file descriptor. Raises FollowspotError if there is no memory to map it.
         """
         fd = int.from_bytes(packed, sys.byteorder)
         if not self._credible(kind, number, slot, size, value):
@@ -207,7 +207,7 @@ class RingReader:
         return True
 
     def _credible(self, kind: int, number: int, slot: int, size: int, value: int) -> bool:
-        """Whether a writer can mean that: it greets once, and each arena is newer than the one before."""
+        """Whether a writer sends this: one HELLO, and arenas each newer than the one before."""
         if kind == HELLO:
             return (
                 self._control is None and slot <= size and 0 < size <= MAX_SLOTS and 0 <= value <= MAX_COUNT
@@ -217,7 +217,7 @@ class RingReader:
         return kind == ARENA and self._control is not None and newest < number < ARENAS and whole
 
     def _enter(self, arena: Arena) -> None:
-        """What comes from now on lies there."""
+        """Find messages in this arena from now on."""
         one = (arena.capacity,)
         self._arena = arena
         self._interfaces = [arena.interface(i, one, "|u1", writable=False) for i in range(self._slots)]
@@ -226,5 +226,5 @@ class RingReader:
         """Wake the writer if it asked for that."""
         if self._control is not None and self._control.waiting:
             self._control.waiting = False
-            with contextlib.suppress(OSError):  # a full socket wakes it, a closed one has nobody to wake
+            with contextlib.suppress(OSError):  # a full socket wakes the writer anyway, a closed one has none
                 self._socket.send(b"\1")

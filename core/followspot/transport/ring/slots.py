@@ -1,4 +1,4 @@
-"""Slots of shared memory, one message in each, and leases that keep a slot while somebody looks at it."""
+"""Slots of shared memory, one message in each, and leases that keep a slot while an array views it."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Arena:
     """Equal slots, page-aligned, in one piece of memory."""
 
     def __init__(self, memory: Memory, number: int, slots: int, capacity: int) -> None:
-        """number: of the arena in the ring's life; capacity: of a slot, bytes, in whole pages."""
+        """number: of the arena within the ring; capacity: of a slot, bytes, in whole pages."""
         self.memory = memory
         self.number = number
         self.capacity = capacity
         self.bytes: Array = np.frombuffer(memory.bytes, np.uint8).reshape(slots, capacity)
         start = self.bytes.ctypes.data
         self.addresses = range(start, start + slots * capacity, capacity)
-        """Where each slot begins in this process."""
+        """Address of each slot in this process."""
 
     def interface(self, slot: int, shape: Sequence[int], dtype: str, *, writable: bool) -> dict[str, Any]:
         """The start of a slot as an array, in terms of numpy's array interface."""
@@ -34,7 +34,7 @@ class Arena:
 
 
 class Lease:
-    """Lends the start of a slot to numpy; when the last view of it is gone, it calls `end` with itself.
+    """Lends the start of a slot to numpy; it calls `end` with itself when the last view of it dies.
 
     stamp: of the message in the slot, 0 while none was sent from it.
     """
@@ -70,7 +70,7 @@ class Slots:
         self._sizes = [0] * slots
 
     def find_free(self, controls: Iterable[Control]) -> int:
-        """Look which slots may be written; how many. What a reader says of them later takes none back."""
+        """Find the slots that may be written; how many. A reader cannot take a slot back later."""
         free = ~self._lent
         for control in controls:
             free &= control.released(self.arena.number) == self.stamps
@@ -78,7 +78,7 @@ class Slots:
         return int(np.count_nonzero(free))
 
     def lent(self) -> int:
-        """Number of slots that this process looks at."""
+        """Number of slots that arrays of this process view."""
         return int(np.count_nonzero(self._lent))
 
     def lend(self, shape: Sequence[int], dtype: np.dtype[Any]) -> Array:
@@ -92,19 +92,19 @@ class Slots:
         return loan
 
     def first_free(self) -> int:
-        """The first slot found free: those that were used lately are still in the processor's cache."""
+        """The first free slot: slots used lately are still in the processor's cache."""
         return int(self._free.argmax())
 
     def fill(self, slot: int, stamp: int) -> None:
-        """The slot holds the message of this stamp now."""
+        """Note that the slot holds the message of this stamp."""
         self.stamps[slot] = stamp
         self._free[slot] = False
 
     def in_place(self, arrays: Sequence[Array], size: int, stamp: int) -> tuple[int, int, int] | None:
         """Find an array that was lent and not sent yet, and stamp its lease.
 
-        size: of all arrays, bytes. Returns its index, its slot, and where the others may go: behind all that
-        was lent, for they may be views of that themselves. None where there is no such array, or no room.
+        size: of all arrays, bytes. Returns its index, its slot, and the byte at which the others may begin:
+        behind all that was lent, for they may be views of that. None if there is no such array, or no space.
         """
         for index, array in enumerate(arrays):
             owner: Any = array.base

@@ -1,4 +1,4 @@
-"""The writing end of the ring: a frame is written into shared memory once, for all readers of a port."""
+"""The writing end of the ring: it writes a frame into shared memory once, for all readers of a port."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from followspot.transport.wire import ALIGN, padded
 class RingWriter:
     """`PortWriter` for readers on this host.
 
-    Every reader, and this process with its loans, may keep `depth + 1` slots as long as it likes; two more
-    keep the stream going. Slots that nobody ever needed take no memory.
+    Every reader, and this process with its loans, may keep `depth + 1` slots for any time; two more keep the
+    stream going. Slots that were never used take no memory.
     """
 
     def __init__(self, sockets: Sequence[socket.socket], depth: int) -> None:
         """sockets: one end of a `socketpair(AF_UNIX, SOCK_SEQPACKET)` per reader; depth: messages in flight.
 
-        Raises OSError where the system has no shared memory to give.
+        Raises OSError if the system has no shared memory left.
         """
         self._depth = depth
         self._quota = depth + 1
@@ -64,7 +64,7 @@ class RingWriter:
 
     @property
     def strangers(self) -> int:
-        """Readers that were cut off because they said or did what no reader does."""
+        """Readers that the writer cut off because they did what no reader does."""
         return self._expelled + sum(link.expelled for link in self._links)
 
     def matched(self) -> bool:
@@ -72,7 +72,7 @@ class RingWriter:
         return True
 
     def replace(self, index: int, sock: socket.socket) -> None:
-        """Serve another reader, from the next message on, in the place of one that is gone."""
+        """Serve another reader, from the next message on, in place of one that is gone."""
         self._expelled += self._links[index].expelled
         if self._links[index].alive:
             self._note_death(index)
@@ -97,7 +97,7 @@ class RingWriter:
         return credit
 
     def send(self, token: Message | Watermark) -> None:
-        """Ring the readers' doorbells; see `PortWriter.send`."""
+        """Notify all readers; see `PortWriter.send`."""
         if isinstance(token, Watermark):
             self._over |= token.time == END
             self._send_all(NOTIFICATION.pack(WATERMARK, 0, 0, 0, token.time))
@@ -122,7 +122,7 @@ class RingWriter:
         self._send_all(datagram)
 
     def loan(self, shape: Sequence[int], dtype: str) -> Array | None:
-        """A writable array in a free slot; None where there is no slot to spare, or the array is small."""
+        """A writable array in a free slot; None if no slot can be spared, or the array is small."""
         kind = np.dtype(dtype)
         size = prod(shape) * kind.itemsize
         controls = self._controls()
@@ -135,7 +135,7 @@ class RingWriter:
         return None
 
     def flush(self) -> bool:
-        """Send what found no room in a socket. True when nothing waits."""
+        """Send what waits for a socket. True when nothing waits."""
         waiting = [link for link in self._links if not link.flush()]
         return not waiting
 
@@ -149,7 +149,7 @@ class RingWriter:
             link.ask()
 
     def drain(self) -> None:
-        """Swallow wake-ups, notice deaths, send what waited."""
+        """Clear wake-ups, notice deaths, send what waited."""
         for index, link in enumerate(self._links):
             was_alive = link.alive
             if was_alive:
@@ -165,11 +165,11 @@ class RingWriter:
             link.socket.close()
 
     def _note_death(self, index: int) -> None:
-        """What its control says is the reader's last word."""
+        """Count the messages for which a dead reader has given no credit."""
         self._perished.append((index, max(0, self._sequence - self._links[index].control.consumed)))
 
     def _linked(self, sock: socket.socket) -> Link:
-        """A new reader, that has consumed and released everything so far."""
+        """The link to a new reader, for which everything so far is consumed and released."""
         control = Control(Memory.create("followspot-control", Control.size(self._slots)), self._slots)
         control.consumed = self._sequence
         link = Link(sock, control, self._depth)
@@ -180,7 +180,7 @@ class RingWriter:
         return link
 
     def _expel(self) -> None:
-        """Cut off who says to have consumed more than was sent: nothing that it says can be believed."""
+        """Cut off readers that claim to have consumed more than was sent."""
         for link in self._links:
             if link.alive and link.control.consumed > self._sequence:
                 link.expel()
@@ -194,7 +194,7 @@ class RingWriter:
                 link.send(datagram)
 
     def _pool_for(self, size: int) -> Slots:
-        """The slots, or larger ones; the old ones live on as long as somebody looks at them."""
+        """The slots, or larger ones; old ones live on while an array views them."""
         pool = self._pool
         if pool is None or pool.arena.capacity < size:
             pool = self._pool = Slots(0 if pool is None else pool.arena.number + 1, self._slots, size)
@@ -204,7 +204,7 @@ class RingWriter:
         return pool
 
     def _placed(self, codec: Codec, head: bytes, arrays: Sequence[Array], size: int) -> bytes:
-        """Put the arrays into a slot, except one that is there already; the datagram that says where."""
+        """Copy the arrays into a slot, except one that is there already; the datagram that tells where."""
         pool = self._pool_for(size)
         stamp = self._sequence + 1
         kept, slot, end = pool.in_place(arrays, size, stamp) or (-1, pool.first_free(), 0)

@@ -1,1 +1,1 @@
-"""Edges between hosts, sessions, and who may do what on them; imported only if a run needs Zenoh."""
+"""Edges between hosts, Zenoh sessions and access control; imported only if a run needs Zenoh."""

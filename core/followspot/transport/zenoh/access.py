@@ -1,9 +1,8 @@
-"""Zenoh's access control from the roster: what each certified host may put, answer, ask and see.
+"""Zenoh's access control from the registry of hosts: what each certified host may put, answer, ask and see.
 
-The rules stand at every session and router, on what comes in: a host that breaks its own rules gains nothing,
-for the others do not listen. A host may put under its own name only, speak for itself only, and ask agents
-under its own role and name only, so that an agent can believe the key of a request, and a writer that of
-a report.
+Every session and router checks what comes in, so a host gains nothing if it breaks its own rules. A host may
+put under its own name only, report for its own readers only, and ask agents under its own role and name only.
+So an agent can believe the key of a request, and a writer the key of a report.
 """
 
 from __future__ import annotations
@@ -27,11 +26,11 @@ _ALL = (
 )
 _SEE = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
 _PORT = f"{ROOT}/*/*/*/*/**"
-"""Whatever stands below a port: RUN, HOST, STAGE and PORT are at least four chunks."""
+"""All keys below a port: RUN, HOST, STAGE and PORT are at least four chunks."""
 
 
 def access_control(members: Sequence[Member]) -> dict[str, Any]:
-    """Zenoh's setting ``access_control``: whatever is not allowed here is denied."""
+    """Zenoh's setting ``access_control``, which denies all that it does not allow."""
     rules = [_rule("out", "egress", _ALL, [f"{ROOT}/**"]), _rule("see", "ingress", _SEE, [f"{ROOT}/**"])]
     policies = [{"rules": ["out", "see"], "subjects": [member.name for member in members]}]
     for member in members:
@@ -52,7 +51,7 @@ def access_control(members: Sequence[Member]) -> dict[str, Any]:
 
 
 def _grants(member: Member) -> list[tuple[Sequence[str], list[str]]]:
-    """Kinds of messages, and the keys on which sessions accept them from this host."""
+    """Kinds of Zenoh messages, and the keys on which sessions accept them from this host."""
     name, role = member.name, member.role
     if role == "router":
         return [(_ALL, [f"{ROOT}/**"])]

@@ -1,6 +1,6 @@
-"""Messages made smaller for the way between hosts: lossless, or as JPEG where that is allowed (docs/wire.md).
+"""Compression of messages between hosts: lossless, or as JPEG if the edge allows it (docs/wire.md).
 
-The second byte of what is sent says which. OpenCV is imported only where pictures are coded.
+The second byte of a token says which. OpenCV is imported only if pictures are coded.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ _CODES: dict[EdgeCodec, int] = {"raw": RAW, "lossless": LOSSLESS, "jpeg": JPEG}
 _SIZE = Struct("<Q")
 _JPEG_QUALITY = 90
 _FAST = 1
-"""Of the nine levels of zlib: a frame must not wait for the last per cent."""
+"""Level of compression, of nine: speed matters more than the last per cent."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
 def pack_as(token: Message | Watermark, codec: EdgeCodec) -> bytes:
-    """As `followspot.transport.codec.pack`, with every array coded. Raises InvalidMessage."""
+    """Pack a token like `followspot.transport.codec.pack`, with every array coded. Raises InvalidMessage."""
     if codec == "raw" or isinstance(token, Watermark):
         return pack(token)
     of_kind = codec_of(type(token))
@@ -46,7 +46,7 @@ def pack_as(token: Message | Watermark, codec: EdgeCodec) -> bytes:
 
 
 def unpack_as(data: bytes, kind: type[Message]) -> Message | Watermark:
-    """What `pack_as` packed, whichever way. Raises InvalidMessage."""
+    """The token that `pack_as` packed with any codec. Raises InvalidMessage."""
     if len(data) < 2 or data[1] == RAW:
         return unpack(data, kind)
     if len(data) > MAX_PACKED:
@@ -106,7 +106,7 @@ def _decode(data: bytes, shape: Sequence[int], into: Array) -> None:
 
 
 def _picture(data: bytes, shape: Sequence[int]) -> Array:
-    """A decoded PNG or JPEG; its size is looked at first, for decoding makes room for what it claims."""
+    """Decode a PNG or JPEG; its size is checked first, for decoding allocates what the header claims."""
     height, width = _claimed(data)
     channels = shape[2] if len(shape) == 3 else 1
     if (height, width) != tuple(shape[:2]):

@@ -1,4 +1,4 @@
-"""The way in to edges over Zenoh; to be imported only where there are such edges, for Zenoh is heavy."""
+"""Entry to edges over Zenoh; import it only if there are such edges, for Zenoh is heavy."""
 
 from followspot.transport.zenoh.network import LOOPBACK, Network
 from followspot.transport.zenoh.reader import ZenohReader

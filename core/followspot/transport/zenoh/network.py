@@ -1,4 +1,4 @@
-"""Where a Zenoh session listens, whom it connects to, and what protects it; data, without Zenoh itself."""
+"""Where a Zenoh session listens and connects, and what protects it; this module does not import Zenoh."""
 
 from __future__ import annotations
 
@@ -14,25 +14,25 @@ from followspot.transport.keys import OPERATOR
 LOOPBACK = ("tcp/127.0.0.1:0",)
 """Listen on a free port that no other host can reach."""
 AGENT = ("tcp/127.0.0.1:7450",)
-"""Where an agent listens, and operators look for one, unless told otherwise."""
+"""Default port of agents."""
 _SECURE = "tls/"
 _EVERYWHERE = "0.0.0.0:0"
 
 
 class Own(NamedTuple):
-    """Role and name under which a session speaks."""
+    """Role and name of a session's host."""
 
     role: str
     name: str
 
 
 UNPROVEN = Own(OPERATOR, "anyone")
-"""Without certificates everybody may do everything."""
+"""Without certificates every peer may do everything."""
 
 
 @dataclass(frozen=True)
 class Network:
-    """Where a session listens, whom it connects to, and what protects it.
+    """Where a session listens, to what it connects, and what protects it.
 
     listen, connect: endpoints such as ``tcp/192.168.0.7:7447``; connections are retried until they succeed.
     certificates: folder as `followspot certs host` makes it, empty for none;
@@ -50,17 +50,17 @@ class Network:
 
     @property
     def endpoints(self) -> tuple[str, ...]:
-        """All that this session opens."""
+        """All endpoints that this session opens."""
         return (self.router,) if self.router else (*self.listen, *self.connect)
 
     @property
     def leads_somewhere(self) -> bool:
-        """Whether this session is to meet others, and does not only wait for them."""
+        """Whether this session connects to others, and does not only wait for them."""
         return bool(self.connect or self.router)
 
     @property
     def public(self) -> bool:
-        """Whether others are told where they find this session: a port that is not just any, or a router."""
+        """Whether others can know where to find this session: at a fixed port, or a router."""
         return bool(self.router) or any(_any_port(endpoint) != endpoint for endpoint in self.listen)
 
     @property
@@ -70,18 +70,18 @@ class Network:
 
     @property
     def exposed(self) -> tuple[str, ...]:
-        """Endpoints beyond this host that nothing protects."""
+        """Endpoints beyond this host that TLS does not protect."""
         found = ("the local network (--discover)",) if self.discover and not self.certificates else ()
         return (*(e for e in self.endpoints if not e.startswith(_SECURE) and not _near(e)), *found)
 
     @property
     def findable(self) -> bool:
-        """Whether it makes sense for others on the local network to learn where this session listens."""
+        """Whether to announce on the local network where this session listens."""
         return not self.router and not all(_near(endpoint) for endpoint in self.listen)
 
     @property
     def own(self) -> Own:
-        """Who speaks: as certified, else nobody in particular. Raises FollowspotError."""
+        """Role and name as certified, else an operator of any name. Raises FollowspotError."""
         if not self.certificates:
             return UNPROVEN
         own = read_certificates(Path(self.certificates)).own
@@ -104,7 +104,7 @@ def everywhere(certificates: str) -> tuple[str, ...]:
 
 
 def _near(endpoint: str) -> bool:
-    """Whether only this host reaches the endpoint; what is no address is not refused here, but by Zenoh."""
+    """Whether only this host reaches the endpoint; False for what is no address, which Zenoh refuses."""
     if endpoint.startswith("unixsock-stream/"):
         return True
     host = endpoint.partition("/")[2].partition("#")[0].rpartition(":")[0].strip("[]")

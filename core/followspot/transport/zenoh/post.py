@@ -1,4 +1,4 @@
-"""Packets of taps over Zenoh, to whoever looks on: behind all else, and dropped where the network is full."""
+"""Packets of taps over Zenoh to observers: of the lowest priority, and dropped if the network is full."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from followspot.transport.zenoh.terms import reached, undeclare
 
 
 class ZenohPost:
-    """`Post` to all who subscribe to its key. Closing it leaves the session open."""
+    """`Post` to all subscribers of a key. Closing it leaves the session open."""
 
     def __init__(self, session: zenoh.Session, key: str) -> None:
         self._publisher = session.declare_publisher(
@@ -21,21 +21,21 @@ class ZenohPost:
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody subscribes."""
+        """Whether the key has a subscriber."""
         return reached(self._publisher)
 
     def send(self, packet: bytes) -> None:
-        """Put, or drop."""
+        """Put the packet, or drop it."""
         with suppress(zenoh.ZError):  # the session is closed
             self._publisher.put(packet)
 
     def close(self) -> None:
-        """Put no more."""
+        """Undeclare the publisher."""
         undeclare([self._publisher])
 
 
-def looking(session: zenoh.Session, key: str, take: Callable[[bytes], None]) -> zenoh.Subscriber[None]:
-    """Look on until it is undeclared; take: gets each packet, in a thread of Zenoh."""
+def subscribe(session: zenoh.Session, key: str, take: Callable[[bytes], None]) -> zenoh.Subscriber[None]:
+    """Receive packets until the subscriber is undeclared; take: gets each, in a thread of Zenoh."""
 
     def arrived(sample: zenoh.Sample) -> None:
         take(sample.payload.to_bytes())

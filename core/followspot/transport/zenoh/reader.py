@@ -1,6 +1,6 @@
 """The reading end of an edge over Zenoh (docs/wire.md).
 
-Zenoh's threads only append to a queue and ring a bell; all else happens in the worker's thread.
+Zenoh's threads only append to a queue and set the wake-up event; the worker's thread does all else.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from followspot.transport.zenoh.terms import (
 )
 
 _CUTS = 64
-"""After so many cuts in a row, each with a full edge, what was under way is not believed any more."""
+"""Cuts in a row, each with a full edge, that may lie behind a start; a larger count is refused."""
 
 
 class ZenohReader:
-    """`PortReader` of a `ZenohWriter`, and of those that come in its place when it dies."""
+    """`PortReader` of a `ZenohWriter`, and of the writers that replace it when it dies."""
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class ZenohReader:
         host: str = "",
         incarnation: int = 0,
     ) -> None:
-        """key, name, depth, codec, host: as the writer knows them; kind: type of the messages.
+        """key, name, depth, codec, host: equal to those of the writer; kind: type of the messages.
 
         incarnation: how many readers of this name there were before.
         """
@@ -61,41 +61,41 @@ class ZenohReader:
         self._limit = depth + WINDOW
         self._incarnation = incarnation
         self._arrived: deque[zenoh.Sample | int] = deque()
-        """Samples as they came; the incarnation of a writer that was seen to go."""
+        """Samples in order of arrival; a number is the incarnation of a writer that left."""
         self._before: list[Token] = []
-        """What was found missing before the first poll."""
+        """Tokens for the first poll: messages that were missing when the writer told the start."""
         self._writer = -1
-        """Incarnation of the writer that told where to start; -1 before the first."""
+        """Incarnation of the writer that told the start; -1 before the first."""
         self._tokens = 0
         self._messages = 0
         self._got = 0
-        """Messages, and `Invalid`s in their place, from this writer."""
+        """Messages from this writer, or `Invalid`s in their place."""
         self._unread = 0
-        """Messages handed out that a former writer sent: the present one gets no credit for them."""
+        """Messages in the queue from a former writer: the present one gets no credit for them."""
         self._consumed = 0
         self._reported = 0
         self._joined = False
-        """Whether the writer knows that this reader is there: what comes else was not meant for it."""
+        """Whether the writer knows of this reader: other tokens are not for it."""
         self._ended = False
-        self._passed_over = self._flooded = self._overlooked = 0
+        self._refused = self._flooded = self._floods_seen = 0
         self._there: set[int] = set()
         self._newest = -1
-        """Latest incarnation of the writer that was ever there."""
+        """Latest incarnation of a writer that was ever there."""
         self._gone = incarnation > 0
         self._wakeup = WakeupEvent()
         key = codec_key(key, codec)
         name = quote(name, safe="")
         self._session = session
         self._start_key = f"{key}/start/{name}/{incarnation}"
-        said = reader_key(key, host)
-        self._done_key = f"{said}/done/{name}/{incarnation}"
-        self._report = publisher(session, f"{said}/credit/{name}")
+        own_key = reader_key(key, host)
+        self._done_key = f"{own_key}/done/{name}/{incarnation}"
+        self._report = publisher(session, f"{own_key}/credit/{name}")
         self._declared = [
             session.declare_subscriber(key, Callback(self._on_arrival, indirect=False)),
             session.declare_subscriber(self._start_key, Callback(self._on_arrival, indirect=False)),
             presence(session, f"{key}/alive/writer/*", self._on_presence),
         ]
-        self._alive_key = f"{said}/alive/{name}/{incarnation}"
+        self._alive_key = f"{own_key}/alive/{name}/{incarnation}"
         self._alive = session.liveliness().declare_token(self._alive_key)
 
     @property
@@ -105,8 +105,8 @@ class ZenohReader:
 
     @property
     def strangers(self) -> int:
-        """How much came that was malformed or not from the writer; no ledger knows it."""
-        return self._passed_over + self._flooded
+        """How much came that was malformed or not from the writer; no ledger counts it."""
+        return self._refused + self._flooded
 
     @property
     def broken(self) -> bool:
@@ -114,32 +114,32 @@ class ZenohReader:
         return False
 
     def matched(self) -> bool:
-        """Whether the writer is there, has told where to start, and would get reports."""
+        """Whether the writer is there, has told the start, and would get reports."""
         self._begin()
         if self._writer < 0 or not reached(self._report):
             return False
-        self._send_report()  # an earlier one may have reached nobody
+        self._send_report()  # an earlier one may have been lost
         return True
 
     def fileno(self) -> int:
-        """The bell."""
+        """The wake-up event."""
         return self._wakeup.fileno()
 
     def poll(self) -> list[Token]:
-        """Everything that has arrived."""
+        """All tokens that have arrived."""
         self._wakeup.clear()
         tokens, self._before = self._before, []
         for _ in range(len(self._arrived)):
             self._take(self._arrived.popleft(), tokens)
         if self._tokens - self._reported >= WINDOW // 4:
             self._send_report()
-        if self._flooded != self._overlooked:
-            self._overlooked = self._flooded
-            self._come_again()
+        if self._flooded != self._floods_seen:
+            self._floods_seen = self._flooded
+            self._rejoin()
         return tokens
 
     def consumed(self, count: int = 1) -> None:
-        """Give credit for messages that were taken out of the queue."""
+        """Give credit for messages that left the queue."""
         former = min(count, self._unread)
         self._unread -= former
         self._consumed += count - former
@@ -150,27 +150,27 @@ class ZenohReader:
         undeclare([self._alive, *reversed(self._declared), self._report])
         self._wakeup.close()
 
-    def _come_again(self) -> None:
-        """What there was no room for may have been the writer's: let it tell where it is, as after a cut."""
+    def _rejoin(self) -> None:
+        """Join again, as after a cut: tokens of the writer may be among those that a flood left out."""
         self._joined = False
         undeclare([self._alive])
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._alive = self._session.liveliness().declare_token(self._alive_key)
 
     def _begin(self) -> None:
-        """Before the first token: look whether the writer has told where to start."""
+        """Before the first token, take the start if the writer has told it."""
         while self._writer < 0 and self._arrived:
             self._take(self._arrived.popleft(), self._before)
 
     def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
-        """A writer tells where its stream begins, or goes on after the link was cut."""
+        """Take the start that a writer tells: of its stream, or of the rest after the link was cut."""
         start = numbers(START, sample.payload)
         if start is None or not self._possible(*start):
-            self._passed_over += 1
+            self._refused += 1
             return
         writer, number, messages, given = start
         if writer < max(self._writer, self._newest):
-            return  # another one has taken its place
+            return  # a later writer has replaced it
         if writer > self._writer:
             self._unread += self._got - self._consumed
             self._writer, self._got, self._consumed, self._ended = writer, 0, 0, False
@@ -181,7 +181,7 @@ class ZenohReader:
         self._send_report()
 
     def _possible(self, writer: int, number: int, messages: int, given: int) -> bool:
-        """Whether a writer can mean that: its counts agree, and those of one writer never go back."""
+        """Whether a start is possible: its counts agree, and those of one writer never decrease."""
         if not given <= messages <= number:
             return False
         if writer != self._writer:
@@ -192,8 +192,7 @@ class ZenohReader:
     def _take(self, sample: zenoh.Sample | int, tokens: list[Token]) -> None:
         """Append the sample's token, and before it an `Invalid` for each message that is missing.
 
-        What does not carry on the numbers comes from a stranger, or from a writer that is gone; no ledger
-        knows it, so it is passed over.
+        A sample whose numbers do not follow is not from the writer, and is refused; no ledger counts it.
         """
         if isinstance(sample, int):
             self._joined &= sample != self._writer
@@ -203,7 +202,7 @@ class ZenohReader:
             return
         counted = numbers(NUMBER, sample.attachment)
         if counted is None:
-            self._passed_over += 1
+            self._refused += 1
             return
         writer, number, messages = counted
         skipped = number - self._tokens
@@ -211,12 +210,12 @@ class ZenohReader:
         if not self._joined or writer != self._writer:
             return
         if not 0 <= skipped <= self._limit or not 0 <= new <= skipped + 1:
-            self._passed_over += 1
+            self._refused += 1
             return
         token = self._token(sample)
         missing = new - (not isinstance(token, Watermark))
         if missing < 0:
-            self._passed_over += 1
+            self._refused += 1
             return
         self._tokens, self._messages = number + 1, messages
         self._got += new
@@ -236,13 +235,13 @@ class ZenohReader:
         return token
 
     def _declare_done(self) -> None:
-        """Tell the writer that the end is here, in a way that the news of leaving cannot overtake."""
+        """Tell the writer that the end has arrived: by a liveliness token, which precedes that of leaving."""
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             done = self._session.liveliness().declare_token(f"{self._done_key}/{self._writer}")
             self._declared.insert(0, done)
 
     def _send_report(self) -> None:
-        """In the writer's own numbers: what this reader was not there for counts as consumed."""
+        """Report in the writer's numbers: messages before this reader joined count as consumed."""
         self._reported = self._tokens
         if self._writer < 0:
             return
@@ -251,7 +250,7 @@ class ZenohReader:
             self._report.put(CREDIT.pack(self._writer, self._incarnation, consumed, self._tokens))
 
     def _on_arrival(self, sample: zenoh.Sample) -> None:
-        if len(self._arrived) < self._limit:  # a flood from a stranger; the numbers show what is missing
+        if len(self._arrived) < self._limit:  # else it is a flood; the numbers show what is missing
             self._arrived.append(sample)
         else:
             self._flooded += 1
@@ -260,7 +259,7 @@ class ZenohReader:
     def _on_presence(self, sample: zenoh.Sample) -> None:
         incarnation = chunks(sample, 1)[0]
         if not is_incarnation(incarnation):
-            self._passed_over += 1
+            self._refused += 1
             return
         number = int(incarnation)
         if sample.kind == zenoh.SampleKind.PUT:

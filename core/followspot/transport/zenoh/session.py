@@ -64,9 +64,8 @@ def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
 def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
     """Open a session; close it in a `finally`, or the process never exits.
 
-    routes: whether it passes on what others send to each other.
-
-    Raises FollowspotError where an endpoint cannot be used.
+    routes: whether it forwards what other peers send to each other. Raises FollowspotError if an endpoint
+    cannot be used.
     """
     try:
         return zenoh.open(config_of(network, routes=routes))
@@ -75,7 +74,7 @@ def connected(network: Network, *, routes: bool = False) -> zenoh.Session:
 
 
 def close_session(session: zenoh.Session) -> None:
-    """Close a session; of a link that is stuck, what it still holds is given up after ten seconds."""
+    """Close a session; Zenoh discards what a stuck link still holds after ten seconds."""
     with contextlib.suppress(zenoh.ZError):
         session.close()  # type: ignore[no-untyped-call]
 
@@ -86,7 +85,7 @@ def open_session(listen: Sequence[str] = LOOPBACK, connect: Sequence[str] = ()) 
 
 
 def locators(session: zenoh.Session) -> list[str]:
-    """Where other sessions can reach this one, with the ports that were free. Raises FollowspotError."""
+    """Endpoints at which other sessions can reach this one, with actual ports. Raises FollowspotError."""
     for reply in session.get(f"@/{session.zid()}/*", timeout=5.0):
         if reply.ok is not None:
             return [str(locator) for locator in json.loads(reply.ok.payload.to_bytes())["locators"]]
@@ -94,7 +93,7 @@ def locators(session: zenoh.Session) -> list[str]:
 
 
 def _tls(folder: Path) -> dict[str, Any]:
-    """Mutual TLS: either side shows the certificate in the folder, signed by the authority there."""
+    """Mutual TLS: each side shows its certificate, which the authority in the folder has signed."""
     certificate, key = str(folder / "cert.pem"), str(folder / "key.pem")
     return {
         "root_ca_certificate": str(folder / "ca.pem"),
@@ -108,5 +107,5 @@ def _tls(folder: Path) -> dict[str, Any]:
 
 
 def log_refusals() -> None:
-    """Let Zenoh say on standard output which peers it refuses, and why; RUST_LOG overrides that."""
+    """Let Zenoh log on standard output which peers it refuses, and why; RUST_LOG overrides that."""
     zenoh.init_log_from_env_or("error,zenoh_link_tls=warn,zenoh::net::routing::interceptor=info")
