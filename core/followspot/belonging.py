@@ -1,7 +1,7 @@
-"""Whether a message from another process can be of this room: its cameras, targets, indices.
+"""Checks that a message from another process fits the room: its cameras, targets and indices.
 
-A message that keeps its contract may still speak of what is not there. Stages look things up by what
-messages say, so that is asked once, where a message arrives, and not in every stage.
+A message that keeps its contract may still name cameras or targets that do not exist. The receiving worker
+checks that once, so that stages can look them up without checks.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from followspot.room import Room
 from followspot.tracking import STATES
 
 Misfit = Callable[[Message], str]
-"""Why a message cannot be of a room; "" where it can."""
+"""Check of a message; returns the reason why it does not fit the room, "" if it fits."""
 
 
 def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit | None:
-    """What to ask of messages of this type; None where there is nothing to ask.
+    """The check for messages of this type; None if they need none.
 
-    camera: of the stage that sends them, where it serves one: it speaks for no other.
+    camera: of the sending stage, if it serves one; its messages may name that camera only.
 
     Fields `camera` and `cameras` name cameras of the room, sizes `H`, `W` and `C` are those of the camera's
     pictures, `T` is the number of targets, and columns that are declared with `refers` lie within what they

@@ -1,7 +1,7 @@
-"""YAML files as trees of nodes that know their place; every mistake is reported at once.
+"""YAML files as trees of nodes with places; every mistake is reported at once.
 
 YAML 1.2 core scalars: only `true` and `false` are switches and `012` is twelve; keys are text.
-Built on the events of PyYAML's C parser. Untrusted files meet limits on bytes, depth, nodes and scalars.
+Built on the events of PyYAML's C parser, with limits on bytes, depth, nodes and scalars for untrusted files.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from followspot.files import DOCUMENT, read_bytes
 
 MAX_DEPTH = 50
 MAX_NODES = 100_000
-"""Counted after aliases, so that a short file cannot unfold into a long one."""
+"""Most nodes after aliases are expanded, so that a short file cannot become a huge tree."""
 MAX_TEXT = 4096
-"""Longest scalar, characters; as long as a path may be."""
+"""Longest scalar, characters; the longest path has as many."""
 _TEXT_OF_A_NODE = 100
 """Characters of a text that count as one node."""
 MAX_DIGITS = 100
@@ -30,7 +30,7 @@ MAX_DIGITS = 100
 LARGEST_INT = (1 << 63) - 1
 """Whole numbers fit into 64 bits."""
 _MAX_MISTAKES = 1000
-"""In the YAML itself; the rest of the text is not read."""
+"""A mistake in the YAML itself; the parser does not read the rest."""
 
 Scalar = str | int | float | bool | None
 _STR_TAG = "tag:yaml.org,2002:str"
@@ -49,7 +49,7 @@ _WORDS: dict[str, Scalar] = {
 class Node:
     """A scalar, a sequence or a mapping, with its place.
 
-    key: place of the key that leads to it, the node's own place where there is none;
+    key: place of its key, or the node's own place if it has none;
     nodes, depth: size of the tree below, itself included; a long text counts as several nodes.
     """
 
@@ -63,7 +63,7 @@ class Node:
 def read(path: str | Path, *, at: Place | None = None, remedy: str = "check the path") -> Node:
     """The tree of a YAML file. Raises InputError with every mistake.
 
-    at, remedy: where the file is named and what to do there, for a file that cannot be read.
+    at, remedy: for a file that cannot be read: the place that names it, and advice.
     """
     file = str(path)
     try:
@@ -94,7 +94,7 @@ def parse(text: str, file: str, written: str = "") -> Node:
         place = _offset(file, text[: error.start])
         builder.mistakes.append(Mistake(place, "this character is not Unicode text", "remove it"))
     except _TooLarge:
-        pass  # noted where it was found
+        pass  # it was noted when it was found
     if builder.mistakes:
         raise InputError(
             [replace(m, place=m.place and replace(m.place, written=written)) for m in builder.mistakes]
@@ -112,17 +112,17 @@ def plain(node: Node) -> Any:
 
 
 def child(node: Node | None, key: str) -> Node | None:
-    """The value of a key; None where the node is no mapping or has no such key."""
+    """The value of a key; None if the node is no mapping or has no such key."""
     return node.value.get(key) if node is not None and isinstance(node.value, Mapping) else None
 
 
 def node_of(value: Any, place: Place) -> Node:
-    """The inverse of `plain`: a tree whose nodes all stand at one place. Raises InputError at a limit."""
+    """The inverse of `plain`: a tree whose nodes share one place. Raises InputError at a limit."""
     return _node_of(value, place, MAX_DEPTH)
 
 
 def resolve(text: str) -> Scalar:
-    """The value of an unquoted scalar. Raises ValueError, which says why, for a number that is too large."""
+    """The value of an unquoted scalar. Raises ValueError with the reason if a number is too large."""
     if text in _WORDS:
         return _WORDS[text]
     whole = _INT.fullmatch(text)
@@ -151,12 +151,12 @@ def fits(value: int) -> bool:
 
 
 class _TooLarge(Exception):
-    """A limit was met; the rest of the text is not read."""
+    """The document exceeds a limit; the parser does not read the rest."""
 
 
 @dataclass
 class _Open:
-    """A sequence or mapping whose end has not come yet."""
+    """A sequence or mapping that the parser has not finished."""
 
     place: Place
     anchor: str | None
@@ -165,7 +165,7 @@ class _Open:
 
 
 class _Builder:
-    """Folds parser events into a tree, without recursion, so that depth is a number and not a crash."""
+    """Builds the tree from parser events, without recursion, so that depth cannot exhaust the stack."""
 
     def __init__(self, file: str, written: str) -> None:
         self.file = file
@@ -303,7 +303,7 @@ def _syntax(error: yaml.MarkedYAMLError, text: str, file: str) -> Mistake:
         place = Place(file, 1, 1)
     elif mark.line < len(lines):
         place = Place(file, mark.line + 1, mark.column + 1)
-    else:  # libyaml points behind the end of the file
+    else:  # libyaml points past the end of the file
         place = Place(file, len(lines), len(lines[-1]) + 1)
     return Mistake(place, f"not valid YAML: {problem}", _remedy(error))
 

@@ -1,4 +1,4 @@
-"""Mistakes in what a user wrote, with the place, the line itself and the remedy."""
+"""Mistakes in the user's input, with place, line and remedy."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from pathlib import Path
 from followspot.files import DOCUMENT, read_text
 
 MOST_SHOWN = 50
-"""Mistakes that are shown; how many more there are is said."""
+"""Most mistakes that are shown; the rest is counted."""
 MOST_COMPARED = 1000
-"""Known words that a wrong one is compared with."""
+"""Most known words that an unknown one is compared with."""
 _LONGEST_WORD = 100
 _LONGEST_TEXT = 600
 _LONGEST_LINE = 160
 
 
 class FollowspotError(Exception):
-    """Base of every error that is the user's to mend; its text is shown without a traceback."""
+    """Base of every error that the user can correct; commands show its text without a traceback."""
 
 
 @dataclass(frozen=True)
 class Place:
     """A position in a file or on the command line; line and column count from 1.
 
-    written: the text itself, where it stands in no file.
+    written: the text itself, if it is not in a file.
     """
 
     file: str
@@ -43,9 +43,9 @@ class Place:
 
 @dataclass(frozen=True)
 class Guess:
-    """'did you mean "x"?  NOUN: a, b, c' for a word that is none of the known ones.
+    """'did you mean "x"?  NOUN: a, b, c' for an unknown word.
 
-    It is worked out when it is shown: comparing a word with all others takes long.
+    The text is computed when it is shown, since comparing a word with all others is slow.
     """
 
     word: str
@@ -63,20 +63,20 @@ class Guess:
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake: where, what is wrong, and what to do."""
+    """One mistake: its place, what is wrong, and the remedy."""
 
     place: Place | None
     text: str
     help: str | Guess = ""
 
     def __post_init__(self) -> None:
-        """A text may quote what the user wrote, and there may be many: only so much of it is kept."""
+        """Shorten a text that quotes much of the user's input."""
         if len(self.text) > _LONGEST_TEXT:
             object.__setattr__(self, "text", _shortened(self.text))
 
     @property
     def remedy(self) -> str:
-        """What to do, in words."""
+        """The remedy, in words."""
         return str(self.help)
 
     def __str__(self) -> str:
@@ -131,7 +131,7 @@ def writing(path: Path | None = None) -> Iterator[None]:
 
 
 def did_you_mean(word: str, known: Collection[str], noun: str) -> Guess:
-    """What a word that is none of the known ones may have meant."""
+    """Suggestion for an unknown word; see `Guess`."""
     return Guess(word, noun, known)
 
 
@@ -151,7 +151,7 @@ def _shortened(text: str) -> str:
 
 
 def _window(line: str, column: int) -> tuple[str, int]:
-    """What is shown of a line, and where the column is in it."""
+    """The part of a line that is shown, and the column within it."""
     line = "".join(c if c.isprintable() else " " for c in line)
     if len(line) <= _LONGEST_LINE:
         return line, column
@@ -160,7 +160,7 @@ def _window(line: str, column: int) -> tuple[str, int]:
 
 
 def _line(place: Place, lines_of: Callable[[str], Sequence[str]]) -> str | None:
-    """The line of a place; None if it cannot be read any more."""
+    """The line of a place; None if the file can no longer be read."""
     lines = place.written.splitlines() if place.written else lines_of(place.file)
     return lines[place.line - 1] if 0 < place.line <= len(lines) else None
 

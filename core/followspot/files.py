@@ -1,8 +1,8 @@
 """Files that a user or a document names: opened so that nothing can hang, and read within bounds.
 
-Only regular files are read, after links are followed: a pipe may wait for ever, and a device may have no end.
-The opened descriptor is examined, so nobody can exchange the file in between. What is refused is an OSError
-whose `strerror` says why, like every other reason why a file cannot be read.
+Only regular files are read, after links are followed: a pipe may block for ever, and a device may have no
+end. The check examines the open descriptor, so that the file cannot be replaced between check and use. A
+refusal is an OSError whose `strerror` has the reason, as for every other file that cannot be read.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import BinaryIO
 DOCUMENT = 1_000_000
 """Largest graph, room, placement, model, plugin, certificate or list of hosts, bytes."""
 DATA = 64_000_000
-"""Largest other file that is read as a whole: calibrations, weights, summaries; bytes."""
+"""Largest other file that is read at once: calibrations, weights, summaries; bytes."""
 PICTURE = 256_000_000
 """Largest file of one picture, bytes."""
 TABLE = 500_000_000
@@ -27,7 +27,7 @@ TABLE = 500_000_000
 def open_regular(path: str | Path, most: int | None = TABLE) -> BinaryIO:
     """Open a regular file of at most `most` bytes for reading; None: of any size. Raises OSError."""
     try:
-        # A pipe without a writer would wait, and a terminal would become that of the process.
+        # Else a pipe without a writer would block, and a terminal would become the controlling one.
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     except ValueError:  # a NUL in the name
         raise OSError(errno.EINVAL, "this is not a file name", repr(str(path))) from None
@@ -48,7 +48,7 @@ def read_bytes(path: str | Path, most: int = DATA) -> bytes:
     """The content of a regular file of at most `most` bytes. Raises OSError."""
     with open_regular(path, most) as file:
         data = file.read(most + 1)
-    if len(data) > most:  # it has grown, or does not tell its size
+    if len(data) > most:  # it has grown, or reports no size
         raise _too_large(path, most)
     return data
 
@@ -64,7 +64,7 @@ def require_regular(path: str | Path, most: int | None = None) -> None:
 
 
 def _check(found: os.stat_result, path: str | Path, most: int | None) -> None:
-    """Raises OSError for what is no regular file, or too large a one."""
+    """Raises OSError if the file is not regular, or too large."""
     if stat.S_ISDIR(found.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if not stat.S_ISREG(found.st_mode):

@@ -1,4 +1,4 @@
-"""A mapping that a user wrote, read key by key; every mistake is collected with its place."""
+"""Reader of a mapping that a user wrote: key by key, collecting every mistake with its place."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from followspot.messages import Array
 
 Shape = tuple[int, ...]
 HOST = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-"""What a host may be called: one chunk of a key."""
+"""Pattern of host names: one chunk of a Zenoh key."""
 
 
 class Form:
-    """Reads one mapping. Each reader returns None and notes a mistake where the value is missing or wrong.
+    """Reads one mapping. Each method returns None and notes a mistake if the value is missing or wrong.
 
-    noun: what the mapping is, as in "camera cam0"; keys: all that it may hold.
+    noun: describes the mapping in messages, as in "camera cam0"; keys: all keys that it may hold.
     """
 
     def __init__(self, node: Node, noun: str, keys: Sequence[str], mistakes: list[Mistake]) -> None:
@@ -43,7 +43,7 @@ class Form:
         self.mistakes.append(Mistake(node.place, text, remedy))
 
     def unknown(self, node: Node, text: str, word: str, known: Collection[str], noun: str) -> None:
-        """Note a mistake at the key of a value: a word that is none of the known ones."""
+        """Note a mistake at the key of a value: an unknown word."""
         self.mistakes.append(Mistake(node.key, text, did_you_mean(word, known, noun)))
 
     def get(self, key: str, *, required: bool = False) -> Node | None:
@@ -54,7 +54,7 @@ class Form:
         return found
 
     def text(self, key: str, *, required: bool = False, choices: Sequence[str] = ()) -> str | None:
-        """A text, one of the choices where there are any."""
+        """A text; one of the choices, if any are given."""
         node = self.get(key, required=required)
         if node is None:
             return None
@@ -154,7 +154,7 @@ class Form:
         return found
 
     def mapping(self, key: str) -> Mapping[str, Node]:
-        """A mapping of names to values, empty where it is missing."""
+        """A mapping of names to values, empty if it is missing."""
         node = self.get(key)
         if node is None or node.value is None:
             return {}
@@ -165,7 +165,7 @@ class Form:
 
 
 def kind_of(node: Node) -> str:
-    """What a node is, in words."""
+    """The kind of a node, in words."""
     if isinstance(node.value, Mapping):
         return "a mapping"
     if isinstance(node.value, tuple):
@@ -178,12 +178,12 @@ def kind_of(node: Node) -> str:
 
 
 def is_name(text: str) -> bool:
-    """Whether a text may name a stage, a camera or a target: letters, digits, _ and -."""
+    """True if a text may name a stage, a camera or a target: letters, digits, _ and -."""
     return bool(text) and len(text) <= 100 and all(c.isalnum() or c in "_-" for c in text)
 
 
 def is_title(text: str) -> bool:
-    """Whether a text may name a graph or a room: up to 100 characters that can be in the name of a file."""
+    """True if a text may name a graph or a room: up to 100 characters that file names may contain."""
     return 0 < len(text) <= 100 and text.isprintable() and "/" not in text
 
 
@@ -196,7 +196,7 @@ def _leaves(node: Node) -> Iterator[Node]:
 
 
 def _shape(node: Node) -> Shape | None:
-    """Sizes of nested lists; None where they are ragged."""
+    """Sizes of nested lists; None if they are ragged."""
     if not isinstance(node.value, tuple):
         return ()
     inner = {_shape(item) for item in node.value}
@@ -211,7 +211,7 @@ def _is_finite(node: Node) -> bool:
         return False
     try:
         return math.isfinite(value)
-    except OverflowError:  # an integer beyond any float
+    except OverflowError:  # an integer too large for a float
         return False
 
 

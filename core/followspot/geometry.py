@@ -1,8 +1,8 @@
 """Multi-view geometry after Hartley & Zisserman: projection, undistortion, triangulation, pair relations.
 
-All functions are pure and vectorised over points. `pixel` names points as they stand in the picture,
-with lens distortion; `xy` names undistorted points, pinhole images with the same matrix K. A point that
-has no image (behind the camera) is NaN.
+All functions are pure and vectorised over points. `pixel` names points in the picture, with lens distortion;
+`xy` names undistorted points, images of a pinhole camera with the same matrix K. A point without an image
+(behind the camera) is NaN.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from followspot.messages import Array
 from followspot.room import Camera
 
 MAX_ITERATIONS = 100
-"""Of the inversion of a lens model; it needs 5 to 20."""
+"""Most iterations of the inversion of a lens model; it needs 5 to 20."""
 TOLERANCE = 1e-12
-"""At which the inversion of a lens model stops: the change in focal lengths (fisheye) or in px (pinhole)."""
+"""Step at which the inversion of a lens model stops, in focal lengths (fisheye) or px (pinhole)."""
 IDENTITY = np.eye(3)
 ORIGIN = np.zeros(3)
 
 
 def project(camera: Camera, points: Array) -> Array:
-    """Where points of the room appear in the picture.
+    """Images of points of the room.
 
     points: (N, 3) m. Returns (N, 2) px with distortion; NaN for points behind a pinhole camera.
     """
@@ -31,14 +31,14 @@ def project(camera: Camera, points: Array) -> Array:
 
 
 def project_local(camera: Camera, local: Array) -> Array:
-    """The same of points in camera coordinates, x_cam = R X + t: (N, 3) m -> (N, 2) px."""
+    """Images of points in camera coordinates, x_cam = R X + t: (N, 3) m -> (N, 2) px with distortion."""
     return _PROJECT[camera.model](camera, local)
 
 
 class Views:
-    """Several cameras as one, for points that all of them look at.
+    """Several cameras, to project the same points into all of them.
 
-    Each coordinate of the points that it returns lies together in memory, which makes arithmetic faster.
+    Results keep each coordinate contiguous in memory, which makes arithmetic faster.
     """
 
     def __init__(self, cameras: Iterable[Camera]) -> None:
@@ -95,7 +95,7 @@ def ray(camera: Camera, pixel: Array) -> Array:
 
 
 def wrap(angle: Array) -> Array:
-    """The same angle from -pi up to pi, rad; any shape."""
+    """Angles wrapped to [-pi, pi), rad; any shape."""
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
@@ -188,7 +188,7 @@ def triangulate_views(centers: Array, rays: Array, weights: Array) -> Array:
 
     centers: (V, 3) or (N, V, 3) m; rays: (N, V, 3), unit vectors; weights: (N, V), 0 for a view that
     does not see the point; for equal errors in angle they are 1 / depth^2. Returns (N, 3) m.
-    Raises numpy.linalg.LinAlgError where fewer than two views determine a point.
+    Raises numpy.linalg.LinAlgError if fewer than two views see a point.
     """
     across = weights[..., None, None] * (np.eye(3) - rays[..., :, None] * rays[..., None, :])
     normal = across.sum(axis=-3)
@@ -202,7 +202,7 @@ def cross_matrix(v: Array) -> Array:
 
 
 def _times(matrix: Array, xy: Array) -> Array:
-    """M (x, y, 1), (..., 3): sums of columns, for a product of many small matrices is slow."""
+    """M (x, y, 1), (..., 3), as a sum of columns, because numpy multiplies many small matrices slowly."""
     return np.asarray(matrix[..., 0] * xy[..., :1] + matrix[..., 1] * xy[..., 1:] + matrix[..., 2])
 
 

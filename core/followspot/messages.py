@@ -29,8 +29,8 @@ Array = NDArray[Any]
 MAX_BYTES = 1 << 28
 """Largest message that any edge accepts, in bytes."""
 MAX_TIME = 1 << 62
-"""Largest capture time, ns, before and after 1970 (146 years): with every window and slack that a graph can
-add, a bound stays clear of those that mean absence and the end (`followspot.transport.token`)."""
+"""Largest absolute capture time, ns (146 years from 1970). A watermark, with every tolerance and lateness
+that a graph can add, stays below the values that mean absence and the end (`followspot.transport.token`)."""
 MAX_SEQ = 1 << 62
 """Largest number of a frame."""
 
@@ -45,7 +45,7 @@ class Header(NamedTuple):
     time: int
     """Capture time, ns."""
     entered: int = 0
-    """When the source handed it to the graph, ns of the host's monotonic clock; for latency only."""
+    """Time at which the source sent it, ns of the host's monotonic clock; for latency only."""
 
 
 UNSTAMPED = Header("", -1, 0)
@@ -59,7 +59,7 @@ class Column(NamedTuple):
     dtype: np.dtype[Any]
     unit: str
     refers: str = ""
-    """What its numbers index: "targets", "cameras" (of the message), "states"; "" where nothing."""
+    """What its numbers index: "targets", "cameras" (of the message), "states"; "" if nothing."""
 
 
 SCALARS: tuple[type, ...] = (str, int, float, bool)
@@ -68,8 +68,8 @@ SCALARS: tuple[type, ...] = (str, int, float, bool)
 def column(*shape: int | str, dtype: str = "f8", unit: str = "1", refers: str = "") -> Any:
     """Declare an array field: sizes are numbers, or names that must agree within one message.
 
-    dtype: a numpy type code, float64 unless told; unit: of the values ("px", "m", "1"); refers: what they are
-    indices of, where they are ("targets" of the room, "cameras" of the message, "states" of a target).
+    dtype: a numpy type code, by default float64; unit: of the values ("px", "m", "1"); refers: for indices,
+    what they index ("targets" of the room, "cameras" of the message, "states" of a target).
     """
     return dataclasses.field(
         metadata={"shape": shape, "dtype": np.dtype(dtype), "unit": unit, "refers": refers}
@@ -80,7 +80,7 @@ def column(*shape: int | str, dtype: str = "f8", unit: str = "1", refers: str = 
 class Message:
     """Base of all messages. Subclasses become frozen dataclasses; the runtime stamps `header`."""
 
-    header: ClassVar[Header] = UNSTAMPED  # an instance that was stamped carries its own
+    header: ClassVar[Header] = UNSTAMPED  # a stamped instance has its own
     columns: ClassVar[tuple[Column, ...]] = ()
     array_names: ClassVar[tuple[str, ...]] = ()
     scalars: ClassVar[tuple[tuple[str, Any], ...]] = ()
@@ -107,9 +107,9 @@ class Message:
 
     @classmethod
     def empty(cls) -> Self:
-        """The message that says nothing: named sizes are 0, scalars are empty.
+        """A message without rows: named sizes are 0, scalars are empty.
 
-        It stands in for the message of n frames ago while a delayed edge has none yet.
+        A delayed edge gives it until the first message of n frames ago exists.
         """
         values: dict[str, Any] = {name: (kind() if kind in SCALARS else ()) for name, kind in cls.scalars}
         for name, shape, dtype, *_ in cls.columns:
@@ -144,21 +144,21 @@ class InvalidMessage(ValueError):
 
 
 def stamped(message: M, header: Header) -> M:
-    """The message with this header; a copy if a stage sent it before, for then others hold it."""
+    """The message with this header; a copy if a stage sent it before, because other stages may hold it."""
     if message.header.source:
         copy = object.__new__(type(message))
         copy.__dict__.update(message.__dict__)
         message = copy
-    message.__dict__["header"] = header  # it is frozen for everyone else
+    message.__dict__["header"] = header  # only the runtime may set it
     return message
 
 
 def at(time: int, message: M, *, seq: int = -1) -> M:
-    """What a source yields: the message with its capture time in ns.
+    """A message with its capture time, for a source to yield.
 
-    seq: the frame's number where the source knows it (a video with gaps); else the runtime counts. A live
-    source that cannot tell the time yields its messages as they are: they get the time at which they came.
-    Raises InvalidMessage where a number is out of range, and TypeError where it is no whole number.
+    time: ns; seq: the frame's number if the source knows it (a video with gaps), else the runtime counts. A
+    live source that does not know the capture time yields plain messages: the runtime takes the time of
+    arrival. Raises InvalidMessage if a number is out of range, TypeError if it is not a whole number.
     """
     try:
         header = Header("", operator.index(seq), operator.index(time))
@@ -170,7 +170,7 @@ def at(time: int, message: M, *, seq: int = -1) -> M:
 
 
 def in_range(header: Header) -> Header:
-    """The header, whose numbers no arithmetic of the runtime can make overflow. Raises InvalidMessage."""
+    """The header, if its numbers are so small that the runtime cannot overflow. Raises InvalidMessage."""
     _, seq, time, entered = header
     if -MAX_TIME <= time <= MAX_TIME and -1 <= seq <= MAX_SEQ and -MAX_TIME <= entered <= MAX_TIME:
         return header
@@ -181,11 +181,11 @@ def in_range(header: Header) -> Header:
 
 
 def seal(message: M) -> M:
-    """Check a message against its contract, make its arrays contiguous and read-only; return it.
+    """Check a message against its contract, make its arrays contiguous and read-only, and return it.
 
-    Contiguous, because the same numbers in another memory layout may sum to another last bit, and
-    an edge between processes delivers contiguous arrays. Scalars of numpy become plain ones, for the
-    same reason. Raises InvalidMessage.
+    An edge between processes delivers contiguous arrays and plain scalars. An edge within a process must
+    deliver the same, because sums over another memory layout may differ in the last bit. Raises
+    InvalidMessage.
     """
     values = message.__dict__
     for name, kind in message.scalars:
@@ -199,15 +199,15 @@ def seal(message: M) -> M:
             raise InvalidMessage(f"{name} is a {type(array).__name__}, not a numpy array")
         if not array.flags.c_contiguous:
             values[name] = array = np.ascontiguousarray(array)
-        array.setflags(False)  # write; as a keyword it would cost as much again
+        array.setflags(False)  # write=False; the keyword would double the cost
         layout += array.shape, array.dtype
     check_layout(type(message), tuple(layout))  # type: ignore[arg-type]  # classes can be hashed
     return message
 
 
-@lru_cache(maxsize=4096)  # the same few layouts come again and again
+@lru_cache(maxsize=4096)  # most messages repeat a few layouts
 def check_layout(kind: type[Message], layout: tuple[Any, ...]) -> None:
-    """Compare shapes and dtypes with their declarations: of each column in turn. Raises InvalidMessage."""
+    """Compare the shape and dtype of each column with its declaration. Raises InvalidMessage."""
     sizes: dict[str, int] = {}
     total = 0
     for (name, declared, wanted, *_), shape, dtype in zip(
@@ -222,7 +222,7 @@ def check_layout(kind: type[Message], layout: tuple[Any, ...]) -> None:
 
 
 def _plain(name: str, value: Any, kind: Any) -> Any:
-    """The value as exactly the declared kind. Raises InvalidMessage where that would change it."""
+    """The value in exactly the declared type. Raises InvalidMessage if the conversion would change it."""
     if isinstance(value, np.generic):
         value = value.item()
     if kind is float and type(value) is int:

@@ -1,4 +1,4 @@
-"""What a stage hands out: messages of the types that it declares, with a time that only a source says."""
+"""Checks of the outputs of stages: declared message types, and capture times from sources only."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ _MISSING = object()
 
 
 class WrongOutput(FollowspotError):
-    """A stage handed out something else than its signature declares; the text says what, and the remedy."""
+    """The output of a stage differs from its signature; the text has the difference and the remedy."""
 
 
 def untimed(header: Header) -> bool:
-    """Whether nobody called at() with the message of this header since it was made or came in."""
+    """True if the stage did not call at() with the message of this header."""
     return header is UNSTAMPED or header.source != ""
 
 
 def check_returned(declared: Sequence[OutputSpec], result: Any) -> None:
-    """Check what `process` of a stage with inputs returned, unless it is None. Raises WrongOutput."""
+    """Check the result of `process` of a stage with inputs. Raises WrongOutput."""
     for message in _messages(declared, result, "returned"):
         if not untimed(message.header):
             raise WrongOutput(
@@ -32,9 +32,9 @@ def check_returned(declared: Sequence[OutputSpec], result: Any) -> None:
 
 
 def check_yielded(declared: Sequence[OutputSpec], item: Any, *, live: bool) -> Header:
-    """Check what a source yielded; returns the header with its capture time, the same for all its messages.
+    """Check the result of a source; returns the header with the capture time, common to all its messages.
 
-    A live source may leave the time to the runtime: the header is then UNSTAMPED. Raises WrongOutput.
+    If a live source leaves the time to the runtime, the header is UNSTAMPED. Raises WrongOutput.
     """
     headers = [message.header for message in _messages(declared, item, "yielded")]
     if not headers:

@@ -1,9 +1,9 @@
 """The message types of upper-body and head pose tracking (Weinrich et al. 2010), shared by all plugins.
 
 A pose has six numbers: the place on the floor (x, y), the height of the head's top, the heading of the
-torso, and pan and tilt of the head relative to the torso. In messages they are room quantities, so that
-poses of several cameras can be compared; what a camera sees (direction, distance, heading towards it)
-follows from its place. Angles are in rad, counter-clockwise seen from above, 0 along the room's x axis;
+torso, and pan and tilt of the head relative to the torso. Messages give them in room coordinates, so that
+poses of several cameras can be compared; each camera's view (direction, distance, relative heading) follows
+from its pose. Angles are in rad, counter-clockwise seen from above, 0 along the room's x axis;
 pan is positive to the person's left, tilt upwards.
 """
 
@@ -13,13 +13,14 @@ from followspot.messages import Array, Message, column
 
 
 class Gradients(Message):
-    """Edges of one picture, spread out over their neighbourhood (section 3.2); as large as the picture."""
+    """Gradients of one picture, spread over their neighbourhood (section 3.2), in the size of the picture."""
 
     camera: str
     magnitude: Array = column("H", "W", dtype="u1")
-    """0 to 255, after suppression of weak edges and spreading."""
+    """Magnitude, 0 to 255, after suppression of weak edges and spreading."""
     orientation: Array = column("H", "W", dtype="u1", unit="pi/256")
-    """Direction of the gradient modulo pi, of the strongest edge in reach; 0 is along the columns' axis x."""
+    """Direction modulo pi of the strongest gradient in the neighbourhood; 0 is along the x axis of the
+    picture."""
 
 
 class Boxes(Message):
@@ -27,18 +28,18 @@ class Boxes(Message):
 
     camera: str
     box: Array = column("N", 4, unit="px")
-    """x0, y0, x1, y1; x1 may exceed the width of a panorama, whose columns go on at 0."""
+    """x0, y0, x1, y1; in a panorama x1 may exceed the width, since columns wrap around."""
     score: Array = column("N")
-    """Larger is surer; 0 is the detector's own threshold."""
+    """Score of the detector; 0 is its threshold, larger is more certain."""
     torso: Array = column("N", "B")
     """Log-likelihood, up to a constant, that the chest points in each of B directions relative to the camera:
-    direction i is 2 pi i / B, 0 faces the camera. B is 0 where the detector does not know."""
+    direction i is 2 pi i / B, 0 faces the camera. B is 0 if the detector does not estimate it."""
     head: Array = column("N", "B")
     """The same for the face: torso heading plus pan, relative to the camera."""
 
 
 class Appearances(Message):
-    """What the known persons look like, one row each; F surface features of the shape model (section 3.3)."""
+    """Appearance of the known persons, one row each; F surface features of the shape model (section 3.3)."""
 
     camera: str
     person: Array = column("P", dtype="i4")
@@ -47,33 +48,33 @@ class Appearances(Message):
     """Colour of each feature: hue as a share of the circle, saturation, intensity, all 0 to 1."""
     variance: Array = column("P", "F", 3)
     evidence: Array = column("P", "F")
-    """Weight of the observations of a feature; 0 where its colour is only predicted from others."""
+    """Weight of the observations of a feature; 0 if its colour is predicted from other features."""
     pose: Array = column("P", 6)
-    """Pose in which the person was learnt last: x, y, height (m), heading, pan, tilt (rad)."""
+    """Pose at the last update of the appearance: x, y, height (m), heading, pan, tilt (rad)."""
     seen: Array = column("P", dtype="i8", unit="ns")
-    """Capture time of that picture."""
+    """Capture time of the last update."""
 
 
 class Poses(Message):
     """Persons whose pose is known, one row each; the output of a pose tracker or of their fusion."""
 
     camera: str
-    """The camera that saw them; empty for poses fused from several."""
+    """The camera of the picture; empty for poses fused from several cameras."""
     person: Array = column("M", dtype="i4")
     state: Array = column("M", dtype="u1", refers="states")
-    """As `followspot.tracking.STATES`."""
+    """Index into `followspot.tracking.STATES`."""
     xy: Array = column("M", 2, unit="m")
-    """Place on the floor below the middle between pelvis and neck."""
+    """Point on the floor below the middle between pelvis and neck."""
     height: Array = column("M", unit="m")
-    """Of the highest point of the head, hair included, above the floor."""
+    """Height of the highest point of the head, hair included, above the floor."""
     heading: Array = column("M", unit="rad")
-    """Where the chest points."""
+    """Direction of the chest."""
     pan: Array = column("M", unit="rad")
     tilt: Array = column("M", unit="rad")
     sigma: Array = column("M", 6)
     """One standard deviation of x, y, height (m), heading, pan, tilt (rad)."""
     confidence: Array = column("M")
-    """0 to 1: how well the picture agrees with the pose."""
+    """Agreement of the picture with the pose, 0 to 1."""
 
 
 class PoseTruth(Message):

@@ -21,7 +21,7 @@ ONE_OUTPUT = "out"
 
 
 class SignatureError(FollowspotError):
-    """The signature of `process` does not say what the ports are; the text says what to write."""
+    """The signature of `process` does not declare the ports; the text says what to write."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class InputSpec:
 
 @dataclass(frozen=True)
 class OutputSpec:
-    """What `process` returns, or one field of it."""
+    """The result of `process`, or one field of it."""
 
     name: str
     type: type[Message]
@@ -61,7 +61,7 @@ class Ports:
 
 def ports(stage: type[Stage]) -> Ports:
     """Read the ports. Raises SignatureError."""
-    return _ports(typing.cast(Any, stage))  # a class is hashable, whatever its instances are
+    return _ports(typing.cast(Any, stage))  # classes are hashable
 
 
 @cache
@@ -84,7 +84,7 @@ def _ports(stage: Any) -> Ports:
 
 
 def accepts(wanted: type[Message], offered: type[Message]) -> bool:
-    """Whether an input of one type takes messages of another: the same, or derived from it."""
+    """True if an input of one type takes messages of another: the same type, or a subclass."""
     return issubclass(offered, wanted)
 
 

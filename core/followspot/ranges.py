@@ -1,7 +1,7 @@
-"""Ranges of the numbers that other processes, files and hosts tell, for whoever checks them on the way in.
+"""Ranges of numbers from other processes, files and hosts, as types for pydantic.
 
-A Python integer knows no end, but what it goes into does: 64-bit words, arrays, waits, JSON that a browser
-reads. Pydantic checks these where it validates data whose types they are.
+A Python integer has no limit, but 64-bit words, arrays, waits and the JSON of a browser have. Pydantic checks
+these types when it validates data.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from followspot.messages import MAX_TIME
 MAX_EXACT = 1 << 53
 """Largest whole number that every reader of JSON keeps exact; a thousand of them fit into 64 bits."""
 MAX_WAIT = 3600.0
-"""Longest time, s, that a graph may have anything wait."""
+"""Longest wait that a graph may ask for, s."""
 
 Count = Annotated[int, Field(ge=0, le=MAX_EXACT)]
-"""How many there are of something."""
+"""A number of things."""
 Last = Annotated[int, Field(ge=-1, le=MAX_EXACT)]
-"""Number of the newest of something, -1 where there is none."""
+"""Number of the newest item, -1 if there is none."""
 Incarnation = Annotated[int, Field(ge=0, le=100_000_000)]
-"""How often a worker was started before."""
+"""Number of earlier starts of a worker."""
 Nanoseconds = Annotated[int, Field(ge=-MAX_TIME, le=MAX_TIME)]
-"""A moment, or the difference of two."""
+"""A time, or the difference of two, ns."""
 Figure = Annotated[float, Field(ge=-1e18, le=1e18)]
-"""A figure to be shown: finite, and of a length that fits on a page."""
+"""A figure for display: finite, with a limited number of digits."""
 Age = Annotated[float, Field(ge=0.0, le=1e12, allow_inf_nan=False)]
-"""Seconds since something was last heard or seen, by the monotonic clock of whoever listened."""
+"""Seconds since the last sign of something, by the monotonic clock of the observer."""
 Wait = Annotated[float, Field(ge=0.0, le=MAX_WAIT)]
-"""A time, s, that something may have to wait."""
+"""A wait, s."""

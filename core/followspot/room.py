@@ -18,7 +18,7 @@ Model = Literal["pinhole", "fisheye", "cylinder"]
 
 @dataclass(frozen=True)
 class StageUse:
-    """A stage that a room names: which, with what parameters, and the folder that paths are relative to."""
+    """A stage that a room names, with its parameters and the folder that paths are relative to."""
 
     uses: str
     params: Mapping[str, Any] = field(default_factory=dict)
@@ -30,8 +30,8 @@ class Camera:
     """A calibrated camera, OpenCV convention: x_cam = R X + t, z forward, pixel centres at integers.
 
     matrix: (3, 3) px; distortion: (5,) k1 k2 p1 p2 k3, or (4,) for a fisheye; rotation: (3, 3);
-    translation: (3,) m; size: width and height, px; clock_offset: how much later than its time stamps say
-    it takes its pictures, s. Functions on cameras stand in `followspot.geometry`.
+    translation: (3,) m; size: width and height, px; clock_offset: time of exposure minus
+    time stamp, s. Functions on cameras stand in `followspot.geometry`.
     """
 
     name: str
@@ -77,7 +77,7 @@ class Room:
     """The calibrated place. Cameras, planes and targets keep the order of the file.
 
     planes: name -> (4,) [a b c d], a x + b y + c z + d = 0 with unit normal, m;
-    truth: a source of `followspot.tracking.Truth`, for rooms that know where the targets really are.
+    truth: a source of `followspot.tracking.Truth`, for rooms with ground truth.
     """
 
     name: str = "room"

@@ -1,6 +1,6 @@
-"""Room files: read with every mistake at its place, written so that people can read them.
+"""Room files: read with every mistake at its place, written for people to read.
 
-What is written is read back bit for bit. Files are replaced whole: a crash leaves the old one.
+A written room is read back bit for bit. A file is replaced as a whole, so a crash leaves the old one.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def update(
     """Replace whole sections of a room file, all at once; every other line and comment stays as it is.
 
     A file that is one flow mapping, or shares anchors between sections, is rewritten without comments.
-    Raises InputError where the file or the new sections are wrong; the file is untouched then.
+    Raises InputError if the file or the new sections are wrong, and leaves the file unchanged.
     """
     file = Path(path)
     root = read(file)
@@ -57,7 +57,7 @@ def update(
     entries = root.value if isinstance(root.value, Mapping) else {}
     wanted = {**plain(root), **sections} if isinstance(root.value, Mapping) else plain(root)
     text = read_text(file, DOCUMENT)
-    # From the last line to the first, so that the lines of what is still to come stay where they are.
+    # From the last section to the first, so that line numbers of the others stay valid.
     for key in sorted(sections, key=lambda key: entries[key].key.line if key in entries else 0, reverse=True):
         text = _spliced(text, entries, key, dump({key: sections[key]}))
     if not _says(text, wanted):
@@ -66,7 +66,7 @@ def update(
 
 
 def to_data(room: Room) -> dict[str, Any]:
-    """The room in JSON types: what its file holds, and the folder of each source."""
+    """The room in JSON types: the content of its file, and the folder of each source."""
     data: dict[str, Any] = {
         "room": room.name,
         "cameras": {name: _camera_data(camera) for name, camera in room.cameras.items()},
@@ -79,7 +79,7 @@ def to_data(room: Room) -> dict[str, Any]:
 
 
 def from_data(data: Any) -> Room:
-    """The room from what `to_data` gave, checked as a file is. Raises InputError."""
+    """The room from the result of `to_data`, checked like a file. Raises InputError."""
     return room_of(node_of(data, Place("room data", 1, 1)), None)
 
 
@@ -131,7 +131,7 @@ def _use_data(use: StageUse) -> dict[str, Any]:
 
 
 def _without_folders(data: dict[str, Any]) -> dict[str, Any]:
-    """A file says where it is by being there."""
+    """A room without the folders of its sources, for a file: its own folder replaces them."""
     for use in [camera.get("source") for camera in data["cameras"].values()] + [data.get("truth")]:
         if use is not None:
             del use["folder"]
@@ -139,7 +139,7 @@ def _without_folders(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _spliced(text: str, entries: Mapping[str, Node], key: str, section: str) -> str:
-    """The text with the lines of one section replaced; added at the end where it has none."""
+    """The text with the lines of one section replaced; appended if the text has no such section."""
     lines = text.splitlines(keepends=True)
     if key not in entries:
         return text + ("" if not text or text.endswith("\n") else "\n") + section
@@ -159,7 +159,7 @@ def _says(text: str, wanted: Any) -> bool:
 
 
 def _write(path: Path, text: str) -> None:
-    """Check the text as a room, write it beside the file, then take the file's place."""
+    """Check the text as a room, write it beside the file, then replace the file."""
     room_of(parse(text, f"{path} (as it would be)"), str(path.parent))
     mode = path.stat().st_mode & 0o777 if path.exists() else 0o644
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
@@ -189,7 +189,7 @@ def _flow(value: Any) -> str:
         return "[" + ", ".join(_flow(item) for item in value) + "]"
     if isinstance(value, float):
         text = repr(value)
-        # Readers of YAML 1.1 take 1e-05 for a text.
+        # YAML 1.1 readers parse 1e-05 as a text.
         return text if "." in text or "e" not in text else text.replace("e", ".0e")
     if isinstance(value, str):
         return value if _PLAIN_TEXT.fullmatch(value) and resolve(value) == value else _quoted(value)

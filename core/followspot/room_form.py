@@ -1,4 +1,4 @@
-"""From a room document to a room: every mistake is noted at its line and column."""
+"""From a room document to a room, with every mistake at its line and column."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MAX_PLANES = 1000
 _TOLERANCE = 1e-3
 """Largest deviation of R R^T from the identity, and of a plane's normal from unit length."""
 _ROUNDING = 1e-9
-"""Deviation from a unit sum or length that is left as it is: a written room is read back bit for bit."""
+"""Deviation from a unit sum or length that is not corrected: a written room is read back bit for bit."""
 _MAX_SIDE = 1 << 15
 _MAX_PIXELS = MAX_BYTES // 3
 """A color picture must fit into a message."""
@@ -31,9 +31,9 @@ _MOST_FOCAL = 1e6
 """Largest focal length and distance of the principal point, px."""
 _MOST_DISTORTION = 1e4
 _MOST_AREA = 1e9
-"""px"""
+"""Largest area of a target in a picture, px."""
 _MAX_CLOCK_OFFSET = 1.0
-"""Either way, s; clocks further apart are no matter of a fraction of a frame."""
+"""Largest absolute clock offset, s; larger ones are mistakes, since offsets are fractions of a frame."""
 _CAMERA_KEYS = (
     "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
     "clock_offset",
@@ -44,7 +44,7 @@ _COEFFICIENTS: dict[str, list[Shape]] = {"pinhole": [(5,), (4,)], "fisheye": [(4
 def room_of(root: Node, folder: str | None) -> Room:
     """The room that a document describes. Raises InputError with every mistake.
 
-    folder: what paths in the document are relative to; None where each source carries its own.
+    folder: that paths in the document are relative to; None if each source has its own.
     """
     mistakes: list[Mistake] = []
     form = Form(root, "a room", ("room", "cameras", "planes", "targets", "truth"), mistakes)
@@ -63,7 +63,7 @@ def room_of(root: Node, folder: str | None) -> Room:
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:
-    """The entries of a section, whose names are checked."""
+    """The entries of a section; notes mistakes in their names."""
     entries = form.mapping(key)
     if len(entries) > most:
         form.wrong(form.entries[key], f"{len(entries)} {key}, at most {most} are allowed")

@@ -34,7 +34,7 @@ from followspot.room import Camera, Room
 
 T = TypeVar("T")
 LOGGER = "followspot.stage"
-"""What the names of the loggers of stages begin with."""
+"""Prefix of the names of the stages' loggers."""
 
 
 class LatestInput:
@@ -68,10 +68,12 @@ Joined = Annotated[tuple[T, ...], JoinedInput()]
 InputPath = Annotated[Path, PathIn()]
 OutputPath = Annotated[Path, PathOut()]
 OutputHost = Annotated[str, NetworkOut()]
-"""An agent lets orders from elsewhere send to its own host alone, unless its owner allows more."""
+"""Under an agent, a run of an operator elsewhere may send to the agent's host only, unless the owner allows
+more."""
 InputDevice = Annotated[int | str, DeviceIn()]
 InputAddress = Annotated[str, DeviceIn()]
-"""An agent lets orders from elsewhere open cameras by number alone, unless its owner allows more."""
+"""Under an agent, a run of an operator elsewhere may open cameras by number only, unless the owner allows
+more."""
 
 
 def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any) -> Any:  # noqa: N802
@@ -86,14 +88,14 @@ LARGEST_INT = (1 << 63) - 1
 """Largest whole number in a parameter; it fits into 64 bits."""
 LARGEST = 1e15
 SMALLEST = 1e-15
-"""Of other numbers, without their sign: beyond, squares and quotients leave the range of floats."""
+"""Range of the absolute value of other numbers: beyond it, squares and quotients overflow or underflow."""
 
 
 class StageParams(pydantic.BaseModel):
     """Base of every stage's parameters: immutable, unknown names are errors.
 
-    Whatever their own limits, whole numbers fit into 64 bits, others are 0 or from `SMALLEST` to `LARGEST`,
-    and no text contains a NUL.
+    Beside the limits of each parameter, these hold for all: whole numbers fit into 64 bits, other numbers are
+    0 or from `SMALLEST` to `LARGEST` in absolute value, and texts contain no NUL.
     """
 
     model_config = pydantic.ConfigDict(
@@ -108,7 +110,7 @@ class StageParams(pydantic.BaseModel):
 
 
 def _check(value: Any) -> None:
-    """Raises ValueError if a number or a text in a tree of values is beyond all reason."""
+    """Raises ValueError if a number or a text in a tree of values breaks the limits of `StageParams`."""
     if isinstance(value, Mapping):
         _check(list(value.values()))
     elif isinstance(value, list | tuple | set | frozenset):
@@ -125,7 +127,7 @@ def _check(value: Any) -> None:
 
 
 def _no_warning(text: str) -> None:
-    """Outside a run there is nobody to warn."""
+    """Drop the warning: outside a run, none is shown."""
 
 
 def _fresh(shape: tuple[int, ...], dtype: str) -> Array:
@@ -138,39 +140,41 @@ def _sleep(seconds: float) -> bool:
 
 
 class Post(Protocol):
-    """The way to those who look at a graph from other hosts; it never waits."""
+    """Non-blocking channel from a tap to observers on other hosts."""
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody takes what is sent."""
+        """True if an observer subscribes."""
 
     def send(self, packet: bytes) -> None:
-        """Send, or drop where the network is full."""
+        """Send a packet, or drop it if the network is congested."""
 
     def close(self) -> None:
-        """Send no more."""
+        """Close the channel."""
 
 
 @dataclass(frozen=True)
 class Context:
-    """What a stage may know of the run that it is part of; every part has a default for tests."""
+    """The stage's view of its run. Every field has a default, for tests without a run."""
 
     name: str = "stage"
     room: Room = Room()
     camera: Camera | None = None
-    """The camera that this instance serves, where the graph says `each: cameras`."""
+    """The camera that this instance serves, if the graph says `each: cameras`."""
     out: Path = Path()
     """The run's output folder."""
     seed: int = 0
     warn: Callable[[str], None] = _no_warning
-    """Tell the user what does not stop the run; shown with the stage's name, at once and at the end."""
+    """Report a problem that does not stop the run; the user sees it with the stage's name, now and at the
+    end."""
     loan: Callable[[tuple[int, ...], str], Array] = _fresh
-    """An array (shape, dtype) to compute the output into, in shared memory where a reader is near."""
+    """An array (shape, dtype) to compute the output into, in shared memory if a reader on this host uses
+    it."""
     pause: Callable[[float], bool] = _sleep
-    """Wait so many seconds: for a source that keeps a pace of its own. It returns at once, with False, when
-    the run is to end: the source then ends, too. Where messages are only read for a table nobody waits."""
+    """Wait (s), for a source that keeps its own pace. Returns False at once if the run is ending: the source
+    should return then. Readers of recordings that need no pace do not wait."""
     post: Post | None = None
-    """Of a tap on another host than the operator's: the way to those who look on."""
+    """Channel to the observers of a tap on another host than the operator's."""
 
 
 class Stage:
@@ -180,33 +184,34 @@ class Stage:
         """No parameters."""
 
     live: ClassVar[bool] = False
-    """Whether a source delivers in its own time (a device); live sources drop their oldest frame."""
+    """True for a source that delivers at its own pace (a device); such a source drops its oldest frame if it
+    must."""
     per_camera: ClassVar[bool] = False
-    """Whether an instance serves exactly one camera (`self.camera`)."""
+    """True if an instance serves exactly one camera (`self.camera`)."""
     tap: ClassVar[bool] = False
-    """Whether a sink may be put at a port of a graph that runs, from outside: it tells those who look on, and
-    nobody else."""
+    """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
+    run only."""
 
     process_together: ClassVar[Callable[..., Any] | None] = None
-    """Optional: what `process` of several stages would return, bit for bit, for less than one by one.
+    """Optional batch version of `process`: a classmethod `(stages, inputs) -> outputs`.
 
-    A classmethod `(stages, inputs) -> outputs`: stages of this class with the same parameters in one room,
-    the arguments that each one's `process` would get, and what each would return, in the same order. A worker
-    calls it where several are ready at once; it may not rely on who they are. Where it raises, `process` of
-    each is called, so it must leave the stages as they were.
+    stages: instances of this class with the same parameters in one room; inputs: the arguments of `process`
+    for each; outputs: the results of `process` for each, bit for bit, in the same order. A worker calls it
+    with any subset of the instances that are ready at once. If it raises, the worker calls `process` of each
+    instead, so it must not change the stages before it raises.
     """
 
     for_type: ClassVar[Callable[..., Any] | None] = None
-    """Optional, of a stage that serves any message type: a classmethod `(kind) -> class`, the one for it.
+    """Optional, for a stage that serves any message type: a classmethod `(kind) -> class` for one type.
 
-    A graph asks for it by a port that has the type: `uses: NAME[STAGE.PORT]`.
+    A graph names the type by a port that sends it: `uses: NAME[STAGE.PORT]`.
     """
 
     params: Any
     process: Callable[..., Any]
 
     def __init__(self, context: Context = Context(), /, **params: Any) -> None:
-        """context: of the run; params: values of `Params`, validated. Raises pydantic.ValidationError."""
+        """context: of the run; params: values for `Params`. Raises pydantic.ValidationError."""
         self.context = context
         self.params = self.Params(**params)
 
@@ -217,40 +222,41 @@ class Stage:
 
     @property
     def camera(self) -> Camera:
-        """The camera that this instance serves. Raises LookupError where there is none."""
+        """The camera that this instance serves. Raises LookupError if it serves none."""
         if self.context.camera is None:
             raise LookupError(f'{self.context.name} serves no camera: give it one with "each: cameras"')
         return self.context.camera
 
     @cached_property
     def rng(self) -> np.random.Generator:
-        """Random numbers of this instance: the same in every placement, set by the run's seed."""
+        """Random generator seeded by the run's seed and the stage's name: the same in every placement."""
         digest = hashlib.sha256(f"{self.context.seed}:{self.context.name}".encode()).digest()
         return np.random.default_rng(int.from_bytes(digest[:8], "little"))
 
     @cached_property
     def log(self) -> logging.Logger:
-        """Python's logger of this instance; `followspot logs` shows what it says from level info on."""
+        """Logger of this instance; `followspot logs` shows its records from level info on."""
         return logging.getLogger(f"{LOGGER}.{self.context.name}")
 
     def setup(self) -> None:
-        """Called once before the first message, in the worker; open files and devices here."""
+        """Open files and devices; the worker calls it once before the first message."""
 
     def length(self) -> int | None:
-        """How many messages a source will yield, where it knows; asked after `setup`, for progress only."""
+        """Number of messages that a source will yield, if known after `setup`; for progress only."""
         return None
 
     def close(self) -> None:
-        """Called once after the last message, also after an error; outputs must be complete then."""
+        """Complete the outputs; the worker calls it once after the last message, also after an error."""
 
     def state(self) -> Any:
-        """What a successor needs to carry on: numbers, text, arrays, lists and dicts; None for nothing."""
+        """Checkpoint for a replacement: numbers, text, arrays, lists and dicts; None for none."""
         return None
 
     def restore(self, state: Any) -> None:
-        """Carry on from what `state` of a predecessor gave; called after `setup`.
+        """Carry on from the checkpoint that `state` of another instance gave; the worker calls it after
+        `setup`.
 
-        Where a swap takes a moment, it is called again with a newer state before the first message.
+        If a swap takes a moment, the worker calls it again with a newer checkpoint before the first message.
         """
 
 

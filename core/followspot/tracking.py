@@ -1,8 +1,8 @@
 """The message types of multi-view tracking, shared by all plugins so that stages can be swapped.
 
-`T` is the number of targets of the room, in the order of the room file; a column of shape (N, T)
-says for each of N rows which targets it may belong to. Cameras are named; where a column holds
-camera numbers, they index the message's `cameras`.
+`T` is the number of targets of the room, in the order of the room file. A column of shape (N, T) says for
+each of N rows which targets it may belong to. Messages name cameras; numbers of cameras index the message's
+`cameras`.
 """
 
 from __future__ import annotations
@@ -20,20 +20,20 @@ plane; its position is an extrapolation.
 
 
 class Frame(Message):
-    """One picture of one camera, as large as the room says: BGR of colour cameras, grey of infrared ones."""
+    """One picture of one camera, in the room's size: BGR for colour cameras, grey for infrared ones."""
 
     camera: str
     pixels: Array = column("H", "W", "C", dtype="u1")
 
 
 class Blobs(Message):
-    """What a detector found in one picture."""
+    """Blobs that a detector found in one picture."""
 
     camera: str
     xy: Array = column("N", 2, unit="px")
     """Centroid with the lens distortion removed (same matrix K)."""
     pixel: Array = column("N", 2, unit="px")
-    """The same centroid as it stands in the picture."""
+    """The same centroid in the distorted picture."""
     area: Array = column("N", unit="px")
     """Number of pixels."""
     similarity: Array = column("N")
@@ -57,11 +57,11 @@ class Pairs(Message):
     epipolar: Array = column("N", unit="px")
     """Epipolar distance d_ED."""
     labelled: Array = column("N", dtype="?")
-    """Whether a colour camera takes part; infrared-infrared pairs are unlabelled."""
+    """True if one of the cameras is a colour camera; infrared-infrared pairs are unlabelled."""
     confirmed: Array = column("N", dtype="?")
-    """Whether the pair joins a colour and an infrared camera: evidence of a ball, not of light."""
+    """True if the pair joins a colour and an infrared camera, which tells a ball from a lamp."""
     evident: Array = column("N", dtype="?")
-    """Whether it is enough to find a ball by: confirmed, and no other colour camera shows it to be light."""
+    """True if the pair alone may start a track: confirmed, and no other colour camera contradicts it."""
     targets: Array = column("N", "T", dtype="?")
 
 
@@ -79,7 +79,7 @@ class Candidates(Message):
     labelled: Array = column("N", dtype="?")
     confirmed: Array = column("N", dtype="?")
     evident: Array = column("N", dtype="?")
-    """Evident as a pair, and both blobs show enough of a ball at that distance."""
+    """True if the pair is evident and both blobs are large enough for a ball at that distance."""
     targets: Array = column("N", "T", dtype="?")
 
 
@@ -89,26 +89,27 @@ class Positions(Message):
     target: Array = column("M", dtype="i4", refers="targets")
     xyz: Array = column("M", 3, unit="m")
     covariance: Array = column("M", 3, 3, unit="m^2")
-    """Of the measurement; NaN where the fusion does not know it."""
+    """Covariance of the measurement; NaN if the fusion does not estimate it."""
     support: Array = column("M", dtype="i4")
-    """Number of candidates that the position rests on."""
+    """Number of candidates that the fusion used."""
     confirmed: Array = column("M", dtype="?")
-    """Whether a colour-infrared pair is among them; a lost target is recovered only by such."""
+    """True if a colour-infrared pair is among them; only such a position recovers a lost target."""
     evident: Array = column("M", dtype="?")
-    """Whether one of them would be enough by itself, seen a few frames in a row."""
+    """True if one of them alone may start a track after a few frames in a row."""
     iterations: Array = column("M", dtype="i4")
     """Steps until convergence; 0 for direct methods."""
     predicted: Array = column("M", dtype="?")
-    """Whether one view and the forecast or a plane had to do: no measurement of its own."""
+    """True if the position comes from one view and the forecast or a plane: it is no measurement."""
 
 
 class Forecast(Message):
-    """Where each target will be when the next frame is taken; one row per target of the room."""
+    """Predicted position of each target at the next frame; one row per target of the room."""
 
     period: float
     """Time from this message to the frame it forecasts, s."""
     state: Array = column("T", dtype="u1", refers="states")
-    """As what each is to be sought: a missing one is lost in some frames, too."""
+    """State that decides the search region; in some frames a missing target is searched for like a lost
+    one."""
     xyz: Array = column("T", 3, unit="m")
     velocity: Array = column("T", 3, unit="m/s")
     covariance: Array = column("T", 3, 3, unit="m^2")
@@ -143,16 +144,16 @@ class Truth(Message):
 
 
 class ImageTracks(Message):
-    """Tracks of one camera that are seen in this frame, one row each: places in the picture, not in space."""
+    """Image tracks of one camera that were measured in this frame, one row each."""
 
     camera: str
     target: Array = column("M", dtype="i4", refers="targets")
     track: Array = column("M", dtype="i4")
-    """Number of the track; another throw of the same target has another one."""
+    """Number of the track; each throw of a target has its own."""
     xy: Array = column("M", 2, unit="px")
-    """Place with the lens distortion removed (same matrix K)."""
+    """Position with the lens distortion removed (same matrix K)."""
     pixel: Array = column("M", 2, unit="px")
-    """The same place as it stands in the picture."""
+    """The same position in the distorted picture."""
     velocity: Array = column("M", 2, unit="px/s")
     residual: Array = column("M", unit="px")
     """RMS distance of the track so far from the motion model."""
