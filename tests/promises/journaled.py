@@ -16,7 +16,7 @@ from tests.promises.books import Books, books_of, disagreements
 
 STAGES = Path(__file__).parent / "journal.py"
 FOREVER = 60.0
-"""Seconds that only bound a failure."""
+"""Seconds until a failure is reported."""
 
 
 class Journaled:

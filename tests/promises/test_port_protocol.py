@@ -30,7 +30,7 @@ NEAR, LEFT, RIGHT, LOOSE = EDGES = range(4)
 FAR = (LEFT, RIGHT, LOOSE)
 ANY, ANY_FAR = st.sampled_from(EDGES), st.sampled_from(FAR)
 SIZES = st.sampled_from([SMALL, 9_000])
-SLACK = 3
+LATENESS = 3
 """ns beyond its own time for which a message promises that nothing else comes."""
 AHEAD = 2
 """Messages on their way to the reader of an edge that drops."""
@@ -70,7 +70,7 @@ class PortOfRun(RuleBasedStateMachine):
         """Messages that readers took or threw away, by edge."""
         self.astray = [0] * len(EDGES)
         """Messages of which nobody can tell any more what became of them, until the run ends."""
-        self.told = -END
+        self.announced = -END
         """How far the port last said to be, or that it is absent."""
         self.over = self.ended_once = False
         self.left_all = True
@@ -93,17 +93,17 @@ class PortOfRun(RuleBasedStateMachine):
                 self.number += 1
                 self.expect(spoken)
                 self.output.send(picture(spoken, size), header(spoken))
-                self.told = self.time + 1 + SLACK
+                self.announced = self.time + 1 + LATENESS
 
     @precondition(lambda self: self.speaks and self.output.has_room())
     @rule()
     def produce_what_is_refused(self) -> None:
-        """It lies before what was settled, so nobody gets it."""
+        """It lies before the watermark, so no reader gets it."""
         self.time += 10
         self.output.advance(self.time + 5)
         self.produced += 1
         self.output.send(picture(Spoken(-1, self.time), SMALL), header(Spoken(-1, self.time)))
-        self.told = self.time = self.time + 5
+        self.announced = self.time = self.time + 5
 
     @precondition(lambda self: self.speaks)
     @rule(times=st.sampled_from([1, 1, 260, 400]))
@@ -111,20 +111,20 @@ class PortOfRun(RuleBasedStateMachine):
         for _ in range(times):
             self.time += 10
             self.output.advance(self.time)
-        self.told = self.time if times else self.told
+        self.announced = self.time if times else self.announced
 
     @precondition(lambda self: self.speaks and self.live)
     @rule()
     def be_absent(self) -> None:
         self.output.absent()
-        self.told = ABSENT
+        self.announced = ABSENT
 
     @precondition(lambda self: self.speaks)
     @rule(really=st.integers(0, 5))
     def end(self, really: int) -> None:
         if really == 5:
             self.output.end()
-            self.told = END
+            self.announced = END
             self.over = self.ended_once = True
 
     @precondition(lambda self: self.sender)
@@ -209,7 +209,7 @@ class PortOfRun(RuleBasedStateMachine):
     def sender_begins(self) -> None:
         """Another one, with rings to those who are there; the others come back later."""
         pairs = {edge: socket.socketpair(*PAIR) for edge in FAR}
-        self.output = OutputPort(Picture, self.ledger.words, lateness=SLACK)
+        self.output = OutputPort(Picture, self.ledger.words, lateness=LATENESS)
         self.output.waits_for_readers = not self.live
         near = self.queue(NEAR)
         self.output.connect([near])
@@ -218,11 +218,11 @@ class PortOfRun(RuleBasedStateMachine):
         self.writers = {LEFT: (ring, 0), RIGHT: (ring, 1), LOOSE: (loose, 0)}
         self.output.attach(ring, ["left", "right"], [self.ledger.row(LEFT), self.ledger.row(RIGHT)])
         self.output.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
-        join = Join((), window=0, lateness=SLACK)
+        join = Join((), window=0, lateness=LATENESS)
         runner = StageRunner("count", 0, lambda: Count(Context()), join, {"out": self.output})
         self.sender = Worker([runner], [], [(ring, 0), (loose, 0)], Pace())
         first = not self.number and not self.produced
-        self.over, self.told = False, -END
+        self.over, self.announced = False, -END
         self.unheard = deque()
         self.readers[NEAR] = Reader(near, self.sender)
         for edge, (_, theirs) in pairs.items():
@@ -299,9 +299,9 @@ class PortOfRun(RuleBasedStateMachine):
             assert self.count(edge).in_flight == self.astray[edge], f"{edge}: {self.count(edge)}"
         for edge, reader in self.readers.items():
             assert edge == LOOSE or not reader.owed, f"edge {edge} waits for ever for {reader.owed}"
-            known = self.told in (-END, reader.queue.watermark)
+            known = self.announced in (-END, reader.queue.watermark)
             assert known or (reader.over and reader.queue.watermark == END), (
-                f"edge {edge} does not know {self.told}"
+                f"edge {edge} does not know {self.announced}"
             )
         assert self.over or self.output.has_room() or self.output.waits_for_readers
 
@@ -319,7 +319,7 @@ class PortOfRun(RuleBasedStateMachine):
 
     def queue(self, edge: int) -> InputQueue:
         row = self.ledger.row(edge)
-        queue = InputQueue(str(edge), self.ledger.words, row, depth=self.depth, lateness=SLACK)
+        queue = InputQueue(str(edge), self.ledger.words, row, depth=self.depth, lateness=LATENESS)
         queue.after_loss = ABSENT if self.live else UNCHANGED
         return queue
 
@@ -348,7 +348,7 @@ class PortOfRun(RuleBasedStateMachine):
                 self.unheard.append(spoken)
 
     def check_arrivals(self, edge: int, queued: int, watermark: int) -> None:
-        """What came is what was owed, in order, and not before what was settled."""
+        """What came is what was owed, in order, and not before the watermark."""
         reader = self.readers[edge]
         for message in list(reader.queue.messages)[queued:]:
             said = Spoken(message.header.seq, message.header.time)
@@ -356,7 +356,7 @@ class PortOfRun(RuleBasedStateMachine):
             while (due := reader.owed.popleft()) != said:
                 assert edge == LOOSE, f"{said} came on edge {edge} before {due}"
             again = watermark == ABSENT or (watermark == END and reader.over)
-            assert again or said.time >= watermark, f"{said} came after {watermark} was settled"
+            assert again or said.time >= watermark, f"{said} came after the watermark {watermark}"
         assert (
             reader.queue.watermark >= watermark or watermark == ABSENT or len(reader.queue.messages) > queued
         )

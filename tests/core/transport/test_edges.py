@@ -29,7 +29,7 @@ FAR = Path(__file__).with_name("far.py")
 DEPTH = 4
 VGA = (480, 640, 3)
 FULL_HD = (1080, 1920, 3)
-PATIENCE = 30.0
+TIMEOUT = 30.0
 """Seconds after which a test gives up; none waits that long when it passes."""
 
 
@@ -98,14 +98,14 @@ class Edge:
 
     def found(self, index: int = 0) -> dict[str, Any]:
         """What the reader of that process found."""
-        output, _ = self.processes[index].communicate(timeout=PATIENCE)
+        output, _ = self.processes[index].communicate(timeout=TIMEOUT)
         assert self.processes[index].returncode == 0
         return json.loads(output)  # type: ignore[no-any-return]
 
     def kill(self, index: int = 0) -> None:
         """Kill -9."""
         self.processes[index].send_signal(signal.SIGKILL)
-        self.processes[index].wait(PATIENCE)
+        self.processes[index].wait(TIMEOUT)
 
     def close(self) -> None:
         for end in self.ends:
@@ -133,7 +133,7 @@ def ring() -> Iterator[Edge]:
 
 def until(condition: Callable[[], bool]) -> None:
     """Wait for what another process will do."""
-    limit = time.monotonic() + PATIENCE
+    limit = time.monotonic() + TIMEOUT
     while not condition():
         assert time.monotonic() < limit, "it never happened"
         time.sleep(0.005)

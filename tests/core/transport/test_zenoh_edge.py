@@ -364,7 +364,7 @@ def test_a_process_that_closes_its_edges_exits() -> None:
     subprocess.run([sys.executable, "-c", script], check=True, timeout=30)
 
 
-def test_a_signal_handler_may_ring_a_bell_that_its_thread_is_about_to_close() -> None:
+def test_a_signal_handler_may_set_a_wakeup_event_that_its_thread_is_closing() -> None:
     wakeup = WakeupEvent()
 
     def interrupted() -> None:
@@ -378,7 +378,7 @@ def test_a_signal_handler_may_ring_a_bell_that_its_thread_is_about_to_close() ->
     assert not closing.is_alive()
 
 
-def test_a_closed_bell_does_not_touch_the_next_owner_of_its_descriptor() -> None:
+def test_a_closed_wakeup_event_does_not_touch_the_next_owner_of_its_descriptor() -> None:
     wakeup = WakeupEvent()
     number = wakeup.fileno()
     wakeup.close()

@@ -24,7 +24,7 @@ def pair() -> Iterator[Pair]:
     made.close()
 
 
-def successor(pair: Pair, incarnation: int = 1) -> ZenohWriter:
+def replacement(pair: Pair, incarnation: int = 1) -> ZenohWriter:
     """A writer that takes the place of the one that is there still."""
     writer = ZenohWriter(pair.session, KEY, {NAME: ""}, DEPTH, incarnation=incarnation)
 
@@ -39,7 +39,7 @@ def successor(pair: Pair, incarnation: int = 1) -> ZenohWriter:
 
 def test_a_writer_whose_place_was_taken_leaves_without_taking_the_reader_along(pair: Pair) -> None:
     """It was on a host that nobody heard from; the news of its end comes late."""
-    new = successor(pair)
+    new = replacement(pair)
     until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
     pair.writer.close()
     until(lambda: bool(pair.reader._arrived))
@@ -52,12 +52,12 @@ def test_a_writer_whose_place_was_taken_leaves_without_taking_the_reader_along(p
 
 
 def test_a_writer_that_is_gone_is_lost_though_one_before_it_is_still_there(pair: Pair) -> None:
-    successor(pair).close()
+    replacement(pair).close()
     until(lambda: pair.reader.poll() == [] and pair.reader.lost)
 
 
 def test_a_writer_whose_place_was_taken_is_not_listened_to(pair: Pair) -> None:
-    new = successor(pair)
+    new = replacement(pair)
     until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
     pair.writer._tell_start(pair.writer._flow.readers[0])
     pair.writer.send(frame(1))
@@ -105,7 +105,7 @@ def test_a_stream_that_has_ended_begins_again_with_the_writer_that_comes_later(p
     pair.writer.close()
     until(lambda: pair.reader.poll() == [] and pair.reader._gone)
     assert not pair.reader.lost
-    pair.writer = successor(pair)
+    pair.writer = replacement(pair)
     for number in range(3 * DEPTH):
         until(lambda: pair.writer.credit() > 0)
         pair.writer.send(frame(number))
@@ -118,7 +118,7 @@ def test_a_stream_that_has_ended_begins_again_with_the_writer_that_comes_later(p
     until(pair.finished)
 
 
-def test_whoever_comes_in_the_place_of_a_reader_that_took_the_end_takes_it_too(pair: Pair) -> None:
+def test_a_reader_that_replaces_one_that_took_the_end_takes_it_too(pair: Pair) -> None:
     pair.writer.send(Watermark(END))
     arrived(pair.reader, 1)
     until(pair.finished)
@@ -157,7 +157,7 @@ def test_after_a_cut_as_many_are_missing_as_were_given_and_did_not_come(
 
 
 @pytest.mark.parametrize("time", [5, ABSENT, END])
-def test_who_comes_later_is_told_what_was_settled_last(pair: Pair, time: int) -> None:
+def test_a_reader_that_comes_later_is_told_the_last_watermark(pair: Pair, time: int) -> None:
     pair.writer.send(Watermark(time))
     arrived(pair.reader, 1)
     pair.reader.close()

@@ -1,4 +1,4 @@
-"""When a stage fires: joins by capture time and watermark, held inputs, deadlines."""
+"""When a stage fires: joins by capture time and watermark, sampled inputs, deadlines."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ class Note(Message):
     text: str
 
 
-def outlet_with_ring(ledger: Ledger) -> tuple[OutputPort, InputQueue, InputQueue, list[str]]:
+def output_with_ring(ledger: Ledger) -> tuple[OutputPort, InputQueue, InputQueue, list[str]]:
     """An output port with a reader in the same worker (edge 0) and one across a ring (edge 1)."""
     ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     output = OutputPort(Note, ledger.words, lateness=0)
@@ -37,7 +37,7 @@ def outlet_with_ring(ledger: Ledger) -> tuple[OutputPort, InputQueue, InputQueue
 
 def test_a_message_too_large_to_travel_is_invalid_on_the_ring_and_delivered_nearby() -> None:
     ledger = Ledger(2)
-    output, near, far, complaints = outlet_with_ring(ledger)
+    output, near, far, complaints = output_with_ring(ledger)
     output.send(Note("x" * 100_000), Header("a", 0, 0))
     output.send(Note("short"), Header("a", 1, 10))
     far.poll()

@@ -24,7 +24,7 @@ a: {uses: wrong.count}
 b: {uses: wrong.pass, in: {note: a}}
 c: {uses: wrong.collect, in: {note: b}}
 """
-TEAM = """
+BATCH = """
 a: {uses: wrong.count}
 b: {uses: wrong.pass, in: {note: a}}
 b2: {uses: wrong.pass, in: {note: a}}
@@ -132,7 +132,7 @@ def test_with_policy_restart_it_is_built_anew_until_that_helps_no_more(
 
 def test_what_stages_return_together_is_checked_for_each(tmp_path: Path) -> None:
     report, got = execute(
-        tmp_path, TEAM, *(f"{b}.{p}" for b in ("b", "b2") for p in ("wrong=late", "on_error=skip"))
+        tmp_path, BATCH, *(f"{b}.{p}" for b in ("b", "b2") for p in ("wrong=late", "on_error=skip"))
     )
     assert report.ok
     skipped = {s.stage: s.skipped for worker in report.workers for s in worker.stages}
@@ -146,7 +146,7 @@ def test_a_source_that_yields_not_at_all_is_named(tmp_path: Path) -> None:
     assert report.errors[0].startswith("stage a failed")
 
 
-@pytest.mark.parametrize("text", [CHAIN, FORK, SOURCES, TEAM])
+@pytest.mark.parametrize("text", [CHAIN, FORK, SOURCES, BATCH])
 def test_what_is_declared_goes_through_with_the_time_of_what_fired(tmp_path: Path, text: str) -> None:
     report, got = execute(tmp_path, text)
     assert report.ok, report.errors
