@@ -123,7 +123,7 @@ def test_an_agent_that_is_killed_and_started_again_takes_its_part_up(room: Room)
     grows(out / "ticks.csv", of_left, 5)
     finished = ended(process, out)
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
-    assert any("the agent was started anew" in line for line in finished.summary["warnings"])
+    assert any("the agent was restarted" in line for line in finished.summary["warnings"])
     assert balanced(finished.summary), finished.summary["edges"]
 
 

@@ -106,7 +106,7 @@ def test_what_a_host_gave_up_is_taken_up_again_and_the_news_say_so(hosts: Hosts,
         assert pair.host_is_idle()
     pair.flows()
     news = held(pair).summary["warnings"]
-    assert any("the agent had given the run up: its part of the run begins anew" in line for line in news)
+    assert any("the agent had ended the run: its workers start again" in line for line in news)
 
 
 @pytest.mark.thorough

@@ -12,8 +12,8 @@ from followspot.control.host import RunOrder
 from followspot.control.origin import Origin
 from followspot.ranges import Age
 
-Known = Literal["here", "given up", "unknown"]
-"""How an agent knows a run; given up: its operator was silent for too long."""
+Known = Literal["here", "timed out", "unknown"]
+"""How an agent knows a run; timed out: the agent ended it because its operator was silent for too long."""
 _Name = Annotated[str, pydantic.Field(max_length=1000)]
 
 

@@ -1,7 +1,5 @@
-"""From a plan to running workers: in this thread, as processes of this host, or on many hosts under agents.
+"""The host's role: starts the workers of a run on one machine, supervises them and connects them by rings.
 
-Entry: `launch.run_plan`. A `Coordinator` speaks with each host's part of a run (`host.Host`), which is near
-(`LocalHost`) or far. Edges between processes are made here (`links`); what goes on inside a worker is
-`followspot.worker`. `changes` swaps, sets and moves stages of a run; `clocks` compares those of its hosts;
-`security` says who may.
+An agent has this role on a remote machine, the operator's own process on its machine (`LocalHost`). `clocks`
+measures the offsets between the clocks of the hosts.
 """

@@ -1,4 +1,4 @@
-"""The agent: it stands on a host, starts and supervises workers there, and answers operators."""
+"""The agent: a process on a host that starts and supervises workers there and answers operators."""
 
 from __future__ import annotations
 
@@ -43,22 +43,22 @@ from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.network import Network
 from followspot.transport.zenoh.session import close_session, connected, locators
 
-_TURN_MS = 100
-"""Longest wait between two looks at the workers, ms."""
+_POLL_MS = 100
+"""Longest wait between two polls of the workers, ms."""
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
-"""What a host may be called."""
+"""Valid names of hosts."""
 _RUN = re.compile(r"[0-9a-f]{8,64}")
-"""What a run is called."""
+"""Valid names of runs."""
 
 
 @dataclass(frozen=True)
 class AgentOptions:
-    """What the owner of a host says.
+    """Options of an agent, set by the owner of the host.
 
-    name: of the host, as rooms and placements know it; grants: what operators may have stages use here;
-    runs: folder below which each run gets one for its outputs; plugin_files: one-file plugins installed here;
-    clock_offset: what the clock of this host is known to be behind, ns; operator_timeout: seconds without a
-    word of its operator after which a run ends here, if it is not to go on alone.
+    name: of the host, as rooms and placements use it; grants: files, receivers and devices that stages may
+    use; runs: folder below which each run gets an output folder; plugin_files: one-file plugins installed
+    here; clock_offset: known delay of this host's clock, ns; operator_timeout: seconds without a request of
+    its operator after which a run that is not detached ends here.
     """
 
     name: str
@@ -71,10 +71,10 @@ class AgentOptions:
 
 
 class Agent:
-    """Serves until it is stopped. One thread does everything; Zenoh's only ring a bell."""
+    """Serves requests until it is stopped. One thread does all work; Zenoh's threads only wake it."""
 
     def __init__(self, options: AgentOptions, tell: Callable[[str], None] = lambda line: None) -> None:
-        """tell: gets lines for the log. Raises FollowspotError where the name or an endpoint is wrong."""
+        """tell: gets lines for the log. Raises FollowspotError if the name or an endpoint is wrong."""
         if NAME.fullmatch(options.name) is None:
             raise FollowspotError(
                 f"{options.name!r} cannot be the name of a host; use letters, digits, - _ ."
@@ -94,16 +94,19 @@ class Agent:
         self.locators = locators(self.session)
 
     def stop(self) -> None:
-        """End all runs, then `serve`. Safe in a signal handler."""
+        """End all runs and make `serve` return. Safe in a signal handler."""
         self._stopping = True
         self._wakeup.set()
 
     def serve(self) -> None:
-        """Answer and supervise until `stop`. Leaves nothing behind."""
+        """Answer requests and supervise workers until `stop`; then end every worker.
+
+        Raises FollowspotError if there is an agent of this name already.
+        """
         try:
             if self.options.name in agents(self.session, timeout=0.5):
                 raise FollowspotError(f"there is an agent {self.options.name} already")
-            self._take_up()
+            self._resume_detached()
             answers = RpcServer(
                 self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.tell
             )
@@ -118,22 +121,22 @@ class Agent:
             self._wakeup.close()
             close_session(self.session)
 
-    def _take_up(self) -> None:
-        """Go on where an agent of this name died that had runs without an operator."""
+    def _resume_detached(self) -> None:
+        """Resume the detached runs of an earlier agent of this name that died."""
         for order in self.agent_runs.kept.left():
-            self.tell(f"run {order.run[:8]}: taken up again")
+            self.tell(f"run {order.run[:8]}: resumed")
             try:
                 self.prepare(order)
                 self.start(order.run)
             except (FollowspotError, ValueError, OSError) as error:
-                self.tell(f"run {order.run[:8]}: cannot be taken up again: {error}")
+                self.tell(f"run {order.run[:8]}: cannot be resumed: {error}")
 
     def _loop(self, answers: RpcServer) -> None:
         while not (self._stopping and all(agent_run.over for agent_run in self.agent_runs)):
             poll = select.poll()
             for fd in (self._wakeup.fileno(), *(agent_run.run.fileno() for agent_run in self.agent_runs)):
                 poll.register(fd, select.POLLIN)
-            poll.poll(_TURN_MS)
+            poll.poll(_POLL_MS)
             self._wakeup.clear()
             answers.answer()
             for agent_run in self.agent_runs:
@@ -143,7 +146,7 @@ class Agent:
             self.agent_runs.tidy(time.monotonic())
 
     def _dispatcher(self) -> Dispatcher:
-        """What operators may ask."""
+        """The handlers of requests to this agent."""
         runs = self.agent_runs
 
         def local(request: RunRequest) -> LocalHost:
@@ -171,11 +174,11 @@ class Agent:
         )
 
     def prepare(self, order: RunOrder) -> None:
-        """Start the workers of a run. Raises FollowspotError, ValueError."""
+        """Start the workers of a run. Raises FollowspotError if the agent refuses it, ValueError."""
         name = self.options.name
         if not _RUN.fullmatch(order.run):
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
-        self.agent_runs.check_room(order.run)
+        self.agent_runs.check_capacity(order.run)
         plan = unpacked(order.plan, name, self.options.grants, self.options.plugin_files)
         graph = plan_from_data(plan).graph
         out = self._folder(order.run)
@@ -188,9 +191,9 @@ class Agent:
         self.tell(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 
     def _folder(self, run: str) -> Path:
-        """The folder of a run: the one that it had before this agent was started, or a new one.
+        """The output folder of a run: the folder that an earlier agent made for it, or a new one.
 
-        It bears the agent's name, for agents may share a folder, but not a ledger.
+        Its name ends with the agent's name, because agents may share `runs` but not the file of a ledger.
         """
         ending = f"-{run}-{self.options.name}"
         known = sorted(self.options.runs.glob(f"*{ending}")) if self.options.runs.is_dir() else []
@@ -199,18 +202,18 @@ class Agent:
         return out
 
     def start(self, run: str) -> None:
-        """All hosts are ready."""
+        """Start the stages of a run: all its hosts are ready."""
         agent_run = self.agent_runs.agent_run(run)
         if not agent_run.started:
             agent_run.started = True
             agent_run.run.start()
 
     def change(self, order: ChangeOrder) -> None:
-        """One step of a change to stages that run here. Raises FollowspotError."""
+        """One step of a hot swap of stages on this host. Raises FollowspotError."""
         agent_run = self.agent_runs.agent_run(order.run)
         own = {stage.name for stage in agent_run.run.plan.stages if stage.worker in agent_run.run.workers}
-        if strangers := {stage.name for stage in order.stages} - own:
-            raise FollowspotError(f"{', '.join(sorted(strangers))} of run {order.run[:8]} does not run here")
+        if foreign := {stage.name for stage in order.stages} - own:
+            raise FollowspotError(f"{', '.join(sorted(foreign))} of run {order.run[:8]} does not run here")
         stages = unpacked_stages(order.stages, self.options.grants)
         agent_run.run.change(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
@@ -220,7 +223,7 @@ class Agent:
             self.tell(f"run {order.run[:8]} of {agent_run.graph}: changed {names}")
 
     def move(self, order: MoveOrder) -> None:
-        """One step of a move of stages to or from here. Raises FollowspotError."""
+        """One step of a move of stages to or from this host. Raises FollowspotError."""
         agent_run = self.agent_runs.agent_run(order.run)
         if order.plan is not None:
             name, grants = self.options.name, self.options.grants
@@ -233,7 +236,7 @@ class Agent:
         agent_run.run.move(order)
 
     def relay(self, order: Relayed) -> None:
-        """Tell the workers that run here. Raises FollowspotError."""
+        """Send an order to the workers on this host. Raises FollowspotError if it does not fit the plan."""
         run = self.agent_runs.agent_run(order.run).run
         order.check(run.plan, remote=True)
         run.relay(order)

@@ -1,7 +1,6 @@
-"""A host's part of a run as its agent keeps it, also on disk where it goes on without an operator.
+"""A run on the host of an agent, and the file from which a restarted agent resumes it if it is detached.
 
-An agent that is started anew takes such parts up again: workers begin with higher numbers than those that
-ended with the agent before, and with no state but what others send them.
+The resumed workers have higher incarnation numbers than those of the earlier agent, and no checkpoints.
 """
 
 from __future__ import annotations
@@ -17,23 +16,23 @@ from followspot.control.lifecycle import PrepareRun
 from followspot.control.move import MoveOrder
 from followspot.files import read_bytes
 from followspot.host.local_host import LocalHost
-from followspot.host.operator_timeout import OPERATOR_TIMEOUT, Absence
+from followspot.host.operator_timeout import OPERATOR_TIMEOUT, OperatorTimeout
 
 _FILE = ".order"
-_FRESH = 600.0
-"""Seconds since an agent last kept a part after which it is not taken up again."""
-_PERIOD = 2.0
-"""Seconds between two times that it keeps them."""
-_MARGIN = 4
-"""Starts of a worker that may have been missed."""
-_LEAVING = 5.0
-"""Seconds that workers whose operator does not come back have to complete their outputs."""
+_MAX_AGE = 600.0
+"""Age, s, above which a saved run is not resumed."""
+_SAVE_PERIOD = 2.0
+"""Seconds between two saves."""
+_RESTART_MARGIN = 4
+"""Starts of a worker that may be missing in the saved order."""
+_LEAVE_TIMEOUT = 5.0
+"""Seconds that workers have to complete their outputs after the operator timeout."""
 
 
 class AgentRun:
-    """A run on this host, and who looks after it.
+    """A run on this host, with its order and the timeout of its operator.
 
-    operator_timeout: seconds without its operator after which it is given up, where it is not to go on alone.
+    operator_timeout: seconds without a request of its operator after which a run that is not detached ends.
     """
 
     def __init__(
@@ -42,61 +41,61 @@ class AgentRun:
         self.graph = graph
         self.order = order
         self.run = run
-        self.operator = Absence(None if order.detached else operator_timeout, time.monotonic())
+        self.operator = OperatorTimeout(None if order.detached else operator_timeout, time.monotonic())
         self.started = False
-        self._left_until: float | None = None
+        self._leave_deadline: float | None = None
 
     @property
     def over(self) -> bool:
-        """Whether all its workers have ended."""
+        """True if all its workers have ended."""
         return self.run.status().all("over")
 
     def leave(self, now: float) -> None:
-        """Let the workers go as those do whose places others take: outputs are complete, streams not over.
+        """Make the workers exit as in a move: outputs are complete, but streams do not count as ended.
 
         now: monotonic time, s.
         """
-        self._left_until = now + _LEAVING
+        self._leave_deadline = now + _LEAVE_TIMEOUT
         self.run.move(MoveOrder(leaving=tuple(self.run.workers)))
 
     def left(self, now: float) -> bool:
-        """Whether they have left, or had the time to."""
-        return self._left_until is not None and (
-            now > self._left_until or self.run.status().all("absent", "over")
+        """True if the workers have left, or the time for that is over."""
+        return self._leave_deadline is not None and (
+            now > self._leave_deadline or self.run.status().all("absent", "over")
         )
 
-    def again(self) -> RunOrder:
-        """The order for whoever takes it up where it is now."""
+    def resume_order(self) -> RunOrder:
+        """Order that resumes the run from its present state."""
         workers = self.run.status().workers
         over = {*self.order.over, *(worker.name for worker in workers if worker.phase == "over")}
-        incarnations = {worker.name: worker.restarts + _MARGIN for worker in workers}
+        incarnations = {worker.name: worker.restarts + _RESTART_MARGIN for worker in workers}
         return replace(self.order, incarnations=incarnations, over=tuple(sorted(over)))
 
 
 class KeptRuns:
-    """Parts that go on alone, in the folders of their outputs."""
+    """The saved orders of detached runs, each a file in the run's output folder."""
 
     def __init__(self, runs: Path, host: str) -> None:
-        """runs: folder below which each run has one; host: whose parts."""
+        """runs: folder that contains the output folders; host: name of the agent's host."""
         self._runs = runs
         self._host = host
         self._next = 0.0
 
     def left(self) -> Iterator[RunOrder]:
-        """What an agent of this host was at when it died, not long ago."""
+        """The orders of the runs that an earlier agent of this host had when it died, unless too old."""
         for path in sorted(self._runs.glob(f"*-{self._host}/{_FILE}")):
-            with suppress(OSError, ValueError):  # it was just being written, or is of another version
-                if time.time() - path.stat().st_mtime > _FRESH:
+            with suppress(OSError, ValueError):  # incomplete, or of another version
+                if time.time() - path.stat().st_mtime > _MAX_AGE:
                     continue
                 order = PrepareRun.model_validate_json(read_bytes(path)).order
                 if path.parent.name.endswith(f"-{order.run}-{self._host}"):
                     yield order
 
     def keep(self, agent_runs: Iterable[AgentRun], now: float) -> None:
-        """Write down where parts are that go on alone, now and then; now: monotonic time, s."""
+        """Save the detached runs if the last save is old enough; now: monotonic time, s."""
         if now < self._next:
             return
-        self._next = now + _PERIOD
+        self._next = now + _SAVE_PERIOD
         for agent_run in agent_runs:
             if agent_run.over:
                 self.forget(agent_run)
@@ -104,10 +103,10 @@ class KeptRuns:
                 path = Path(agent_run.run.out, _FILE)
                 with suppress(OSError):  # a full disk must not end the run
                     new = path.with_suffix(".new")
-                    new.write_text(PrepareRun(order=agent_run.again()).model_dump_json())
+                    new.write_text(PrepareRun(order=agent_run.resume_order()).model_dump_json())
                     new.replace(path)
 
     def forget(self, agent_run: AgentRun) -> None:
-        """It is over."""
+        """Remove the saved order of a run."""
         with suppress(OSError):
             Path(agent_run.run.out, _FILE).unlink(missing_ok=True)

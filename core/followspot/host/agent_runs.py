@@ -1,4 +1,4 @@
-"""All parts of runs that an agent has: found for whoever asks, ended when nobody does any more."""
+"""All runs that an agent has; ends those whose operator has timed out, and forgets those that are over."""
 
 from __future__ import annotations
 
@@ -12,101 +12,98 @@ from followspot.errors import FollowspotError
 from followspot.host.agent_run import AgentRun, KeptRuns
 
 MAX_RUNS = 16
-_KEPT = 600.0
-"""Seconds that the last status of a run that goes on alone is kept for an operator to fetch."""
-_REMEMBERED = 256
-"""How many runs that were given up are remembered by name."""
+_KEEP_ENDED = 600.0
+"""Seconds that the last status of an ended detached run is kept for an operator to fetch."""
+_MAX_TIMED_OUT = 256
+"""Most names of runs that are remembered after their operator has timed out."""
 
 
 class AgentRuns:
-    """By the name of the run.
-
-    kept: remembers those that go on alone.
-    """
+    """The runs of an agent, by name. kept: saves the detached ones."""
 
     def __init__(self, runs: Path, host: str, tell: Callable[[str], None]) -> None:
-        """runs, host: as `KeptRuns` takes them; tell: gets lines for the log."""
+        """runs, host: see `KeptRuns`; tell: gets lines for the log."""
         self.kept = KeptRuns(runs, host)
         self._tell = tell
-        self._parts: dict[str, AgentRun] = {}
-        self._given_up: deque[str] = deque(maxlen=_REMEMBERED)
+        self._runs: dict[str, AgentRun] = {}
+        self._timed_out: deque[str] = deque(maxlen=_MAX_TIMED_OUT)
 
     def __iter__(self) -> Iterator[AgentRun]:
-        return iter(tuple(self._parts.values()))
+        return iter(tuple(self._runs.values()))
 
     def agent_run(self, run: str) -> AgentRun:
-        """The part of a run whose operator asks for it now. Raises FollowspotError where there is none."""
-        agent_run = self._parts.get(run)
-        if agent_run is None or agent_run.operator.discarded:
+        """The run of this name; restarts its operator timeout. Raises FollowspotError if there is none."""
+        agent_run = self._runs.get(run)
+        if agent_run is None or agent_run.operator.timed_out:
             raise FollowspotError(f"there is no run {run!r} here")
         agent_run.operator.heard(time.monotonic())
         return agent_run
 
     def known(self, run: str) -> Known:
-        """Whether there is a part of this run."""
-        if run in self._given_up:
-            return "given up"
-        return "here" if run in self._parts else "unknown"
+        """Whether the agent has this run, or has ended it because its operator timed out."""
+        if run in self._timed_out:
+            return "timed out"
+        return "here" if run in self._runs else "unknown"
 
-    def check_room(self, run: str) -> None:
-        """Raises FollowspotError where no part of this run can be added."""
-        if self.known(run) == "given up":
+    def check_capacity(self, run: str) -> None:
+        """Make room for a run. Raises FollowspotError if it cannot be added."""
+        if self.known(run) == "timed out":
             self.close(run)
-        if run in self._parts:
+        if run in self._runs:
             raise FollowspotError(f"the run {run!r} is here already")
-        if len(self._parts) >= MAX_RUNS:
+        if len(self._runs) >= MAX_RUNS:
             for agent_run in [agent_run for agent_run in self if agent_run.over]:
                 self.close(agent_run.order.run)
-        if len(self._parts) >= MAX_RUNS:
-            raise FollowspotError(f"this host has parts of {MAX_RUNS} runs already, and takes no more")
+        if len(self._runs) >= MAX_RUNS:
+            raise FollowspotError(f"this host has {MAX_RUNS} runs already, and takes no more")
 
     def add(self, agent_run: AgentRun) -> None:
-        """One more; it may have been given up before."""
+        """Add a run, which may have timed out before."""
         run = agent_run.order.run
-        self._parts[run] = agent_run
-        if run in self._given_up:
-            self._given_up.remove(run)
+        self._runs[run] = agent_run
+        if run in self._timed_out:
+            self._timed_out.remove(run)
 
     def close(self, run: str) -> None:
-        """Forget a run; what still lives is killed."""
-        agent_run = self._parts.pop(run, None)
+        """Forget a run; kill its workers that are still alive."""
+        agent_run = self._runs.pop(run, None)
         if agent_run is not None:
             agent_run.run.close()
             self.kept.forget(agent_run)
             self._tell(f"run {run[:8]} of {agent_run.graph}: over")
 
     def tidy(self, now: float) -> None:
-        """End what nobody wants any more, forget what nobody fetched, remember the rest. now: the time, s."""
+        """Check operator timeouts, close ended runs, save detached ones. now: monotonic time, s."""
         for agent_run in self:
             run = agent_run.order.run
-            if (line := agent_run.operator.look(now)) and not agent_run.over:
+            if (line := agent_run.operator.check(now)) and not agent_run.over:
                 agent_run.run.tell("warning" if agent_run.operator.silent else "info", line)
                 self._tell(f"run {run[:8]} of {agent_run.graph}: {line}")
-            if agent_run.operator.discarded and run not in self._given_up:
-                self._given_up.append(run)
+            if agent_run.operator.timed_out and run not in self._timed_out:
+                self._timed_out.append(run)
                 agent_run.leave(now)
             if agent_run.left(now) or (
-                agent_run.order.detached and agent_run.over and agent_run.operator.seconds(now) > _KEPT
+                agent_run.order.detached and agent_run.over and agent_run.operator.seconds(now) > _KEEP_ENDED
             ):
                 self.close(run)
         self.kept.keep(self, now)
 
     def forget(self) -> None:
-        """None of them is to be taken up again."""
+        """Remove all saved orders, so that no later agent resumes a run."""
         for agent_run in self:
             self.kept.forget(agent_run)
 
     def listing(self) -> list[ListedRun]:
-        """All of them."""
+        """All runs, as the answer to `ListRuns`."""
         now = time.monotonic()
         return [
             ListedRun(
-                part.order.run,
-                part.graph,
-                part.over,
-                part.order.detached,
-                part.operator.seconds(now),
-                part.order.origin,
+                agent_run.order.run,
+                agent_run.graph,
+                agent_run.over,
+                agent_run.order.detached,
+                agent_run.operator.seconds(now),
+                agent_run.order.origin,
             )
-            for part in self
+            for agent_run in self
         ]

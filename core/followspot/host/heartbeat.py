@@ -1,4 +1,4 @@
-"""When a worker counts as hanging, and whether and when one that died is started again."""
+"""Heartbeats and restart policy: when a worker counts as hanging, and when a dead worker is restarted."""
 
 from __future__ import annotations
 
@@ -7,32 +7,32 @@ from collections.abc import Collection, Mapping
 from followspot.graph.plan import Plan
 
 SILENCE = 1.5
-"""Seconds without a word after which a running worker counts as hanging; they speak five times a second."""
+"""Seconds without a message after which a running worker counts as hanging; it sends five a second."""
 _FIRST_WAIT, _LONGEST_WAIT = 0.1, 5.0
-"""Seconds before the first restart, and before any; it doubles each time."""
-_ROW = 10.0
-"""Seconds between two deaths of a worker within which they count as in a row."""
+"""Shortest and longest wait before a restart, s; it doubles with each death in a row."""
+_ROW_WINDOW = 10.0
+"""Two deaths of a worker count as in a row if they are less than this apart, s."""
 _PAUSE = 0.6
-"""Seconds between two looks that say that it was the observer who slept."""
+"""Seconds between two checks above which the observer itself was suspended."""
 
 
 class BackOff:
-    """How long to wait before a worker that died is started again: longer for deaths in a row."""
+    """Wait before a dead worker is restarted: exponential for deaths in a row."""
 
     def __init__(self) -> None:
         self._died: dict[str, float] = {}
         self._row: dict[str, int] = {}
 
     def wait(self, name: str, now: float) -> float:
-        """Seconds; now: when it died, s. Who lived for a while before begins with a short wait again."""
-        in_a_row = now - self._died.get(name, -_ROW) < _ROW
+        """The wait, s, after a death at monotonic time `now`, s; short again after a long life."""
+        in_a_row = now - self._died.get(name, -_ROW_WINDOW) < _ROW_WINDOW
         self._row[name] = self._row[name] + 1 if in_a_row else 0
         self._died[name] = now
         return float(min(_LONGEST_WAIT, _FIRST_WAIT * 2 ** min(self._row[name], 30)))
 
 
 class RestartPolicy:
-    """Workers that are away, and when each is to be started again."""
+    """Dead workers, and the time at which each is due for a restart."""
 
     def __init__(self) -> None:
         self._back_off = BackOff()
@@ -40,29 +40,29 @@ class RestartPolicy:
 
     @property
     def waiting(self) -> tuple[str, ...]:
-        """Who is to be started."""
+        """Workers to be restarted."""
         return tuple(self._due)
 
     def after_death(self, name: str, now: float) -> float:
-        """Start it again after a while; how long that is, s. now: when it died, s."""
+        """Schedule the restart of a worker that died at `now`; return the wait, s."""
         wait = self._back_off.wait(name, now)
         self._due[name] = now + wait
         return wait
 
     def due(self, now: float) -> list[str]:
-        """Who is to be started now, and waits no more."""
+        """Remove and return the workers whose restart is due."""
         names = [name for name, at in self._due.items() if at <= now]
         for name in names:
             del self._due[name]
         return names
 
     def call_off(self, name: str) -> None:
-        """Do not start it again."""
+        """Cancel the restart of a worker."""
         self._due.pop(name, None)
 
 
 def fed(plan: Plan, worker: str, over: Collection[str]) -> bool:
-    """Whether anything can still come to a worker: it has a source, or one that feeds it is not over."""
+    """True if the worker has a source, or an upstream worker that is not over."""
     fed_stages = {edge.to_stage for edge in plan.edges}
     mine = [stage.name for stage in plan.stages if stage.worker == worker]
     return any(stage not in fed_stages for stage in mine) or any(
@@ -72,15 +72,15 @@ def fed(plan: Plan, worker: str, over: Collection[str]) -> bool:
 
 
 class Heartbeat:
-    """Listens for the heartbeat of workers; pauses of the listener itself are nobody's fault."""
+    """Finds workers whose heartbeat has stopped; time in which the observer was suspended does not count."""
 
     def __init__(self) -> None:
-        self._looked = 0.0
-        self._slept_until = 0.0
+        self._checked = 0.0
+        self._observer_slept_at = 0.0
 
     def silent(self, heard: Mapping[str, float], now: float) -> list[str]:
-        """Who has not been heard for too long. heard: when each last was, s; now: the time, s."""
-        if now - self._looked > _PAUSE:
-            self._slept_until = now
-        self._looked = now
-        return [name for name, at in heard.items() if now - max(at, self._slept_until) > SILENCE]
+        """Workers without a heartbeat for `SILENCE`. heard: time of each one's last message, s; now: s."""
+        if now - self._checked > _PAUSE:
+            self._observer_slept_at = now
+        self._checked = now
+        return [name for name, at in heard.items() if now - max(at, self._observer_slept_at) > SILENCE]

@@ -1,4 +1,4 @@
-"""The memory of a host's ledger: it outlives every worker, and as a file also the agent that counts in it."""
+"""The memory of a host's ledger: it outlives the workers, and as a file also the agent."""
 
 from __future__ import annotations
 
@@ -8,53 +8,53 @@ import signal
 from contextlib import suppress
 from pathlib import Path
 
-_PATIENCE_MS = 5000
-"""How long a process may take to be gone after it was killed, ms."""
+_KILL_TIMEOUT_MS = 5000
+"""Longest wait for the exit of a killed process, ms."""
 
 
 def ledger_memory(file: Path | None, size: int) -> int:
-    """A descriptor of `size` bytes of memory, of a file where one is given: what it holds stays.
+    """A descriptor of `size` bytes of memory; of the file, with its contents, if a file is given.
 
-    A worker of an agent that was killed may hang and still count in the file: it is killed, for each word has
-    one writer. Raises OSError where there is no room, also on a disk that would only be full later.
+    A hanging worker of a dead agent may still write to the file. It is killed, because each ledger word has
+    one writer. Raises OSError if there is no space; all blocks are allocated at once.
     """
     if file is None:
         fd = os.memfd_create("followspot-ledger", os.MFD_CLOEXEC)
     else:
         fd = os.open(file, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW, 0o600)
-        _end_all(file.resolve())
+        _kill_users(file.resolve())
     try:
         os.ftruncate(fd, size)
-        os.posix_fallocate(fd, 0, size)  # else a full disk kills whoever counts for the first time
+        os.posix_fallocate(fd, 0, size)  # else the first write on a full disk would kill the writer by SIGBUS
     except OSError:
         os.close(fd)
         raise
     return fd
 
 
-def _end_all(file: Path) -> None:
-    """Kill all processes that have the file in their memory, and wait until they are gone."""
+def _kill_users(file: Path) -> None:
+    """Kill all other processes that have the file mapped, and wait until they have exited."""
     for maps in Path("/proc").glob("[0-9]*/maps"):
-        if maps.parent.name != str(os.getpid()) and _has(maps, file):
+        if maps.parent.name != str(os.getpid()) and _maps_file(maps, file):
             with suppress(ProcessLookupError):
-                _end(maps, file)
+                _kill_user(maps, file)
 
 
-def _has(maps: Path, file: Path) -> bool:
-    """Whether a process has a file in its memory; maps: the table of it, a line ends with the path."""
-    with suppress(OSError):  # it has ended, or is another user's
+def _maps_file(maps: Path, file: Path) -> bool:
+    """True if a process has the file mapped; maps: its table in /proc, whose lines end with paths."""
+    with suppress(OSError):  # it has ended, or belongs to another user
         return any(line.endswith(f" {file}\n") for line in maps.open(errors="replace"))
     return False
 
 
-def _end(maps: Path, file: Path) -> None:
-    """Kill a process, if its number still is that of the one that has the file. Raises ProcessLookupError."""
+def _kill_user(maps: Path, file: Path) -> None:
+    """Kill a process, if its id still belongs to one that maps the file. Raises ProcessLookupError."""
     process = os.pidfd_open(int(maps.parent.name))
     try:
-        if _has(maps, file):
+        if _maps_file(maps, file):
             signal.pidfd_send_signal(process, signal.SIGKILL)
-            gone = select.poll()
-            gone.register(process, select.POLLIN)
-            gone.poll(_PATIENCE_MS)
+            exited = select.poll()
+            exited.register(process, select.POLLIN)
+            exited.poll(_KILL_TIMEOUT_MS)
     finally:
         os.close(process)

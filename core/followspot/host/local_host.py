@@ -1,4 +1,4 @@
-"""A host's part of a run: its workers and who looks after them, its clock, the memory of the ledger."""
+"""A run on this host: its worker pool and supervisor, the host's clock, the memory of the ledger."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from followspot.transport.zenoh.network import Network
 from followspot.worker.ledger import COLUMNS, Ledger
 
 _MAX_NEWS = 200
-"""Lines of news kept."""
+"""Most lines of news that are kept."""
 
 
 class LocalHost:
-    """`Host` whose workers are children of this process.
+    """`Host` whose workers are child processes or threads of this process.
 
-    name: of the host, "" for the operator's own; network: for the Zenoh sessions of workers;
-    hub: locators of a session that brings them together, empty where they find each other in turn.
+    name: of the host, "" for the operator's own; network: for the Zenoh sessions of workers; hub: locators of
+    a session that all workers connect to, empty if each worker connects to those started before it.
     """
 
     pool: WorkerPool
@@ -54,7 +54,7 @@ class LocalHost:
         clock: HostClock | None = None,
         start: Start = start_process,
     ) -> None:
-        """clock: of this host, compared with that of others where there are any; start: of a worker."""
+        """clock: compares this host's clock with the reference; start: starts a worker."""
         self.name = name
         self.network = network
         self.hub = tuple(hub)
@@ -77,18 +77,18 @@ class LocalHost:
 
     @property
     def order(self) -> RunOrder:
-        """What was to be prepared."""
+        """The order that was prepared."""
         return self.pool.order
 
     @property
     def plan(self) -> Plan:
-        """As it is now."""
+        """The plan after all changes and moves."""
         return self.pool.plan
 
     def prepare(self, order: RunOrder, ledger: Path | None = None) -> None:
-        """Start all workers that have not come to their end before. Raises FollowspotError, OSError.
+        """Start all workers that have not ended; they wait for `start`. Raises FollowspotError, OSError.
 
-        ledger: file that keeps the counts over the death of this process; none where the run dies with it.
+        ledger: file that keeps the counts if this process dies; None if the run dies with it.
         """
         self.out = str(Path(order.out or ".").resolve())
         plan = plan_from_data(order.plan)
@@ -103,20 +103,23 @@ class LocalHost:
         self.supervisor.prepare()
 
     def start(self) -> None:
-        """Let all begin at once."""
+        """Start the stages of all workers."""
         self.supervisor.start()
 
     def stop(self) -> None:
-        """Ask every worker to finish what is in flight; once."""
+        """Ask every worker to end its sources and finish the messages in flight."""
         self.supervisor.stop()
 
     def ended(self, workers: Sequence[str]) -> None:
-        """These workers, here or elsewhere, have come to their end: nobody need wait for them."""
+        """Announce workers of any host that have ended, so that no worker here waits for them."""
         self.pool.ended(workers)
 
     def change(self, order: ChangeOrder) -> None:
-        """One step of a change to stages of this host. Raises FollowspotError. Safe beside `attend`."""
-        if self._change.in_the_way_of(order):
+        """One step of a hot swap of stages on this host. Safe beside `attend`.
+
+        Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
+        """
+        if self._change.blocks(order):
             raise FollowspotError("another change is under way; try again when it is done")
         change = HostChange(order, self.plan)
         if self.status().all("over"):
@@ -129,21 +132,21 @@ class LocalHost:
             self.workers[name].tell(part)
 
     def move(self, order: MoveOrder) -> None:
-        """One step of a move; done when the host is attended next."""
+        """One step of a move; the next `attend` does it."""
         if not order.trial:
             self._moves.append(order)
 
     def states(self) -> dict[str, Any]:
-        """What the stages here last told of their state."""
+        """The newest checkpoint of each stage on this host."""
         return dict(self.pool.states)
 
     def relay(self, order: Relayed) -> None:
-        """Tell the workers that are here, and those that begin later; safe from any thread."""
+        """Send an order to all workers on this host, also to those that start later. Safe from any thread."""
         self.pool.relay(order)
 
     def attend(self, timeout: float) -> None:
-        """Hear what workers say, restart those that died, kill those that hang."""
-        for name, answer in self.pool.hear(timeout):
+        """Read messages of workers for up to `timeout`, s; restart dead workers and kill hanging ones."""
+        for name, answer in self.pool.receive(timeout):
             self._changed(name, answer)
         self.supervisor.look(time.monotonic())
         for worker in self.workers.values():
@@ -155,7 +158,7 @@ class LocalHost:
         self._attend_clock()
 
     def status(self) -> HostStatus:
-        """The newest picture; safe from any thread."""
+        """The newest status. Safe from any thread."""
         return HostStatus(
             tuple(worker.status() for worker in tuple(self.workers.values())),
             tuple(self.ledger.words.tolist()),
@@ -168,11 +171,11 @@ class LocalHost:
         )
 
     def fileno(self) -> int:
-        """Readable when `attend` has something to hear."""
+        """Descriptor that is readable when a worker has sent a message."""
         return self.pool.fileno()
 
     def close(self) -> bool:
-        """Leave no process behind."""
+        """End all workers and free the ledger's memory."""
         self.clock.close()
         if hasattr(self, "pool"):
             self.pool.close()
@@ -182,25 +185,25 @@ class LocalHost:
         return True
 
     def _follow_clock(self) -> None:
-        """Go by the clock of the reference, which may only have come with a move."""
+        """Follow the reference clock of the run, which may have joined with a move."""
         if (host := self.order.reference or reference(self.plan)) not in ("", self.name):
             self.clock.follow(host)
 
     def _attend_clock(self) -> None:
-        """Tell the workers what to add to their clocks, and the user where that is much."""
+        """Send a new clock correction to the workers; warn the user of a large offset."""
         if (correction := self.clock.news()) is not None:
             self.pool.tell(SetClock(correction=correction))
         if warning := self._clock_warnings.news(self.clock.status()):
             self.tell("warning", warning)
 
     def _changed(self, worker: str, answer: ChangeStatus) -> None:
-        """A worker's answer; who is started again from now on gets the stages that have taken over."""
+        """Take a worker's answer; once replacements have taken over, restarted workers get them, too."""
         if self._change.heard(worker, answer):
             self.pool.change(self._change.parts[worker].stages)
 
     def tell(self, level: Level, line: str, worker: str = "") -> None:
-        """Log a line; what is no error becomes news, for those stand in the reports of workers."""
+        """Log a line; it becomes news unless it is an error."""
         self.log.say(level, line, worker=worker)
-        if level != "error":  # those stand in the reports of workers
+        if level != "error":  # the reports of workers contain the errors
             self.news.append(line)
             del self.news[:-_MAX_NEWS]

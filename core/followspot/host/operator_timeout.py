@@ -1,51 +1,51 @@
-"""What a host makes of an operator that falls silent: it goes on, says so, and gives up in the end.
+"""Detects that the operator of a run has gone silent, and ends the run after a timeout.
 
-A cable that is out, a router that is away, a desk that is suspended and one that died look alike from here.
+A host cannot tell an unplugged cable, a router that is down, a suspended operator and a dead one apart.
 """
 
 from __future__ import annotations
 
 OPERATOR_TIMEOUT = 3600.0
-"""Seconds without a word of its operator after which a host ends its part of a run, unless told otherwise."""
+"""Default of the seconds without a request of the operator after which a host ends its workers."""
 SILENT = 10.0
-"""Seconds after which an operator counts as silent; it asks five times a second."""
+"""Seconds after which an operator counts as silent; it polls five times a second."""
 _PAUSE = 2.0
-"""Seconds between two looks that say that it was this process that slept."""
+"""Seconds between two checks above which this process itself was suspended."""
 
 
-class Absence:
-    """Of the operator of one run. Times are those of the monotonic clock, s."""
+class OperatorTimeout:
+    """The timeout of the operator of one run. All times are monotonic, s."""
 
     def __init__(self, timeout: float | None, now: float) -> None:
-        """timeout: seconds after which it is given up, None for a run that goes on alone."""
+        """timeout: seconds of silence after which the run ends, None for a detached run."""
         self._timeout = timeout
-        self._heard = self._looked = now
+        self._heard = self._checked = now
         self._silent_since: float | None = None
-        self.discarded = False
-        """Whether nobody is expected to come back; it stays so."""
+        self.timed_out = False
+        """True once the timeout has passed; the run is then ended."""
 
     def heard(self, now: float) -> None:
-        """An operator has asked for the run."""
+        """Note a request of an operator."""
         self._heard = now
 
     @property
     def silent(self) -> bool:
-        """Whether nobody has asked for a while, at the last look."""
+        """True if the operator was silent at the last check."""
         return self._silent_since is not None
 
     def seconds(self, now: float) -> float:
-        """How long nobody has asked."""
+        """Time since the last request, s."""
         return now - self._heard
 
-    def look(self, now: float) -> str:
-        """What is to be said of the operator since the last look, "" for nothing."""
-        if now - self._looked > _PAUSE:  # nobody could be heard meanwhile
-            self._heard = min(now, self._heard + now - self._looked)
-        self._looked = now
-        if self._timeout is None or self.discarded:
+    def check(self, now: float) -> str:
+        """Update the state; return a line for the log if it has changed, else ""."""
+        if now - self._checked > _PAUSE:  # this process could not hear requests
+            self._heard = min(now, self._heard + now - self._checked)
+        self._checked = now
+        if self._timeout is None or self.timed_out:
             return ""
         if now - self._heard > self._timeout:
-            self.discarded = True
+            self.timed_out = True
             return f"the operator was silent for {self._timeout:g} s: what runs here is ended"
         if now - self._heard <= SILENT:
             since, self._silent_since = self._silent_since, None

@@ -1,4 +1,4 @@
-"""The workers of a host's part of a run: their processes, the rings between them, what each is told."""
+"""The worker pool of a host: the workers of a run there, the rings between them, and the messages to them."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from followspot.worker.edge_links import uses_zenoh
 
 
 class WorkerPool:
-    """Starts workers, introduces them to each other, hears them; whether to start one is not its business.
+    """Starts workers, connects them by rings and receives their messages. The supervisor decides when.
 
-    host: whose workers; ledger: descriptor of the memory that all count in; network, hub: see `LocalHost`;
-    log: takes what workers say; start: how a worker is started.
+    host: name of the host; ledger: descriptor of the shared ledger memory; network, hub: see `LocalHost`;
+    log: gets the log records of workers; start: starts a worker.
     """
 
     def __init__(
@@ -45,9 +45,9 @@ class WorkerPool:
         self.plan: Plan = plan_from_data(order.plan)
         self.workers: dict[str, WorkerProcess] = {}
         self.over = set(order.over)
-        """Workers, here or elsewhere, that have come to their end."""
+        """Workers of any host that have ended."""
         self.states: dict[str, Any] = {}
-        """What each stage last told of its state."""
+        """The newest checkpoint of each stage."""
         self._host = host
         self._plan_data = order.plan
         self._ledger = ledger
@@ -58,26 +58,26 @@ class WorkerPool:
         self._selector = selectors.DefaultSelector()
         self._rings = Rings(self.plan, set(self.names()))
         for name in order.over:
-            self._rings.give_up(name)
-        self._standing: list[Relayed] = []
-        """Orders for workers that begin later."""
+            self._rings.discard(name)
+        self._standing_orders: list[Relayed] = []
+        """Relayed orders to repeat to workers that start later."""
         self._answers: list[tuple[str, ChangeStatus]] = []
 
     def names(self) -> list[str]:
-        """Of the workers that the plan has for this host."""
+        """The workers that the plan places on this host."""
         return [worker.name for worker in host_workers(self.plan, self._host)]
 
     def spawn(self, name: str, incarnation: int, correction: tuple[int, int], *, again: bool = False) -> None:
-        """Start a worker and tell it what it is. Raises OSError.
+        """Start a worker and send it its plan. Raises OSError.
 
-        correction: what to add to its clocks, ns; again: whether others may be at work already.
+        correction: offsets to add to its clocks, ns; again: True if other workers may be running already.
         """
         worker = self.workers[name] = WorkerProcess(name, incarnation, self._start)
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:
             self._rings.renew(name)
         self._hand_over(self._rings.take(name))
-        mine = [stage.name for stage in self.plan.stages if stage.worker == name]
+        own = [stage.name for stage in self.plan.stages if stage.worker == name]
         order = BuildWorker(
             worker=name,
             plan=self._plan_data,
@@ -88,53 +88,53 @@ class WorkerPool:
             incarnation=incarnation,
             restart=self.order.restart,
             over=tuple(sorted(self.over)),
-            states={stage: self.states[stage] for stage in mine if stage in self.states},
+            states={stage: self.states[stage] for stage in own if stage in self.states},
             clock=correction,
         )
         worker.tell(order, (self._ledger,))
         if uses_zenoh(self.plan, name) and not (self._hub or self._network.router):
-            while not worker.locators and worker.busy:  # each connects to those before it
-                self._listen(worker)
+            while not worker.locators and worker.busy:  # each worker connects to those before it
+                self._receive_from(worker)
 
     def begin(self, worker: WorkerProcess) -> None:
-        """All others are ready as well: go."""
+        """Start the stages of a worker."""
         worker.phase = "running"
-        for order in tuple(self._standing):
+        for order in tuple(self._standing_orders):
             worker.tell(order)
         worker.tell(StartRun())
 
     def join(self, worker: WorkerProcess) -> None:
-        """Let a worker begin among others that are at work."""
+        """Start the stages of a restarted worker, and connect it to the running ones."""
         self.begin(worker)
         running = [other.name for other in self.workers.values() if other.phase == "running"]
         self._hand_over(self._rings.join(worker.name, running))
 
-    def hear(self, timeout: float) -> list[tuple[str, ChangeStatus]]:
-        """Take in what workers say within `timeout`, s; what they answer to changes, by worker."""
+    def receive(self, timeout: float) -> list[tuple[str, ChangeStatus]]:
+        """Receive messages of workers for up to `timeout`, s; return their answers to changes, with names."""
         for key, _ in self._selector.select(timeout):
-            self._listen(key.data)
+            self._receive_from(key.data)
         answers, self._answers = self._answers, []
         return answers
 
     def tell(self, order: Request) -> None:
-        """Say the same to all workers."""
+        """Send an order to all workers."""
         for worker in tuple(self.workers.values()):
             worker.tell(order)
 
     def ended(self, workers: Collection[str]) -> None:
-        """These have come to their end, here or elsewhere: nobody need wait for them."""
+        """Announce workers of any host that have ended, so that no worker waits for them."""
         self.over.update(workers)
         self.tell(EndWorkers(workers=tuple(sorted(self.over))))
 
     def relay(self, order: Relayed) -> None:
-        """Tell the workers that are at work, and the others when they begin; safe from any thread."""
-        self._standing = with_order(self._standing, order)
+        """Send an order to the running workers, and to the others when they begin. Safe from any thread."""
+        self._standing_orders = with_order(self._standing_orders, order)
         for worker in tuple(self.workers.values()):
             if worker.phase == "running":
                 worker.tell(order)
 
     def change(self, stages: Sequence[PlannedStage]) -> None:
-        """Who is started from now on gets these stages in the place of those of the same names."""
+        """Replace stages of the plan; workers that start from now on get the new ones."""
         self.plan = with_stages(self.plan, stages)
         self._plan_data = plan_to_data(self.plan)
         for stage in stages:
@@ -143,31 +143,31 @@ class WorkerPool:
     def rearrange(
         self, plan: Mapping[str, Any], states: Mapping[str, Any], left: Collection[str]
     ) -> list[str]:
-        """The plan is another one now; the workers that are to be started for it.
+        """Take a new plan; return the workers to start for it.
 
-        states: of stages that come from elsewhere; left: workers that have left their old places.
+        states: checkpoints of moved stages; left: workers that have left their old places.
         """
         self._plan_data, self.plan = dict(plan), plan_from_data(dict(plan))
         self.states.update(states)
-        mine = self.names()
-        self._rings.rearrange(self.plan, set(mine))
-        self.workers = {name: worker for name, worker in self.workers.items() if name in mine}
-        return [name for name in mine if name in left or name not in self.workers]
+        own = self.names()
+        self._rings.rearrange(self.plan, set(own))
+        self.workers = {name: worker for name, worker in self.workers.items() if name in own}
+        return [name for name in own if name in left or name not in self.workers]
 
     def fileno(self) -> int:
-        """Readable when there is something to hear."""
+        """Descriptor that is readable when a worker has sent a message."""
         assert isinstance(self._selector, selectors.EpollSelector)
         return self._selector.fileno()
 
     def close(self) -> None:
-        """Leave no process behind."""
+        """End all workers and close all rings that they have not taken."""
         for worker in self.workers.values():
             worker.end()
         self._rings.close()
         self._selector.close()
 
     def _hand_over(self, ends: Iterable[RingEnd]) -> None:
-        """Give ends to their workers."""
+        """Send ends of rings to their workers."""
         for end in ends:
             with end.socket:
                 order = TakeRing(edge=end.edge, side=end.side)
@@ -176,9 +176,9 @@ class WorkerPool:
     def _peers(self) -> list[str]:
         return [*self._hub, *(locator for worker in self.workers.values() for locator in worker.locators)]
 
-    def _listen(self, worker: WorkerProcess) -> None:
+    def _receive_from(self, worker: WorkerProcess) -> None:
         channel = worker.channel.fileno()
-        for message in worker.listen():
+        for message in worker.receive():
             match message:
                 case State():
                     self.states[message.stage] = message.state

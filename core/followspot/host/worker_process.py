@@ -1,4 +1,4 @@
-"""One worker as its host sees it: a process of its own, or a thread of this one."""
+"""A host's side of one worker: its process or thread, its control channel, its newest status."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ from followspot.control.worker_report import WorkerReport
 from followspot.log.record import MAX_TEXT
 
 _TIMEOUT = 5.0
-"""Seconds that a worker that has reported may take to exit."""
+"""Seconds that a worker has to exit after its report."""
 
 
 class Process(Protocol):
-    """What a worker runs in, as `subprocess.Popen` has it."""
+    """The process or thread of a worker, with the interface of `subprocess.Popen`."""
 
     @property
     def pid(self) -> int:
-        """Number of the process."""
+        """Process id."""
 
     def poll(self) -> int | None:
-        """The exit code; None while the worker lives."""
+        """The exit code; None while the worker is alive."""
 
     def wait(self, timeout: float | None = None) -> int:
-        """The exit code, once there is one. Raises subprocess.TimeoutExpired."""
+        """Wait for the exit and return its code. Raises subprocess.TimeoutExpired."""
 
     def kill(self) -> None:
-        """End it at once."""
+        """End the worker at once."""
 
 
 Start = Callable[[str, socket.socket], Process]
-"""Starts a worker of this name that speaks on this end of its control channel."""
+"""Starts the worker of this name; the socket is its end of the control channel."""
 
 
 def start_process(_name: str, end: socket.socket) -> Process:
@@ -53,13 +53,13 @@ def start_process(_name: str, end: socket.socket) -> Process:
 
 
 class WorkerProcess:
-    """A worker that was started, and what it has told since.
+    """A started worker and the newest figures that it has sent.
 
-    incarnation: how often the worker had been started before.
+    incarnation: number of earlier starts of this worker.
     """
 
     def __init__(self, name: str, incarnation: int, start: Start = start_process) -> None:
-        """Start the worker; it waits for its plan. Raises OSError."""
+        """Start the worker, which waits for its plan. Raises OSError."""
         ours, theirs = socket.socketpair()
         with theirs:
             self.process = start(name, theirs)
@@ -67,7 +67,7 @@ class WorkerProcess:
         self.incarnation = incarnation
         self.channel = Channel(ours, MESSAGES, takes_descriptors=False)
         self.open = True
-        """Whether the channel still is."""
+        """True while the control channel is open."""
         self.phase: WorkerPhase = "starting"
         self.fired = 0
         self.time = -1
@@ -78,44 +78,44 @@ class WorkerProcess:
         self.paths: tuple[PathStatus, ...] = ()
         self.heard = time.monotonic()
         self.killed = ""
-        """Why it was killed from here; "" where it was not."""
+        """Why the host killed the worker, "" if it did not."""
 
     @property
     def busy(self) -> bool:
-        """Whether more is to be heard of it."""
+        """True while the worker can still send messages."""
         return self.open and self.report is None
 
     def tell(self, order: Request, descriptors: Sequence[int] = ()) -> None:
-        """Send an order; if the worker is gone, that is noticed when its answers are read."""
+        """Send an order; a closed channel is noticed by the next `receive`."""
         try:
             self.channel.send(order, descriptors)
         except ChannelClosed:
             return
 
-    def listen(self) -> list[Request]:
-        """What has arrived; call when the channel is readable.
+    def receive(self) -> list[Request]:
+        """The messages that have arrived; call this when the channel is readable.
 
-        Closes it where the worker is gone, or says what no worker says: then it is killed, too.
+        Closes the channel if the worker has exited. Kills the worker as well if it sent an invalid message.
         """
         try:
             messages = [message for message, _ in self.channel.arrived()]
         except ChannelClosed:
-            self._hang_up()
+            self._close_channel()
             return []
         except ValueError as error:
-            self.kill(f"it said what no worker says: {str(error)[:MAX_TEXT]}")
-            self._hang_up()
+            self.kill(f"it sent an invalid message: {str(error)[:MAX_TEXT]}")
+            self._close_channel()
             return []
         self.heard = time.monotonic()
         for message in messages:
-            self._hear(message)
+            self._update(message)
         return messages
 
-    def _hang_up(self) -> None:
+    def _close_channel(self) -> None:
         self.open = False
         self.channel.close()
 
-    def _hear(self, message: Request) -> None:
+    def _update(self, message: Request) -> None:
         match message:
             case Progress():
                 self.fired, self.time = message.fired, message.time
@@ -131,7 +131,7 @@ class WorkerProcess:
                 self.report = WorkerReport(self.name, 0, error=message.error)
 
     def status(self) -> WorkerStatus:
-        """As data."""
+        """The newest status of the worker."""
         return WorkerStatus(
             self.name,
             self.phase,
@@ -145,24 +145,24 @@ class WorkerProcess:
             time.monotonic() - self.heard,
         )
 
-    def obituary(self) -> str:
-        """How the process ended that did not report."""
+    def exit_reason(self) -> str:
+        """How a process that sent no report ended."""
         code = self.process.wait()
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         why = f", because {self.killed}" if self.killed else ""
         return f"worker {self.name} (process {self.process.pid}) died: {how}{why}"
 
     def kill(self, why: str) -> None:
-        """End the process at once, whatever it does. why: a clause for whoever asks how it ended."""
+        """End the process at once. why: the reason as a clause, for `exit_reason`."""
         self.killed = why
         self.process.kill()
 
     def end(self) -> None:
-        """Kill the process unless it has reported and exits by itself."""
+        """Wait for the exit of a worker that has reported; kill any other. Close the channel."""
         try:
             self.process.wait(timeout=_TIMEOUT if self.report is not None else 0.0)
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()
         if self.open:
-            self._hang_up()
+            self._close_channel()

@@ -42,7 +42,7 @@ _MAX_NEWS = 400
 """Lines of news kept from before the agent restarted."""
 _RESUME_TIMEOUT = 5.0
 """Seconds that the run's operator has to resume the run with an agent that restarted."""
-_LOST = {"unknown": "the agent was started anew", "given up": "the agent had given the run up"}
+_LOST = {"unknown": "the agent was restarted", "timed out": "the agent had ended the run"}
 """Why an agent no longer has the run, by its answer to `FindRun`."""
 _PREPARE_TIMEOUT = 30.0
 """Seconds that an agent may take to start its workers."""
@@ -266,10 +266,10 @@ class RemoteHost:
             self._end_if_not_resumed()
             return
         incarnations = {w.name: w.restarts + _RESTART_MARGIN for w in self._status.workers}
-        self._old_news = (*self._status.news, f"{lost}: its part of the run begins anew")[-_MAX_NEWS:]
+        self._old_news = (*self._status.news, f"{lost}: its workers start again")[-_MAX_NEWS:]
         after: list[RunRequest] = [*self._standing_orders, StartRun(run=self.run)]
         self._undelivered.extendleft(each for each in reversed(after) if each not in self._undelivered)
         try:
             self._ask(PrepareRun(order=replace(order, incarnations=incarnations)), _PREPARE_TIMEOUT)
         except HostRefused as error:
-            self._missing = f"{error}; it cannot take its part of the run up again"
+            self._missing = f"{error}; it cannot resume the run"

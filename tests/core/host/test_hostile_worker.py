@@ -27,7 +27,7 @@ class Speaker:
     def say(self, data: Any) -> list[Any]:
         """Send one message; what the host takes from it."""
         self.socket.sendall(json.dumps(data).encode() + b"\n")
-        return list(self.worker.listen())
+        return list(self.worker.receive())
 
 
 @pytest.fixture
@@ -82,22 +82,22 @@ def test_a_worker_that_says_what_none_says_is_killed_and_the_reason_told(
 ) -> None:
     assert speaker.say(message) == []
     assert not speaker.worker.busy
-    assert "killed by SIGKILL, because it said what no worker says" in speaker.worker.obituary()
+    assert "killed by SIGKILL, because it sent an invalid message" in speaker.worker.exit_reason()
 
 
 @pytest.mark.parametrize("line", [b"\xff\n", b"[" * 200_000 + b"\n", b"{]\n", b"9" * 5000 + b"\n"])
 def test_lines_that_are_no_message_are_as_bad(speaker: Speaker, line: bytes) -> None:
     for start in range(0, len(line), 1 << 15):
         speaker.socket.sendall(line[start : start + (1 << 15)])
-        speaker.worker.listen()
-    assert "it said what no worker says" in speaker.worker.obituary()
+        speaker.worker.receive()
+    assert "it sent an invalid message" in speaker.worker.exit_reason()
 
 
 def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> None:
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(100):
         socket.send_fds(speaker.socket, [b'{"verb": "built"}\n'], [speaker.socket.fileno()] * 8)
-        assert len(speaker.worker.listen()) == 1
+        assert len(speaker.worker.receive()) == 1
     assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 

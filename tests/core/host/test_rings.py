@@ -96,7 +96,7 @@ def test_who_reads_from_a_worker_that_will_not_start_finds_the_end_of_its_stream
     (tmp_path / "g.yaml").write_text(CHAIN)
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
     rings = Rings(plan, {"a", "b", "c"})
-    rings.give_up("a")
+    rings.discard("a")
     ends = {end.side: end.socket for end in rings.take("b")}
     ends["receiving"].setblocking(False)
     assert ends["receiving"].recv(1) == b""

@@ -153,7 +153,7 @@ def operated(agent: Forgetful, *, restart: bool = True) -> RemoteHost:
 
 @pytest.mark.parametrize(
     ("known", "said"),
-    [("unknown", "the agent was started anew"), ("given up", "the agent had given the run up")],
+    [("unknown", "the agent was restarted"), ("timed out", "the agent had ended the run")],
 )
 def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str, said: str) -> None:
     agent = Forgetful(known)
@@ -165,7 +165,7 @@ def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str
     assert agent.started
     host._poll()
     assert host.status().all("running")
-    assert host.status().news == (f"{said}: its part of the run begins anew",)
+    assert host.status().news == (f"{said}: its workers start again",)
     assert agent.asked.count("start_run") == 1
 
 
@@ -193,7 +193,7 @@ def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
             host._poll()
             host.attend(0.0)
 
-    with pytest.raises(HostLost, match="host pc-left: it has no camera; it cannot take its part"):
+    with pytest.raises(HostLost, match="host pc-left: it has no camera; it cannot resume the run"):
         attended()
     agent.refuses.clear()
     host._poll()

@@ -1,1 +1,1 @@
-"""By whose clock a run on several hosts goes, and how far the others are from it."""
+"""The reference clock of a run on several hosts, and the offsets of the other hosts' clocks from it."""

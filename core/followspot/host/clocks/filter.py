@@ -1,7 +1,7 @@
-"""How far two clocks are apart, from questions and answers that take their time (Mills, RFC 5905, section 8).
+"""The offset between the clocks of two hosts, from timed exchanges (Mills, RFC 5905, section 8).
 
-An answer was given somewhere between question and reply, so each exchange bounds the offset by half its round
-trip; the quickest exchanges bound it best.
+The other host read its clock between request and reply, so an exchange gives the offset to within half its
+round trip. The exchanges with the shortest round trips are the most exact.
 """
 
 from __future__ import annotations
@@ -11,16 +11,18 @@ from dataclasses import dataclass
 from statistics import median
 
 _KEPT = 16
-"""Newest exchanges that count."""
+"""Number of newest exchanges that are used."""
 _BEST = 5
-"""Of these, the quickest, whose median is the offset."""
-_SLACK = 1_000_000
-"""ns by which bounds may miss each other before a clock counts as set: drift, and threads that wake late."""
+"""Number of these with the shortest round trips; the offset is their median."""
+_TOLERANCE = 1_000_000
+"""Tolerance of drift and late threads, ns; if bounds differ by more, a clock has been set."""
 
 
 @dataclass(frozen=True)
 class Exchange:
-    """One question: what the other clocks read less what ours did half-way, and the round trip; all ns."""
+    """One exchange. captured, steady: reading of the other host's clock less ours at half the round trip, ns;
+    round_trip: ns.
+    """
 
     captured: int
     steady: int
@@ -34,18 +36,18 @@ class ClockFilter:
         self._kept: deque[Exchange] = deque(maxlen=_KEPT)
 
     def add(self, exchange: Exchange) -> None:
-        """One more; where it contradicts the others, a clock was set, and they count no more."""
+        """Add an exchange; if it contradicts the others, a clock has been set, and they are dropped."""
         if self._kept and not self._agrees(exchange):
             self._kept.clear()
         self._kept.append(exchange)
 
     @property
     def exchanges(self) -> int:
-        """How many count."""
+        """The number of exchanges that are used."""
         return len(self._kept)
 
     def offset(self) -> Exchange | None:
-        """The median offsets, and the longest round trip among those; None before the first exchange."""
+        """The median offsets of the best exchanges and their longest round trip; None before the first."""
         best = sorted(self._kept, key=lambda exchange: exchange.round_trip)[:_BEST]
         if not best:
             return None
@@ -55,7 +57,7 @@ class ClockFilter:
     def _agrees(self, exchange: Exchange) -> bool:
         known = self.offset()
         assert known is not None
-        bound = (known.round_trip + exchange.round_trip) // 2 + _SLACK
+        bound = (known.round_trip + exchange.round_trip) // 2 + _TOLERANCE
         return (
             abs(exchange.captured - known.captured) <= bound and abs(exchange.steady - known.steady) <= bound
         )

@@ -1,4 +1,4 @@
-"""The clocks of a host in a run on several: compared with those of one of them, all the time."""
+"""The clocks of a host: compared with those of the run's reference host throughout the run."""
 
 from __future__ import annotations
 
@@ -16,79 +16,79 @@ if TYPE_CHECKING:
     from followspot.control.zenoh_rpc import RpcClient
 
 _PERIOD = 1.0
-"""Seconds between two questions."""
-_FIRST = 8
-"""Questions before a run begins."""
+"""Seconds between two exchanges."""
+_FIRST_EXCHANGES = 8
+"""Exchanges before a run begins."""
 _TIMEOUT = 1.0
 _NOTICEABLE = 20_000
-"""ns by which a correction must change to be worth telling."""
+"""Smallest change of a correction that is reported, ns."""
 
 
 def reference(plan: Plan) -> str:
-    """The host by whose clock a run goes: the first that has an agent; "" where there is none."""
+    """The reference host of a run: the first that has an agent, "" if there is none."""
     return next((worker.host for worker in plan.workers if worker.host), "")
 
 
 class HostClock:
-    """Asks the reference how late it is, from a thread of its own.
+    """Offsets from this host's clocks to the run's reference clock, measured in a thread.
 
-    known: what the owner of this host knows its clock to be behind, ns.
+    known: delay of this host's clock that its owner has configured, ns.
     """
 
     def __init__(self, client: RpcClient | None = None, known: int = 0) -> None:
-        """asker: speaks with agents; None where the run has no other host."""
+        """client: reaches the agents; None if the run has no other host."""
         self.known = known
         self._client = client
         self._reference = ""
         self._filter = ClockFilter()
-        self._over = threading.Event()
-        self._told = (0, 0)
+        self._closed = threading.Event()
+        self._reported = (0, 0)
         self._thread: threading.Thread | None = None
 
     def follow(self, host: str) -> None:
-        """Compare with this host: a few times now, then until `close`. Who follows one follows no other."""
+        """Compare with this host a few times now, then until `close`. Only the first call has an effect."""
         if self._client is None or self._reference:
             return
         self._reference = host
-        for _ in range(_FIRST):
+        for _ in range(_FIRST_EXCHANGES):
             if not self._compare(self._client):
-                break  # it may be busy beginning a run that goes by our clock
+                break  # the host may be busy preparing a run
         self._thread = threading.Thread(
             target=self._keep_comparing, args=(self._client,), name="clock", daemon=True
         )
         self._thread.start()
 
     def correction(self) -> tuple[int, int]:
-        """What to add to capture times and to the monotonic clock of this host, ns."""
+        """Offsets to add to capture times and to the monotonic clock of this host, ns."""
         offset = self._filter.offset()
         return (self.known, 0) if offset is None else (self.known + offset.captured, offset.steady)
 
     def news(self) -> tuple[int, int] | None:
-        """The correction where it is another than what was told last."""
+        """The correction if it differs noticeably from the last reported one, else None."""
         now = self.correction()
-        if max(abs(new - old) for new, old in zip(now, self._told, strict=True)) < _NOTICEABLE:
+        if max(abs(new - old) for new, old in zip(now, self._reported, strict=True)) < _NOTICEABLE:
             return None
-        self._told = now
+        self._reported = now
         return now
 
     def status(self) -> ClockStatus:
-        """As people want to know it."""
+        """The status of the clock, in ms."""
         offset = self._filter.offset() or Exchange(0, 0, 0)
         captured, round_trip = round(offset.captured / 1e6, 3), round(offset.round_trip / 1e6, 3)
         return ClockStatus(self._reference, captured, round_trip, self._filter.exchanges)
 
     def close(self) -> None:
-        """Ask no more. A question that is under way is waited for: Zenoh must not outlive the interpreter."""
-        self._over.set()
+        """Stop comparing; wait for a pending request, because Zenoh must not outlive the interpreter."""
+        self._closed.set()
         if self._thread is not None:
             self._thread.join(2 * _TIMEOUT)
 
     def _keep_comparing(self, client: RpcClient) -> None:
-        while not self._over.wait(_PERIOD):
+        while not self._closed.wait(_PERIOD):
             self._compare(client)
 
     def _compare(self, client: RpcClient) -> bool:
-        """Ask once; whether there was an answer."""
+        """Make one exchange; False if there was no answer."""
         import zenoh  # only where there are other hosts
 
         wall, sent = time.time_ns() + self.known, time.monotonic_ns()
@@ -103,5 +103,5 @@ class HostClock:
 
 
 def read_clock(known: int) -> ClockReading:
-    """What the clocks of this host read now, for others to compare with; known: as in `HostClock`."""
+    """Readings of this host's clocks now, for other hosts to compare with. known: see `HostClock`."""
     return ClockReading(time.time_ns() + known, time.monotonic_ns())
