@@ -23,7 +23,7 @@ from followspot.tracking import Frame
 from followspot.worker.ledger import COLUMNS
 from followspot_dashboard.picture import picture_of
 from followspot_page import metrics
-from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.run_monitor import RunMonitor
 
 
 def well(plan: Plan) -> RunStatus:
@@ -119,7 +119,7 @@ def test_a_dead_host_and_a_silent_run_are_seen_at_once_in_a_browser(tmp_path: Pa
         )
 
 
-def samples(run: RunPicture, targets: metrics.Targets) -> dict[str, float]:
+def samples(run: RunMonitor, targets: metrics.Targets) -> dict[str, float]:
     found = re.findall(
         r"^followspot_([a-z_]+(?:\{.*\})?) (\S+)$", metrics.text(run, targets, 0), re.MULTILINE
     )
@@ -128,7 +128,7 @@ def samples(run: RunPicture, targets: metrics.Targets) -> dict[str, float]:
 
 def test_the_metrics_tell_what_is_absent_and_how_old_everything_is(tmp_path: Path) -> None:
     plan, now = compile_graph(GRAPH), [0.0]
-    run, targets = RunPicture(plan, lambda: now[0]), metrics.Targets(plan.room, lambda: now[0])
+    run, targets = RunMonitor(plan, lambda: now[0]), metrics.Targets(plan.room, lambda: now[0])
     assert "target_age_seconds" not in samples(run, targets)
     run.take(well(plan))
     targets.take(at(40, tracks(1)))

@@ -26,8 +26,8 @@ from followspot.worker.ledger import COLUMNS
 from followspot_dashboard.meter import Rhythm
 from followspot_watch import hz
 from followspot_watch.echo import Warner
-from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.tap_subscriber import HeardPort
+from followspot_watch.run_monitor import RunMonitor
+from followspot_watch.tap_subscriber import TappedPort
 from followspot_watch.top import report, text
 
 PLAN = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml", placement="stage")
@@ -44,10 +44,10 @@ GONE = replace(
 )
 
 
-def picture(*statuses: RunStatus, later: float = 0.0) -> RunPicture:
+def picture(*statuses: RunStatus, later: float = 0.0) -> RunMonitor:
     """After these statuses, a second apart, and some time, s."""
     now = [0.0]
-    made = RunPicture(PLAN, lambda: now[0])
+    made = RunMonitor(PLAN, lambda: now[0])
     for status in statuses:
         made.take(status)
         now[0] += 1.0
@@ -55,7 +55,7 @@ def picture(*statuses: RunStatus, later: float = 0.0) -> RunPicture:
     return made
 
 
-def stage(made: RunPicture, name: str = "fuse") -> dict[str, object]:
+def stage(made: RunMonitor, name: str = "fuse") -> dict[str, object]:
     return next(stage for stage in made.data()["stages"] if stage["stage"] == name)
 
 
@@ -134,7 +134,7 @@ def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
     now = [0.0]
     monkeypatch.setattr(hz, "time", SimpleNamespace(monotonic=lambda: now[0]))
     status = [WELL]
-    measured = hz.Measured(run(lambda: status[0]), [HeardPort("fuse.out", Rhythm, "")])
+    measured = hz.Measured(run(lambda: status[0]), [TappedPort("fuse.out", Rhythm, "")])
     measured.take("fuse.out", Rhythm(100, 20.0, 50.0, 1.0, 60.0, 80.0))
     (pace,) = measured.paces()
     assert (pace.data()["rate"], pace.data()["unheard"]) == (20.0, "")
@@ -161,4 +161,4 @@ def test_echo_says_once_why_nothing_comes(capsys: pytest.CaptureFixture[str]) ->
         warner.warn()
         said.append(capsys.readouterr().err)
     fault = "followspot: host pc-left is absent: last heard 12 s ago\n"
-    assert said == ["", fault, "", "followspot: all is heard again\n"]
+    assert said == ["", fault, "", "followspot: all hosts and workers answer again\n"]

@@ -13,7 +13,7 @@ from followspot.library.handle import LOSSES, is_old, is_unheard
 from followspot.messages import Message
 from followspot.room import Room
 from followspot.tracking import STATES, Tracks
-from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.run_monitor import RunMonitor
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 SILENCE = 2.0
@@ -54,7 +54,7 @@ class Targets:
 
 
 def text(
-    run: RunPicture, targets: Targets, browsers: int, refused: Mapping[str, int] = MappingProxyType({})
+    run: RunMonitor, targets: Targets, browsers: int, refused: Mapping[str, int] = MappingProxyType({})
 ) -> str:
     """All figures. browsers: number of viewers; refused: connections and messages of others, by reason."""
     turned_away = [({"reason": reason}, count) for reason, count in sorted(refused.items())]
@@ -85,14 +85,14 @@ class Figure:
         return "\n".join(lines) + "\n"
 
 
-def _whole(run: RunPicture) -> Iterator[Figure]:
+def _whole(run: RunMonitor) -> Iterator[Figure]:
     fired = run.status.fired if run.status else 0
     yield Figure("frames_total", "counter", "Frames that came to the end of the graph.", [({}, fired)])
     yield Figure("status_age_seconds", "gauge", "Since the run answered last.", [({}, run.age_s)])
     yield Figure("faults", "gauge", "What is absent or was not heard lately.", [({}, len(run.faults()))])
 
 
-def _hosts(run: RunPicture) -> Iterator[Figure]:
+def _hosts(run: RunMonitor) -> Iterator[Figure]:
     hosts = run.status.hosts if run.status else ()
     absent = [({"host": host.name}, host.absent) for host in hosts]
     ages = [sample for host in hosts for sample in _known({"host": host.name}, host.age_s)]
@@ -100,7 +100,7 @@ def _hosts(run: RunPicture) -> Iterator[Figure]:
     yield Figure("host_age_seconds", "gauge", "Since a host was last heard.", ages)
 
 
-def _edges(run: RunPicture) -> Iterator[Figure]:
+def _edges(run: RunMonitor) -> Iterator[Figure]:
     edges = [(_ends(edge), count) for edge, count in run.edges()]
     produced = [(ends, count.produced) for ends, count in edges]
     sent = [(ends, count.sent) for ends, count in edges]
@@ -124,7 +124,7 @@ def _edges(run: RunPicture) -> Iterator[Figure]:
     yield Figure("edge_age_seconds", "gauge", "Age of an edge's last messages when they were taken.", ages)
 
 
-def _stages(run: RunPicture) -> Iterator[Figure]:
+def _stages(run: RunMonitor) -> Iterator[Figure]:
     stages = [({"stage": stage.stage}, stage) for _, stage in run.stages()]
     fired = [(name, stage.fired) for name, stage in stages]
     skipped = [(name, stage.skipped) for name, stage in stages]
@@ -134,7 +134,7 @@ def _stages(run: RunPicture) -> Iterator[Figure]:
     yield Figure("stage_busy_seconds_total", "counter", "Time that a stage has worked.", busy)
 
 
-def _workers(run: RunPicture) -> Iterator[Figure]:
+def _workers(run: RunMonitor) -> Iterator[Figure]:
     workers = [({"worker": worker.name}, worker) for worker in run.workers()]
     restarts = [(name, worker.restarts) for name, worker in workers]
     running = [(name, worker.phase == "running" and not is_old(worker)) for name, worker in workers]

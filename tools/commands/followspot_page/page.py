@@ -24,7 +24,7 @@ from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.scene import scene
-from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.run_monitor import RunMonitor
 
 MAX_BROWSERS = 16
 MAX_OF_ADDRESS = 12
@@ -43,7 +43,7 @@ class Page:
         self.far: FarPreviews | None = None
         """Previews from other hosts; None if the run has none."""
         self.feed = Feed()
-        self.run = RunPicture(plan)
+        self.run = RunMonitor(plan)
         self.targets = metrics.Targets(plan.room)
         self.previews = Previews(self.feed, plan.room, self.targets.take)
         self.button = RecordButton(folder, self._tell_recording)

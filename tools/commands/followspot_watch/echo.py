@@ -1,4 +1,4 @@
-"""`followspot echo`: the messages of a port of a graph that runs."""
+"""`followspot echo`: print the messages of a port of a run."""
 
 from __future__ import annotations
 
@@ -17,64 +17,64 @@ from followspot.messages import Array, Message
 from followspot.plugins.registry import use_plugin_files
 from followspot.tracking import Frame
 from followspot_dashboard.picture import Picture
-from followspot_watch.picture_of_run import RunPicture
-from followspot_watch.tap_subscriber import TapSubscriber, chosen, listening
+from followspot_watch.run_monitor import RunMonitor
+from followspot_watch.tap_subscriber import TapSubscriber, subscribed, tapped_ports
 
 SINK = "dashboard.echo"
 _PERIOD = 0.5
-"""Seconds between two looks whether the run has ended."""
+"""Seconds between two checks whether the run has ended."""
 _ROWS = 6
-"""Rows of an array that are shown to people."""
+"""Rows of an array that the text shows."""
 
 
 def echo(args: argparse.Namespace) -> int:
     """Print messages as they come, until enough came, the run ends, or Ctrl-C. Returns the exit code."""
     use_plugin_files(args.plugin_files)
     with connected_run(args.run, network_of(args)) as run:
-        heard = [
+        ports = [
             replace(port, type=Picture if port.type is Frame else port.type)
-            for port in chosen(args.port, run)
+            for port in tapped_ports(args.port, run)
         ]
-        with listening(run, heard, SINK) as ear, suppress(KeyboardInterrupt):
-            _print(ear, args, Warner(run))
+        with subscribed(run, ports, SINK) as subscriber, suppress(KeyboardInterrupt):
+            _print(subscriber, args, Warner(run))
     return 0
 
 
 class Warner:
-    """Says on standard error why nothing comes, where something is absent or was not heard lately."""
+    """Reports on standard error which hosts and workers are absent or silent when no messages come."""
 
     def __init__(self, run: RunHandle) -> None:
         self._run = run
-        self._picture = RunPicture(run.plan())
-        self._said = False
+        self._picture = RunMonitor(run.plan())
+        self._reported = False
 
     def warn(self) -> None:
-        """Nothing came for a while; what is wrong is told once."""
+        """No message came for a while: report faults that were not reported yet."""
         self._picture.renew(lambda: self._run.status(_PERIOD))
         faults = self._picture.faults()
-        if bool(faults) != self._said:
-            self._said = bool(faults)
-            for line in faults or ["all is heard again"]:
+        if bool(faults) != self._reported:
+            self._reported = bool(faults)
+            for line in faults or ["all hosts and workers answer again"]:
                 print(f"followspot: {line}", file=sys.stderr, flush=True)
 
 
-def _print(ear: TapSubscriber, args: argparse.Namespace, warner: Warner) -> None:
+def _print(subscriber: TapSubscriber, args: argparse.Namespace, warner: Warner) -> None:
     left, came = args.number, True
-    for heard in ear.heard(_PERIOD):
-        if heard is None:
+    for received in subscriber.messages(_PERIOD):
+        if received is None:
             if not came:
                 warner.warn()
             came = False
             continue
         came = True
-        print(json.dumps(data(*heard)) if args.json else text(*heard), flush=True)
+        print(json.dumps(data(*received)) if args.json else text(*received), flush=True)
         left -= 1
         if left == 0:
             return
 
 
 def data(port: str, message: Message) -> dict[str, Any]:
-    """A message in JSON types; numbers that are none are null, and of pictures only the size is told."""
+    """A message in JSON types. NaN and infinity become null; of a picture there is only the size."""
     header = message.header
     fields: dict[str, Any] = {name: getattr(message, name) for name, _ in message.scalars}
     if not isinstance(message, Picture):
@@ -84,7 +84,7 @@ def data(port: str, message: Message) -> dict[str, Any]:
 
 
 def text(port: str, message: Message) -> str:
-    """A message for people."""
+    """A message as text."""
     header = message.header
     lines = [f"{port}  {type(message).__name__}  {header.source}#{header.seq}  {header.time / 1e9:.6f} s"]
     lines += [f"  {name} {getattr(message, name)!r}" for name, _ in message.scalars]

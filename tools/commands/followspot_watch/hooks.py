@@ -1,4 +1,4 @@
-"""Joins looking at runs from a terminal to the command line: the commands top, hz, echo, logs."""
+"""The commands top, hz, echo and logs, which watch runs from a terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from followspot_watch.run_option import RUN
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands top, hz, echo, logs."""
+    """The commands top, hz, echo and logs."""
     return [
         Command("top", _configure_top, _top),
         Command("hz", _configure_hz, _hz),
@@ -24,7 +24,7 @@ def followspot_commands() -> Sequence[Command]:
 
 def _configure_top(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
-    parser.add_argument("--json", action="store_true", help="print one JSON object and end")
+    parser.add_argument("--json", action="store_true", help="print one JSON object, and exit")
     parser.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
     )
@@ -34,43 +34,55 @@ def _configure_top(parser: argparse.ArgumentParser) -> None:
 def _configure_hz(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("port", nargs="?", metavar="STAGE[.PORT]", help="which port (default: all)")
     parser.add_argument(
-        "--seconds", type=_seconds, default=5.0, metavar="S", help="how long to look back (default 5)"
+        "--seconds", type=_seconds, default=5.0, metavar="S", help="length of the measurement (default 5)"
     )
-    parser.add_argument("--json", action="store_true", help="print one JSON list and end")
+    parser.add_argument("--json", action="store_true", help="print one JSON list, and exit")
     _add_run(parser)
 
 
 def _configure_echo(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("port", metavar="STAGE[.PORT]", help="which port; of all cameras where none is named")
-    parser.add_argument("-n", dest="number", type=_count, default=0, metavar="N", help="end after N messages")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument(
+        "port", metavar="STAGE[.PORT]", help="which port; a stage without a camera means all its cameras"
+    )
+    parser.add_argument(
+        "-n", dest="number", type=_count, default=0, metavar="N", help="exit after N messages"
+    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
     _add_run(parser)
 
 
 def _add_run(parser: argparse.ArgumentParser) -> None:
-    """Which run, where, and what must be known to understand its messages."""
+    """Add --run, --plugin and the network options."""
     parser.add_argument("--run", metavar="RUN", help=RUN)
-    add_plugin_option(parser, "know the stages of a Python file that agents were given; repeatable")
+    add_plugin_option(parser, "load a Python file with stages that agents have loaded; repeatable")
     add_network_options(parser)
 
 
 def _configure_logs(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("run", nargs="?", metavar="RUN|DIR", help=f"{RUN}; or an output folder")
-    parser.add_argument("-f", "--follow", action="store_true", help="go on until the run ends, or Ctrl-C")
     parser.add_argument(
-        "--level", choices=("info", "warning", "error"), default="info", help="this and worse (default info)"
+        "-f", "--follow", action="store_true", help="print new records until the run ends, or Ctrl-C"
     )
-    parser.add_argument("--stage", metavar="STAGE", help="of this stage only, of all cameras or STAGE/CAMERA")
-    parser.add_argument("--worker", metavar="NAME", help="of this worker only")
-    parser.add_argument("--host", metavar="NAME", help="of this host only")
-    parser.add_argument("--json", action="store_true", help="one JSON object a line")
+    parser.add_argument(
+        "--level",
+        choices=("info", "warning", "error"),
+        default="info",
+        help="the lowest level to print (default info)",
+    )
+    parser.add_argument(
+        "--stage", metavar="STAGE", help="records of this stage only; STAGE means all its cameras"
+    )
+    parser.add_argument("--worker", metavar="NAME", help="records of this worker only")
+    parser.add_argument("--host", metavar="NAME", help="records of this host only")
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line")
     add_network_options(parser)
 
 
 def _top(args: argparse.Namespace) -> int:
-    """What each stage and edge of a run is doing: state, on whom it waits, rate, ledger, latency, errors
+    """Show each stage and edge of a run: state, the edge it waits for, rate, ledger, latency, errors.
 
-    On a terminal it renews itself until the run ends or Ctrl-C; elsewhere, and with --json, it prints once.
+    On a terminal the report renews itself until the run ends or Ctrl-C. In a pipe, and with --json, the
+    command prints it once.
 
     Examples:
       followspot top
@@ -83,10 +95,10 @@ def _top(args: argparse.Namespace) -> int:
 
 
 def _hz(args: argparse.Namespace) -> int:
-    """How regularly the ports of a run send: rate, gaps, and what got lost behind them
+    """Measure how regularly the ports of a run send: rate, gaps, and messages lost on their edges.
 
-    Measured where each port is, so that the way here does not count. On a terminal the table renews itself
-    until the run ends or Ctrl-C; elsewhere, and with --json, it is printed once after some seconds.
+    The run measures at the port, so the network to this host has no influence. On a terminal the table renews
+    itself until the run ends or Ctrl-C. In a pipe, and with --json, the command prints it once.
 
     Examples:
       followspot hz
@@ -100,10 +112,10 @@ def _hz(args: argparse.Namespace) -> int:
 
 
 def _echo(args: argparse.Namespace) -> int:
-    """Print the messages of a port of a graph that runs
+    """Print the messages of a port of a run.
 
-    Messages that come faster than they are printed are left out, for the run waits for nobody. Of pictures
-    only the size is told.
+    The run never waits for this command: it skips messages if they come faster than they can be printed. Of a
+    picture it prints only the size.
 
     Examples:
       followspot echo track.tracks
@@ -117,11 +129,10 @@ def _echo(args: argparse.Namespace) -> int:
 
 
 def _logs(args: argparse.Namespace) -> int:
-    """What a run has said: stages and libraries of its workers on all hosts, and what became of them
+    """Print the log of a run: records of stages and libraries on all hosts, and of workers that died.
 
-    Of a run that goes on, under its name, or of one that has ended, in its output folder. What is wrong is
-    shown while `followspot run` goes on, too; all of it is here. A stage says something with self.log, and
-    warns with self.context.warn.
+    Name a run that goes on, or the output folder of a run that has ended. `followspot run` prints warnings
+    and errors, too; the log has all records. A stage writes records with self.log and self.context.warn.
 
     Examples:
       followspot logs
@@ -135,7 +146,7 @@ def _logs(args: argparse.Namespace) -> int:
 
 
 def _seconds(text: str) -> float:
-    """A length of time, s. Raises argparse.ArgumentTypeError."""
+    """Parse a length of time, s. Raises argparse.ArgumentTypeError."""
     seconds = float(text)
     if not 0.1 <= seconds <= 3600:
         raise argparse.ArgumentTypeError("from 0.1 to 3600")
@@ -143,7 +154,7 @@ def _seconds(text: str) -> float:
 
 
 def _count(text: str) -> int:
-    """A number of messages. Raises argparse.ArgumentTypeError."""
+    """Parse a number of messages. Raises argparse.ArgumentTypeError."""
     number = int(text)
     if number < 1:
         raise argparse.ArgumentTypeError("at least 1")

@@ -1,4 +1,4 @@
-"""`followspot hz`: how regularly ports of a run send, and what gets lost behind them."""
+"""`followspot hz`: measure the rate and the gaps of ports of a run, and count their losses."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
 from followspot.tables import blocks, grid, line, plain
 from followspot_dashboard.meter import Rhythm
-from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
-from followspot_watch.tap_subscriber import HeardPort, TapSubscriber, chosen, listening
+from followspot_watch.tap_subscriber import TappedPort, TapSubscriber, subscribed, tapped_ports
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
 SINK = "dashboard.meter"
 SILENCE = 2.0
-"""Seconds without a word after which a port is said to be silent."""
+"""Seconds without a measurement after which a port counts as silent."""
 _PERIOD = 0.5
 """Seconds between two tables on a terminal."""
 _BEGINNING = 5.0
-"""Seconds that it may take until a first message is measured: a busy worker begins to do so in its time."""
+"""Seconds until the first measurement at most; a busy worker needs some time to place a tap."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """One port.
+    """The measurement of one port.
 
-    silent_s: since when nothing was told of it, s; dropped: messages that did not arrive, of all edges from
-    it since the run began, those that no reader was there for included; unheard: "absent" or "old" where
-    nothing is heard of its stage either.
+    silent_s: seconds since the last measurement; dropped: messages lost on all edges from the port since the
+    run began, with those that no reader was connected for; unheard: "absent" or "old" if the worker of the
+    stage is silent, too.
     """
 
     port: str
@@ -51,12 +51,12 @@ class Pace:
 
     @property
     def rhythm(self) -> Rhythm | None:
-        """What was measured; not where nothing has come for far longer than between two messages."""
+        """The measurement; None after a silence that is far longer than the usual gap."""
         usual = 0.0 if self.measured is None else self.measured.worst_ms / 1000.0
         return None if self.unheard or self.silent_s > max(SILENCE, 3.0 * usual) else self.measured
 
     def data(self) -> dict[str, Any]:
-        """JSON types; null where nothing was sent while it was looked at, or nothing lately."""
+        """In JSON types; null if the port sent nothing while it was measured, or nothing lately."""
         names = [name for name, _ in Rhythm.scalars]
         known = {name: getattr(self.rhythm, name) if self.rhythm else None for name in names}
         rounded = {n: round(v, 3) if isinstance(v, float) else v for n, v in known.items()}
@@ -68,8 +68,8 @@ def hz(args: argparse.Namespace) -> int:
     """Measure for so many seconds and print; on a terminal until the run ends or Ctrl-C. Returns the code."""
     use_plugin_files(args.plugin_files)
     with connected_run(args.run, network_of(args)) as run:
-        measured = Measured(run, chosen(args.port, run))
-        with listening(run, measured.ports, SINK, window=args.seconds) as subscriber:
+        measured = Measured(run, tapped_ports(args.port, run))
+        with subscribed(run, measured.ports, SINK, window=args.seconds) as subscriber:
             if not args.json and sys.stdout.isatty():
                 _watch(subscriber, measured)
                 return 0
@@ -81,46 +81,46 @@ def hz(args: argparse.Namespace) -> int:
 
 
 class Measured:
-    """What was told of the ports so far."""
+    """The measurements of all ports so far."""
 
-    def __init__(self, run: RunHandle, heard: Sequence[HeardPort]) -> None:
-        self.ports = [replace(port, type=Rhythm) for port in heard]
+    def __init__(self, run: RunHandle, ports: Sequence[TappedPort]) -> None:
+        self.ports = [replace(port, type=Rhythm) for port in ports]
         self._run = run
-        self._picture = RunPicture(run.plan())
+        self._picture = RunMonitor(run.plan())
         self._picture.take(run.status())
-        self._told: dict[str, tuple[Rhythm, float]] = {}
+        self._measurements: dict[str, tuple[Rhythm, float]] = {}
         self._since = time.monotonic()
 
     @property
     def begun(self) -> bool:
-        """Whether anything was measured."""
-        return bool(self._told)
+        """Whether there is a measurement."""
+        return bool(self._measurements)
 
     def take(self, port: str, rhythm: Message) -> None:
-        """A newer measurement."""
+        """Keep a newer measurement."""
         assert isinstance(rhythm, Rhythm)
-        self._told[port] = rhythm, time.monotonic()
+        self._measurements[port] = rhythm, time.monotonic()
 
     def paces(self) -> list[Pace]:
-        """One a port, in the order of the graph."""
+        """One for each port, in the order of the graph."""
         now = time.monotonic()
         self._picture.renew(lambda: self._run.status(_PERIOD))
         unheard = {s.stage: s.state for worker, s in self._picture.stages() if is_unheard(worker)}
         lost = dropped(self._picture)
         found = []
         for port in self.ports:
-            rhythm, at = self._told.get(port.name, (None, self._since))
+            rhythm, at = self._measurements.get(port.name, (None, self._since))
             stage = port.name.rpartition(".")[0]
             found.append(Pace(port.name, rhythm, now - at, lost.get(port.name, 0), unheard.get(stage, "")))
         return found
 
     def faults(self) -> Sequence[str]:
-        """What is absent or was not heard lately, a line each."""
+        """A line for each host or worker that is absent or silent."""
         return self._picture.faults()
 
 
-def dropped(picture: RunPicture) -> dict[str, int]:
-    """Messages of each port that did not arrive, whatever the reason, summed over its edges."""
+def dropped(picture: RunMonitor) -> dict[str, int]:
+    """Messages of each port that were lost for any reason, summed over its edges."""
     found: dict[str, int] = {}
     for edge, count in picture.edges():
         port = f"{edge.from_stage}.{edge.from_port}"
@@ -164,11 +164,11 @@ def _row(pace: Pace) -> tuple[str, ...]:
 def _measure(subscriber: TapSubscriber, measured: Measured, seconds: float) -> None:
     """Measure for a time, s, that begins with the first measurement, or until the run ends."""
     end = time.monotonic() + _BEGINNING + seconds
-    for heard in subscriber.heard(min(_PERIOD, seconds)):
-        if heard is not None:
+    for received in subscriber.messages(min(_PERIOD, seconds)):
+        if received is not None:
             if not measured.begun:
                 end = time.monotonic() + seconds
-            measured.take(*heard)
+            measured.take(*received)
         if time.monotonic() >= end:
             return
 
@@ -176,8 +176,8 @@ def _measure(subscriber: TapSubscriber, measured: Measured, seconds: float) -> N
 def _watch(subscriber: TapSubscriber, measured: Measured) -> None:
     """Renew the table on the terminal until the run ends or Ctrl-C."""
     with suppress(KeyboardInterrupt), live_screen() as show:
-        for heard in subscriber.heard(_PERIOD):
-            if heard is not None:
-                measured.take(*heard)
+        for received in subscriber.messages(_PERIOD):
+            if received is not None:
+                measured.take(*received)
             else:
                 show(partial(report, measured.paces(), measured.faults()))

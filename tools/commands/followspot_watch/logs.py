@@ -1,4 +1,4 @@
-"""`followspot logs`: what a run has said, of one that goes on or of one that has ended."""
+"""`followspot logs`: print the log of a run that goes on or has ended."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from followspot.errors import FollowspotError, InputError
 from followspot.library.handle import LEVELS, LogRecord, RunHandle, connected_run, read_log
 
 _PERIOD = 0.3
-"""Seconds between two questions for more."""
+"""Seconds between two requests for new records."""
 
 
 def logs(args: argparse.Namespace) -> int:
-    """Print the records that are asked for; with --follow until the run ends or Ctrl-C. Returns the code."""
+    """Print the chosen records; with --follow until the run ends or Ctrl-C. Returns the exit code."""
     wanted = _filter(args)
     show = _as_json if args.json else as_text
     if args.run is not None and Path(args.run).is_dir():
         if args.follow:
-            raise FollowspotError(f"{args.run} is the folder of a run; -f follows a run that goes on")
+            raise FollowspotError(f"{args.run} is the output folder of a run; -f needs a run that goes on")
         _print(read_log(Path(args.run)), wanted, show)
         return 0
     with connected_run(args.run, network_of(args)) as run:
@@ -36,7 +36,7 @@ def logs(args: argparse.Namespace) -> int:
 
 
 def as_text(record: LogRecord) -> str:
-    """A record for people: when, how bad, where, what; further lines are indented."""
+    """A record as text: time, level, host and worker, stage, text; further lines are indented."""
     when = time.strftime("%H:%M:%S", time.localtime(record.time / 1e9))
     where = "/".join(part for part in (record.host, record.worker) if part)
     whose = " ".join(part for part in (where, record.stage) if part)
@@ -49,7 +49,7 @@ def _as_json(record: LogRecord) -> str:
 
 
 def _records(run: RunHandle, *, follow: bool) -> Iterator[LogRecord]:
-    """All there are, and then, where they are followed, those that come until the run is over."""
+    """All records so far; if `follow`, also new records until the run ends."""
     out = run.surroundings().out if follow else None
     last = -1
     while True:
@@ -59,8 +59,8 @@ def _records(run: RunHandle, *, follow: bool) -> Iterator[LogRecord]:
         except FollowspotError:
             if out is None:
                 raise
-            with suppress(InputError):  # where nothing was ever said there is no file
-                yield from islice(read_log(out), last + 1, None)  # what was said at the very end
+            with suppress(InputError):  # there is no file if the log is empty
+                yield from islice(read_log(out), last + 1, None)  # the last records
             return
         yield from page.records
         last = page.last
@@ -79,7 +79,7 @@ def _print(
 
 
 def _filter(args: argparse.Namespace) -> Callable[[LogRecord], bool]:
-    """Whether a record is asked for; a stage is meant with all its cameras where none is named."""
+    """A test for records that the options choose; a stage without a camera means all its cameras."""
     least = LEVELS.index(args.level)
 
     def wanted(record: LogRecord) -> bool:

@@ -1,3 +1,3 @@
-"""How a run is named on the command line."""
+"""Help of the argument that names a run."""
 
-RUN = "the graph, the beginning of the run's name, or its process, where several run"
+RUN = "the graph, the beginning of the run's name, or its process id, if several runs go on"

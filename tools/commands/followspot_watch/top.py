@@ -1,4 +1,4 @@
-"""`followspot top`: what each stage and edge of a run is doing, as a table that renews itself."""
+"""`followspot top`: show the state of each stage and edge of a run, and renew it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import LIMIT_MS, LOSSES, RunHandle, connected_run
 from followspot.tables import blocks, grid, line, plain
-from followspot_watch.picture_of_run import RunPicture
+from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
 
 if TYPE_CHECKING:
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
 _FIRST = 1.0
 """Seconds over which the first rates are taken."""
 _LEAST = 0.5
-"""Seconds for the run to answer, at least."""
+"""Timeout of a request to the run at least, s."""
 _ERROR = 100
-"""Characters of an error that are shown."""
+"""Characters of an error that the report shows."""
 BAD_STATES = ("old", "absent")
 LASTING = 1.0
-"""Seconds from which on it is told how long a state has lasted."""
+"""Seconds after which the report shows how long a state has lasted."""
 
 
 def top(args: argparse.Namespace) -> int:
     """Show the run until it ends, or once if the output is no terminal. Returns the exit code."""
     with connected_run(args.run, network_of(args)) as run:
-        picture = RunPicture(run.plan())
+        picture = RunMonitor(run.plan())
         picture.take(run.status())
         try:
             if args.json or not sys.stdout.isatty():
@@ -48,7 +48,7 @@ def top(args: argparse.Namespace) -> int:
     return 0
 
 
-def _watch(run: RunHandle, picture: RunPicture, every: float) -> bool:
+def _watch(run: RunHandle, picture: RunMonitor, every: float) -> bool:
     """Renew the tables on the terminal until all stages are over; True if the run ended before that.
 
     every: seconds between two tables.
@@ -67,7 +67,7 @@ def _watch(run: RunHandle, picture: RunPicture, every: float) -> bool:
             pause = every
 
 
-def _data(run: RunHandle, picture: RunPicture) -> dict[str, Any]:
+def _data(run: RunHandle, picture: RunMonitor) -> dict[str, Any]:
     return {"run": run.run, "graph": run.graph, **picture.data()}
 
 
@@ -77,14 +77,14 @@ def text(data: dict[str, Any]) -> str:
 
 
 def report(data: dict[str, Any], most: int | None = None) -> RenderableType:
-    """The tables of a run's figures, as `RunPicture.data` gives them with its run and graph.
+    """The tables of a run's figures, as `RunMonitor.data` gives them with its run and graph.
 
     most: rows of each table; None for all.
     """
     expected = f" of {data['expected']}" if data["expected"] else ""
     head = f"{data['graph']} ({data['run'][:8]}): {data['fired']}{expected} frames, {_rate(data)} per second"
     errors = [f"  {s['stage']}: {s['error'].splitlines()[0][:_ERROR]}" for s in data["stages"] if s["error"]]
-    clocks = [line("clocks, what is added to the times of each host"), _clocks(data["clocks"])]
+    clocks = [line("clocks, offset added to the times of each host"), _clocks(data["clocks"])]
     return blocks(
         [line(head), *(line(fault, bad=True) for fault in data["faults"])],
         [_stages(data["stages"][:most])],
@@ -120,7 +120,7 @@ def _edges(edges: Sequence[dict[str, Any]]) -> RenderableType:
 
 
 def _state(stage: dict[str, Any]) -> str:
-    """What a stage is doing, and since when: nobody has heard of it, or it has not fired."""
+    """State of a stage, and seconds since its worker answered or since it fired."""
     since = stage["idle_s"] if stage["age_s"] is None else stage["age_s"]
     lasting = since >= LASTING and stage["state"] != "over"
     return str(stage["state"]) + (f" {since:.0f} s" if lasting else "")
@@ -147,7 +147,7 @@ def _paths(paths: Sequence[dict[str, Any]]) -> RenderableType:
 
 
 def _waits(stage: dict[str, Any]) -> str:
-    """On whom a stage waits: who sends to it, or who takes what it sends."""
+    """The other end of the edge on which a stage waits: the sender, or the receiver if the edge is full."""
     if not stage["on"]:
         return ""
     ends = stage["on"][0].split(" -> ")

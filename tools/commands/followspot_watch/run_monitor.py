@@ -1,4 +1,4 @@
-"""A run's status as it is shown: stages and edges with rates, and what is absent or old, with its age."""
+"""A run's status with rates: stages, edges, and the age of what hosts and workers reported last."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from followspot.library.handle import (
 )
 
 _WINDOW = 2.0
-"""Seconds over which rates are taken."""
+"""Seconds over which a rate is measured."""
 _NEWS, _ERROR = 20, 2000
-"""Most lines of news, and characters of an error, that are shown."""
+"""Lines of news and characters of an error at most."""
 
 
-class RunPicture:
-    """The newest status, and how fast what it counts is growing.
+class RunMonitor:
+    """The newest status of a run, and the rates of its counters.
 
-    monotonic: a clock, s.
+    monotonic: clock, s.
     """
 
     def __init__(self, plan: Plan, monotonic: Callable[[], float] = time.monotonic) -> None:
@@ -49,7 +49,7 @@ class RunPicture:
         self.sources = tuple(stage.name for stage in plan.stages if stage.name not in targets)
 
     def take(self, status: RunStatus) -> None:
-        """A newer status."""
+        """Keep a newer status."""
         self._status, self._taken = status, self._clock()
         now = self._taken
         self._past.append((now, self._growing(status)))
@@ -57,7 +57,7 @@ class RunPicture:
             self._past.popleft()
 
     def renew(self, ask: Callable[[], RunStatus]) -> None:
-        """Take what `ask` gives; the status of a run that does not answer grows old, after the end not."""
+        """Take the status that `ask` returns. If the run does not answer, its last status ages."""
         try:
             self.take(ask())
         except NoAnswer:
@@ -67,39 +67,41 @@ class RunPicture:
 
     @property
     def age_s(self) -> float:
-        """Seconds since the run answered last, by the clock here; 0 once it has ended."""
+        """Seconds since the last answer of the run; 0 after its end."""
         return 0.0 if self.ended else self._clock() - self._taken
 
     @property
     def status(self) -> RunStatus | None:
-        """The newest one, as old as it is now; None before the first."""
+        """The newest status with its present age; None before the first."""
         return None if self._status is None else self._status.later(self.age_s)
 
     def faults(self) -> tuple[str, ...]:
-        """What is absent or was not heard lately, the run itself first, a line each."""
+        """A line for the run if it is silent, then one for each host or worker that is absent or silent."""
         known = () if self._status is None else self._status.faults()
         return (f"the run has not answered for {self.age_s:.0f} s", *known) if self.age_s > OLD else known
 
     def workers(self) -> tuple[WorkerStatus, ...]:
-        """All of them."""
+        """All workers."""
         return self.status.workers if self.status else ()
 
     def stages(self) -> list[tuple[WorkerStatus, StageStatus]]:
-        """All of the plan with their workers, in the states that are known of them now."""
+        """All stages of the plan with their workers, in the last known states."""
         workers = {worker.name: worker for worker in self.workers()}
-        latest = sorted(workers.values(), key=lambda worker: worker.phase != "over")  # some were moved away
+        latest = sorted(
+            workers.values(), key=lambda worker: worker.phase != "over"
+        )  # a moved stage is known to two workers
         told = {stage.stage: (worker, stage) for worker in latest for stage in worker.stages}
         found = []
         for planned in self.plan.stages:
             if planned.name in told:
                 found.append(told.pop(planned.name))
-            elif planned.worker in workers:  # else it is on the host of another operator
+            elif planned.worker in workers:  # else another operator runs it
                 found.append((workers[planned.worker], StageStatus(planned.name, "starting")))
-        found += told.values()  # the plan may be of before a move
+        found += told.values()  # the plan may be older than a move
         return [(worker, replace(stage, state=_state(worker, stage))) for worker, stage in found]
 
     def edges(self) -> list[tuple[PlannedEdge, EdgeCount]]:
-        """All of them with their counts."""
+        """All edges with their counts."""
         return list(self._status.edges(self.plan)) if self._status else []
 
     def paths(self) -> list[PathStatus]:
@@ -107,9 +109,9 @@ class RunPicture:
         return [path for worker in self.workers() for path in worker.paths]
 
     def data(self) -> dict[str, Any]:
-        """In JSON types; rates in 1/s, load as a share of one processor; both null where nobody knows them.
+        """In JSON types; rates in 1/s, load as a share of one processor; both null if unknown.
 
-        age_s: since the run answered last, s; of workers and stages, since anybody heard them.
+        age_s: seconds since the run, or the worker, answered last.
         """
         status, stages = self.status, self.stages()
         rates = self._rates()
@@ -133,7 +135,7 @@ class RunPicture:
         }
 
     def _growing(self, status: RunStatus) -> dict[str, float]:
-        """Counters by name."""
+        """Values of all counters by name."""
         stages = [stage for worker in status.workers for stage in worker.stages]
         return {
             **{f"fired {stage.stage}": float(stage.fired) for stage in stages},
@@ -155,7 +157,7 @@ def _clock(host: str, clock: ClockStatus) -> dict[str, Any]:
 
 
 def _state(worker: WorkerStatus, stage: StageStatus) -> StageState:
-    """What a stage is doing, as far as anybody knows: its own word counts while its worker is heard."""
+    """State of a stage: its own report while its worker answers, else the phase of the worker."""
     if worker.phase in ("absent", "over"):
         return worker.phase
     if is_old(worker):
@@ -195,7 +197,7 @@ def _edge(
     ages: Mapping[str, EdgeAge],
     unknown: Container[str],
 ) -> dict[str, Any]:
-    """unknown: stages of which nobody knows what they are doing; the sender counts what is sent."""
+    """unknown: stages whose workers are silent; the sender of an edge counts its messages."""
     age = ages.get(edge.name, EdgeAge(edge.name, None, None))
     return {
         "from": f"{edge.from_stage}.{edge.from_port}",
