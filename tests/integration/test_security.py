@@ -252,13 +252,13 @@ def test_no_host_declares_a_reader_on_another_host_to_be_there_or_done(
     certs: Path, agent: Agent, endpoint: str
 ) -> None:
     """Its token, or the end of it, would let the writer wait for nobody, or for ever."""
-    said = ("alive/5/0", "done/5/0")
+    said = ("alive/5/0", "done/5/0/0")
     own = {f"{reader_key(PORT, 'pc-left')}/{word}" for word in said}
     foreign = [f"{reader_key(PORT, host)}/{word}" for host in ("", "desk", "pc-right", "*") for word in said]
     seen: set[str] = set()
     with session(certs / "pc-left", connect=endpoint) as camera:
         assert met(camera)
-        keys = [*foreign, f"{PORT}/alive/reader/5/0", f"{PORT}/alive/done/5/0", *own]
+        keys = [*foreign, f"{PORT}/alive/reader/5/0", f"{PORT}/alive/done/5/0/0", *own]
         tokens = [camera.liveliness().declare_token(key) for key in keys]
 
         def look() -> bool:

@@ -1,0 +1,151 @@
+"""Real ends of a ring, with a model of what they owe each other."""
+
+from __future__ import annotations
+
+import select
+import socket
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis.stateful import RuleBasedStateMachine
+from tests.promises.edge_model import ABSENT, END, Advance, Owed, Port, Spoken
+from tests.promises.edge_words import Picture, word
+
+from followspot.messages import Array
+from followspot.transport.ring.reader import RingReader
+from followspot.transport.ring.slots import Lease
+from followspot.transport.ring.writer import RingWriter
+
+ROUNDS = 2_000
+"""Most turns until all ends sleep; a few dozen are enough."""
+
+
+class RingEnds(RuleBasedStateMachine):
+    """A writer and its readers; every token that a reader gets is judged by the model."""
+
+    def set_up(self, readers: int, depth: int) -> None:
+        self.descriptors = open_descriptors()
+        self.port = Port(depth, [None] * readers)
+        self.readers: list[RingReader | None] = [None] * readers
+        self.kept: list[list[Picture]] = [[] for _ in range(readers)]
+        self.loans: list[Array] = []
+        self.sent: list[Picture] = []
+        self.number = self.time = 0
+        self.over = self.asleep = self.silent = False
+        self.deaf: set[int] = set()
+        """Readers that died, which the writer may not have noticed."""
+        self.informed: set[int] = set()
+        """Of these, who had been sent the end, and all before it."""
+        self.unsure: set[int] = set()
+        """Of these, who may have been, for something waited for one of the others at least."""
+        self.writer: RingWriter | None = None
+
+    def turn_until_all_sleep(self) -> None:
+        for _ in range(ROUNDS):
+            assert self.writer is not None
+            woken = [i for i, found in enumerate(self.readers) if found and self.readable(found.fileno())]
+            called = any(map(self.readable, self.writer.filenos()))
+            if not (woken or called):
+                return
+            for index in woken:
+                if (reader := self.readers[index]) is not None:
+                    self.take(index, reader)
+            if called:
+                self.writer.drain()
+                self.notice()
+        raise AssertionError("an end is woken again and again for nothing")
+
+    def close(self) -> None:
+        if self.writer is not None:
+            self.writer.close()
+        for found in self.readers:
+            if found is not None:
+                found.close()
+        self.writer = None
+        self.readers.clear()
+        self.kept.clear()
+        self.loans.clear()
+        self.sent.clear()
+
+    def lend(self, size: int) -> None:
+        """What the stage writes there stays as it is."""
+        assert self.writer is not None
+        loan = self.writer.loan((size,), "u1")
+        if loan is not None:
+            loan[:] = 255
+            self.loans.append(loan)
+
+    @property
+    def speaks(self) -> bool:
+        return self.writer is not None and not self.over
+
+    def say(self, spoken: Spoken | Advance) -> None:
+        self.silent = spoken == Advance(ABSENT)
+        self.asleep = False
+        for owed in self.port.readers:
+            if owed is not None:
+                owed.say(spoken)
+
+    def notice(self) -> None:
+        """The writer has looked after its readers: the dead hold up nothing any more."""
+        assert self.writer is not None
+        lost = self.deaf - self.informed
+        assert lost - self.unsure <= self.writer.lost <= lost
+        self.mourn(index for index, owed in enumerate(self.port.readers) if owed and index in self.deaf)
+        for index in self.deaf:
+            self.port.readers[index] = None
+        self.asleep = False
+
+    def mourn(self, dead: Iterable[int]) -> None:
+        """The writer says how many messages were on their way to each that died, once."""
+        assert self.writer is not None
+        owed = {index: self.port.readers[index] for index in dead}
+        waiting = {index: found.waiting for index, found in owed.items() if found is not None}
+        assert dict(self.writer.perished()) == waiting
+        assert self.writer.perished() == []
+
+    def welcome(self, index: int, sock: socket.socket) -> None:
+        self.readers[index] = RingReader(sock, Picture)
+        self.deaf.discard(index)
+        self.informed.discard(index)
+        self.unsure.discard(index)
+        self.port.readers[index] = owed = Owed()
+        if self.over:
+            owed.say(Advance(END))
+        assert self.writer is not None
+        assert index not in self.writer.lost
+
+    def reader(self, index: int) -> RingReader | None:
+        return self.readers[index] if index < len(self.readers) else None
+
+    def take(self, index: int, reader: RingReader) -> None:
+        owed = self.port.readers[index]
+        assert owed is not None
+        for token in reader.poll():
+            due = owed.receive(word(token))
+            if isinstance(token, Picture):
+                sampled = [kept for kept in self.kept[index] if kept.header.seq >= self.reign]
+                wants = isinstance(due, Spoken) and due.slot
+                room = sum(map(lies_in_a_slot, sampled)) <= self.port.depth
+                assert lies_in_a_slot(token) == (wants and room), "a reader has its share of slots"
+                self.kept[index].append(token)
+
+    @staticmethod
+    def readable(fileno: int) -> bool:
+        ready = select.poll()
+        ready.register(fileno, select.POLLIN)
+        return bool(ready.poll(0))
+
+
+def lies_in_a_slot(message: Picture) -> bool:
+    """Whether its array is a view of the writer's memory."""
+    array: Any = message.pixels
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return isinstance(array.base, Lease)
+
+
+def open_descriptors() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
