@@ -112,7 +112,7 @@ def _results(path: Path) -> dict[str, dict[str, Any]]:
 
 def _say_failed(reaches: Sequence[Reach]) -> None:
     for test in (test for reach in reaches for test in reach.failed):
-        print(f"not used, for it fails without a change: {test}")
+        print(f"not used, because it fails without a change: {test}")
 
 
 def _run_all(

@@ -306,7 +306,7 @@ def test_camera_without_a_recording_keeps_its_pose(room: Path, capsys: pytest.Ca
 @pytest.mark.parametrize(
     ("board", "more", "complaint"),
     [
-        ("chessboard:8x6:0.02", [], "nobody can tell which end"),
+        ("chessboard:8x6:0.02", [], "ends of this chessboard cannot be told apart"),
         ("charuco:6x5:0.06:DICT_4X4_50", ["--clip", "top=room.yaml"], 'has no camera "top"'),
         ("charuco:6x5:0.06:DICT_4X4_50", ["--pictures", "0"], "--pictures 0 is less than 1"),
         ("charuco:6x5:0.06:DICT_4X4_50", ["--timestamps", "none.csv"], "none.csv cannot be read"),

@@ -62,7 +62,7 @@ def text(
         Figure("page_browsers", "gauge", "Browsers that look on.", [({}, browsers)]),
         Figure("page_refused_total", "counter", "Connections that were refused or cut off.", turned_away),
         Figure("target_state", "gauge", "1 for the state that a target is in.", _states(targets)),
-        Figure("target_age_seconds", "gauge", "Since targets were last told of.", _known({}, targets.age_s)),
+        Figure("target_age_seconds", "gauge", "Since a message about targets.", _known({}, targets.age_s)),
         *(figure for part in (_whole, _hosts, _edges, _stages, _workers) for figure in part(run)),
     ]
     return "".join(figure.text() for figure in figures)
@@ -96,7 +96,7 @@ def _hosts(run: RunMonitor) -> Iterator[Figure]:
     hosts = run.status.hosts if run.status else ()
     absent = [({"host": host.name}, host.absent) for host in hosts]
     ages = [sample for host in hosts for sample in _known({"host": host.name}, host.age_s)]
-    yield Figure("host_absent", "gauge", "1 where a host does not answer.", absent)
+    yield Figure("host_absent", "gauge", "1 if a host does not answer.", absent)
     yield Figure("host_age_seconds", "gauge", "Since a host was last heard.", ages)
 
 
@@ -147,7 +147,7 @@ def _workers(run: RunMonitor) -> Iterator[Figure]:
         for quantile, ms in (("0.5", path.p50_ms), ("0.95", path.p95_ms))
     ]
     yield Figure("worker_restarts_total", "counter", "How often a worker was started again.", restarts)
-    yield Figure("worker_running", "gauge", "1 where a worker runs and was heard lately.", running)
+    yield Figure("worker_running", "gauge", "1 if a worker runs and was heard lately.", running)
     yield Figure("worker_age_seconds", "gauge", "Since a worker was last heard.", ages)
     yield Figure("path_latency_seconds", "gauge", "From a source to a sink, since the start.", latency)
 

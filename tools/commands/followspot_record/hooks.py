@@ -101,7 +101,7 @@ def configure_verify(parser: argparse.ArgumentParser) -> None:
 def configure_export(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
-    parser.add_argument("folder", metavar="DIR", help="where the files go; made where it is missing")
+    parser.add_argument("folder", metavar="DIR", help="folder of the files; created if it is missing")
     parser.add_argument("--to", choices=("csv", "jsonl", "parquet", "rerun"), required=True, help="format")
     parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="which ports (default: all but pictures)")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")

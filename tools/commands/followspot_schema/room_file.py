@@ -26,7 +26,7 @@ def room_schema() -> Schema:
             "planes": named("name -> plane", numbers(4, "a b c d: a x + b y + c z + d = 0, unit normal, m")),
             "targets": named("name -> target", _target()),
             "truth": stage_use(
-                "source of the ground truth, where there is one",
+                "source of the ground truth, if there is one",
                 {name: stage for name, stage in sources.items() if name not in pictures},
             ),
         },

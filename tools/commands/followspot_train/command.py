@@ -89,7 +89,7 @@ def _check(pictures: Pictures, out: Path) -> None:
     rooms = {background.place for background in pictures.backgrounds}
     if len(bodies) < recipe.FOLDS or len(rooms) < 2:
         found = f"{len(bodies)} numbered bodies, backgrounds of {len(rooms)} rooms"
-        remedy = f"at least {recipe.FOLDS} bodies and 2 rooms are needed, for some are held out"
+        remedy = f"at least {recipe.FOLDS} bodies and 2 rooms are needed, because some are held out"
         mistakes.append(Mistake(None, f"too little to learn from: {found}", remedy))
     if out.suffix != ".npz" or not out.parent.is_dir():
         mistakes.append(Mistake(None, f"cannot write {out}", "name a file .npz in a folder that exists"))

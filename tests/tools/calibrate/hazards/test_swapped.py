@@ -31,7 +31,7 @@ def test_known_centres_name_the_two(cameras):
     centers = {camera.name: camera.center for camera in room.cameras}
     found = list(room.cameras)
     found[0], found[2] = replace(found[2], name="cam0"), replace(found[0], name="cam2")
-    with pytest.raises(FollowspotError, match="cam0 and cam2 are exchanged: each is where the other"):
+    with pytest.raises(FollowspotError, match="cam0 and cam2 are exchanged: each is at the known place"):
         onto_centers(found, centers, scaled=True)
 
 

@@ -28,7 +28,7 @@ def calibrate_board(args: argparse.Namespace) -> int:
     """Find the board, solve, update the room file, report; returns the exit code. Raises FollowspotError."""
     board = parse_board(args.board)
     if board.symmetric:
-        text = f"--board {args.board}: nobody can tell which end of this chessboard is which"
+        text = f"--board {args.board}: the two ends of this chessboard cannot be told apart"
         raise InputError.of(text, "use a ChArUco board, or an odd and an even number of corners")
     room = load(args.room)
     paths = recordings(args.videos, args.clip, list(room.cameras))

@@ -13,7 +13,7 @@ from followspot_calibrate.report import Page, Section, calibration_page, plain_t
 from followspot_calibrate.triangulation import residuals
 
 PAIRS_NOTE = (
-    "Moments at which both cameras saw the board, and those of them that agree on how the two cameras stand."
+    "Moments at which both cameras saw the board, and those that agree on the pose between the two cameras."
 )
 
 

@@ -14,11 +14,10 @@ GRAPH = "graphs/glowballs.yaml"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--room", type=Path, required=True, help="room file to check")
-    parser.add_argument("--points", type=Path, metavar="FILE", help="points as `calibrate wand` reads them")
-    parser.add_argument(
-        "--length", type=float, metavar="M", help="distance of the wand's points 0 and 1, m; needs --points"
-    )
+    add = parser.add_argument
+    add("--room", type=Path, required=True, help="room file to check")
+    add("--points", type=Path, metavar="FILE", help="points as `calibrate wand` reads them")
+    add("--length", type=float, metavar="M", help="distance of the wand's points 0 and 1, m; needs --points")
     tracking = parser.add_mutually_exclusive_group()
     tracking.add_argument(
         "--run",
@@ -27,17 +26,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs)",
     )
     tracking.add_argument("--track", action="store_true", help="track the room's own recording now")
-    parser.add_argument(
-        "--graph", default=GRAPH, help=f"graph for --track, with a stage sinks.csv (default: {GRAPH})"
-    )
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="track the first N frames only")
-    parser.add_argument(
+    add("--graph", default=GRAPH, help=f"graph for --track, with a stage sinks.csv (default: {GRAPH})")
+    add("--frames", type=frame_count, metavar="N", help="track the first N frames only")
+    add(
         "--against",
         type=Path,
         metavar="OTHER",
         help="room file or calibration in any format of `room import`",
     )
-    parser.add_argument(
+    add(
         "--limit",
         type=float,
         metavar="PX",
@@ -48,14 +45,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Tell how good a room file is now, and which camera is to blame where it is not.
+    """Check how accurate a room file is, and name the cameras that are not.
 
-    Evidence is any of these: points that a wand showed (--points), an ordinary tracking run with its blobs
-    written down (--run, or --track to make one now), another calibration of the same cameras (--against).
-    Each camera is held against the point that the other cameras see; a camera that does not fit is left out,
-    and the others are judged without it. The room file is not changed.
+    The check uses any of these: points of a wand (--points), a tracking run that wrote its blobs (--run, or
+    --track to make one now), another calibration of the same cameras (--against). It compares each camera
+    with the points that the other cameras see; a camera that does not fit is left out, and the others are
+    judged without it. The room file is not changed.
 
-    Exit code 1 says that a camera is beyond the limit, or a known length off by more than 1 %.
+    The exit code is 1 if a camera is beyond the limit, or if a known length is off by more than 1 %.
 
     Examples:
       followspot calibrate check --room room.yaml --points wand.csv --length 0.5

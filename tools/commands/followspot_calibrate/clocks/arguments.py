@@ -16,32 +16,31 @@ LIMIT = 2.0
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
-    parser.add_argument("--graph", default=GRAPH, help=f"graph that tracks the targets (default: {GRAPH})")
-    parser.add_argument("--reference", metavar="CAMERA", help="camera whose offset is 0 (default: the mean)")
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="use the first N frames only")
-    parser.add_argument(
-        "--rounds", type=frame_count, default=ROUNDS, help=f"most runs of the graph (default: {ROUNDS})"
-    )
-    parser.add_argument(
+    add = parser.add_argument
+    add("--room", type=Path, required=True, help="room file; is updated")
+    add("--graph", default=GRAPH, help=f"graph that tracks the targets (default: {GRAPH})")
+    add("--reference", metavar="CAMERA", help="camera whose offset is 0 (default: the mean)")
+    add("--frames", type=frame_count, metavar="N", help="use the first N frames only")
+    add("--rounds", type=frame_count, default=ROUNDS, help=f"most runs of the graph (default: {ROUNDS})")
+    add(
         "--limit",
         type=float,
         default=LIMIT,
         metavar="MS",
-        help=f"refuse offsets whose standard deviation is larger, ms (default: {LIMIT:g})",
+        help=f"largest standard deviation of an offset, ms (default: {LIMIT:g})",
     )
-    parser.add_argument("--dry-run", action="store_true", help="show the offsets, write nothing")
+    add("--dry-run", action="store_true", help="show the offsets, write nothing")
     add_output_options(parser, "clocks")
     add_change_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Find out by how much the cameras are not synchronised, and write it into the room file.
+    """Estimate the clock offsets of the cameras, and write them into the room file.
 
-    Tracks the room's own recording and compares how far each camera sees moving targets ahead of or behind
-    the others, so no clock needs to be trusted. Something must move through the common view, the faster the
-    better: a target at 2 m/s, 4 m from a camera of 320x240, moves by 0.1 px a millisecond. Cameras keep their
-    time stamps; `balls.verify_pairs` corrects for `clock_offset` when it pairs their blobs.
+    The command tracks the room's own recording and compares how far each camera sees moving targets ahead of
+    or behind the others. Targets must move through the common view, the faster the better: at 2 m/s and 4 m
+    from a camera of 320x240, a target moves by 0.1 px a millisecond. Cameras keep their time stamps;
+    `balls.verify_pairs` corrects for `clock_offset` when it pairs their blobs.
 
     The offsets are relative to their mean, or to --reference CAMERA. +- is one standard deviation.
 

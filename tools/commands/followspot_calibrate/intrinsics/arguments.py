@@ -12,7 +12,7 @@ from followspot_calibrate.output import add_output_options
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
     add = parser.add_argument
-    add("--room", type=Path, required=True, help="room file; is updated, or made where there is none")
+    add("--room", type=Path, required=True, help="room file; is updated, or created")
     add("--board", required=True, help="the board, for example chessboard:9x6:0.025")
     add("--videos", type=Path, metavar="DIR", help="folder with a video or folder of pictures per camera")
     add("--clip", action="append", default=[], metavar="CAMERA=PATH", help="recording of one camera")
@@ -30,8 +30,8 @@ def run(args: argparse.Namespace) -> int:
 
     Pictures come from DIR/<camera>.mp4 (any video) or folders DIR/<camera> of pictures, from --clip
     CAMERA=PATH, or live: from the cameras' sources in the room file (--live), or from a device (--device
-    CAMERA=0), which becomes the camera's source. The room file is made where there is none. Matrix,
-    distortion, model and size of these cameras are replaced, everything else stays.
+    CAMERA=0), which becomes the camera's source. The command creates the room file if there
+    is none. It replaces matrix, distortion, model and size of these cameras and nothing else.
 
     Boards: chessboard:9x6:0.025 (inner corners, square in m), charuco:4x5:0.054:DICT_4X4_1000 (squares);
     charuco:4x5:0.054/0.04:DICT_4X4_1000 gives the side of the markers too, :inverted is white on black.

@@ -66,4 +66,4 @@ def _pictures(lens: LensCalibration) -> Section:
     """Corners and residuals of the views that the lens rests on."""
     pixel = np.concatenate([view.pixel for view in lens.fit.views])
     shown = coverage(lens.camera, lens.size, pixel, np.concatenate(lens.fit.residual))
-    return replace(shown, note="Corners of the board, and how far they are from where the lens has them.")
+    return replace(shown, note="Corners of the board, and their distances from those that the lens predicts.")

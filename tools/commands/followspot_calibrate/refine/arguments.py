@@ -14,36 +14,33 @@ GRAPH = "graphs/glowballs.yaml"
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
-    parser.add_argument(
+    add = parser.add_argument
+    add("--room", type=Path, required=True, help="room file; is updated")
+    add(
         "--run",
         type=Path,
         metavar="DIR",
         help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs) instead of tracking now",
     )
-    parser.add_argument(
+    add(
         "--clips",
         type=Path,
         metavar="DIR",
-        help="the clips DIR/TARGET/CAMERA.mkv that `calibrate targets` learns from, where they are "
-        "synchronised: more places, and better ones",
+        help="also use the clips DIR/TARGET/CAMERA.mkv of `calibrate targets`, if they are synchronised",
     )
-    parser.add_argument(
-        "--graph", default=GRAPH, help=f"graph that tracks, with a stage sinks.csv (default: {GRAPH})"
-    )
-    parser.add_argument("--frames", type=frame_count, metavar="N", help="track the first N frames only")
-    parser.add_argument("--dry-run", action="store_true", help="show what would change, write no room")
+    add("--graph", default=GRAPH, help=f"graph that tracks, with a stage sinks.csv (default: {GRAPH})")
+    add("--frames", type=frame_count, metavar="N", help="track the first N frames only")
+    add("--dry-run", action="store_true", help="show what would change, write no room")
     add_output_options(parser, "refine")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Correct cameras that are slightly off, by what an ordinary tracking run saw.
+    """Correct cameras that are slightly off with the targets of a tracking run.
 
-    Tracks the room's own recording (or takes a run that wrote down its blobs: --run), and adjusts places,
-    directions and lenses of all cameras until they agree about the targets. Where the cameras stand together,
-    and how far they are apart, no tracker can see: that stays as the camera centres of the room file say.
-    Planes move with what the cameras see. Targets must have been carried through the common view, at many
-    places.
+    The command tracks the room's own recording (or reads a run that wrote its blobs: --run), and adjusts
+    centres, directions and lenses of all cameras until they agree about the targets. Tracks do not determine
+    the frame of reference and the scale: both stay those of the camera centres in the room file. Planes keep
+    their places in the pictures. The targets must have been at many places of the common view.
 
     Examples:
       followspot calibrate refine --room room.yaml

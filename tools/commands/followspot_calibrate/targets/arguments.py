@@ -14,18 +14,15 @@ RADIUS = 0.0762
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
-    parser.add_argument("--room", type=Path, required=True, help="room file; is updated")
-    parser.add_argument("--clips", type=Path, required=True, help="folder with one folder per target")
-    parser.add_argument(
+    add = parser.add_argument
+    add("--room", type=Path, required=True, help="room file; is updated")
+    add("--clips", type=Path, required=True, help="folder with one folder per target")
+    add(
         "--radius",
         type=float,
         help=f"radius of the targets, m; else as in the room file, else {RADIUS} (a 6-inch ball)",
     )
-    parser.add_argument(
-        "--keep-cameras",
-        action="store_true",
-        help="cameras and planes stay, also where they are slightly off",
-    )
+    add("--keep-cameras", action="store_true", help="keep cameras and planes, even if they are slightly off")
     add_output_options(parser, "targets")
 
 
@@ -33,15 +30,14 @@ def run(args: argparse.Namespace) -> int:
     """Learn the targets' templates from clips and write them into the room file.
 
     Each target moves through the dark room in a clip of its own, and people may carry it: CLIPS/<target>/
-    <camera>.mkv, any video or a folder of pictures. What glows is learnt, not what is lit: the brightest
-    compact spot that is alike in all frames. Colour cameras learn hue and size, infrared cameras grey level
-    and size. Targets that the room has already and that have no clips stay as they are.
+    <camera>.mkv, any video or a folder of pictures. The command learns the brightest compact spot that is
+    alike in all frames: hue and size in colour cameras, grey level and size in infrared cameras. Targets of
+    the room without clips stay as they are.
 
-    All cameras see a target at once: where they contradict each other about it, for they are slightly off,
-    cameras and planes are corrected as `calibrate refine` does, in the frame of reference of the given ones.
+    All cameras see a target at once. If they contradict each other slightly, the command corrects cameras and
+    planes as `calibrate refine` does, and keeps their frame of reference.
 
-    The table at the end says how well the colours are told apart; two targets that look alike are warned
-    about.
+    The table at the end shows how well the colours can be told apart, and warns of targets that look alike.
 
     Examples:
       followspot calibrate targets --room room.yaml --clips templates

@@ -67,7 +67,7 @@ def onto_centers(cameras: Sequence[Camera], known: Mapping[str, Array], *, scale
     if swapped is not None:
         one, other = (named[number].name for number in swapped)
         raise FollowspotError(
-            f"{one} and {other} are exchanged: each is where the other is known to be; "
+            f"{one} and {other} are exchanged: each is at the known place of the other; "
             "exchange their recordings, or their names in the room file, or give --align none"
         )
     agree = agreeing(source, target, scaled=True)

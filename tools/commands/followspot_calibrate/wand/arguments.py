@@ -12,37 +12,30 @@ from followspot_calibrate.output import add_output_options
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Arguments of the command."""
+    add = parser.add_argument
     evidence = parser.add_mutually_exclusive_group(required=True)
     evidence.add_argument("--points", type=Path, help="file of points as the cameras saw them")
     evidence.add_argument(
         "--clips", type=Path, metavar="DIR", help="synchronised recordings, DIR/<camera>.mkv"
     )
-    parser.add_argument(
-        "--targets", type=Path, metavar="DIR", help="clips of single targets, DIR/<target>/<camera>.mkv, too"
-    )
-    parser.add_argument("--room", type=Path, help="room file with the cameras; is updated without -o")
-    parser.add_argument("-o", "--output", type=Path, metavar="ROOM", help="room file to write")
-    parser.add_argument(
-        "--intrinsics", choices=("known", "free", "auto"), default="auto", help="default: auto"
-    )
-    parser.add_argument("--length", type=float, metavar="M", help="between the two bulbs of the wand, m")
-    parser.add_argument(
+    add("--targets", type=Path, metavar="DIR", help="clips of single targets, DIR/<target>/<camera>.mkv, too")
+    add("--room", type=Path, help="room file with the cameras; is updated without -o")
+    add("-o", "--output", type=Path, metavar="ROOM", help="room file to write")
+    add("--intrinsics", choices=("known", "free", "auto"), default="auto", help="default: auto")
+    add("--length", type=float, metavar="M", help="distance of the wand's two bulbs, m")
+    add(
         "--align",
         choices=("auto", "centers", "marker", "none"),
         default="auto",
-        help="what gives the frame of reference (default: what there is)",
+        help="source of the frame of reference (default: the one available)",
     )
-    parser.add_argument("--centers", type=Path, metavar="CSV", help="known centres: camera,x,y,z (m)")
-    parser.add_argument("--marker", type=Path, metavar="CSV", help="known points: x,y,z,camera,u,v (m, px)")
-    parser.add_argument("--size", metavar="WxH", help="of all pictures, px, where no file says it")
-    parser.add_argument(
-        "--confidence", type=float, default=0.5, help="keypoints below it were not seen (default: 0.5)"
-    )
-    parser.add_argument(
-        "--frames", type=frame_range, metavar="A-B", help="use only these, as 0-349 or 350- (default: all)"
-    )
-    parser.add_argument("--fps", type=float, help="frames a second, to tell clock offsets in ms")
-    parser.add_argument(
+    add("--centers", type=Path, metavar="CSV", help="known centres: camera,x,y,z (m)")
+    add("--marker", type=Path, metavar="CSV", help="known points: x,y,z,camera,u,v (m, px)")
+    add("--size", metavar="WxH", help="of all pictures, px, if no file has it")
+    add("--confidence", type=float, default=0.5, help="keypoints below it count as not seen (default: 0.5)")
+    add("--frames", type=frame_range, metavar="A-B", help="use only these, as 0-349 or 350- (default: all)")
+    add("--fps", type=float, help="frames a second, to report clock offsets in ms")
+    add(
         "--clock-offsets",
         action="store_true",
         help="write clock_offset of all cameras into the room file; needs --fps",
@@ -62,21 +55,20 @@ def run(args: argparse.Namespace) -> int:
     """Find poses and intrinsics of all cameras from one bright point waved through the room.
 
     Points come from a CSV file frame,camera,u,v (camera: name or number; a column point tells the two bulbs
-    of a wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), or an
-    NPZ file of keypoints with confidence; or the bulb is found in recordings of the darkened room. Wave
-    everywhere, near to and far from every camera, in the view of three at a time. With --targets the
-    synchronised clips that `calibrate targets` learns from are used as well: few points, but far more exact
-    ones.
+    of a wand apart, 0 and 1), a folder with points.dat, IdMat.dat and Res.dat (Svoboda et al. 2005), an NPZ
+    file of keypoints with confidence, or recordings of a bulb in the dark room. Wave everywhere, near to and
+    far from every camera, in the view of three at a time. --targets adds the synchronised clips of
+    `calibrate targets`: few points, but far more exact ones.
 
     Intrinsics: known keeps those of the room, free finds them from the points, auto keeps those of the room
     unless others fit the points clearly better. The frame of reference: --centers camera,x,y,z, by default
     the centres in the room file; or --marker x,y,z,camera,u,v, three or more points with known places;
-    --length sets the scale by a wand of two bulbs. New cameras become kind: color; edit the room file where
-    one is infrared.
+    --length sets the scale by a wand of two bulbs. New cameras become kind: color; edit the room file if one
+    is infrared.
 
-    Cameras that are not synchronised are found from the motion and corrected, and --clock-offsets notes it in
-    the room file. Mirrored, exchanged and moved cameras are named; --frames leaves out what was before a
-    move.
+    The command finds cameras that are not synchronised by the motion and corrects for it; --clock-offsets
+    writes the offsets into the room file. It names mirrored, exchanged and moved cameras; --frames leaves out
+    the frames before a move.
 
     Examples:
       followspot calibrate wand --points wand.csv --room room.yaml

@@ -18,7 +18,7 @@ from followspot_calibrate.wand.pairs import FEWEST, Pair
 from followspot_calibrate.wand.resection import FEWEST as TIED
 from followspot_calibrate.wand.rounds import Settled
 
-IN_A_PLANE = f"the points lie in one plane, which does not tell where all cameras are: {REMEDY}"
+IN_A_PLANE = f"the points lie in one plane, which does not determine the poses of all cameras: {REMEDY}"
 LEAST = 12
 """Points that a camera must keep."""
 DEEP = 2.0

@@ -85,6 +85,6 @@ def _clock(asker: RpcClient, host: str) -> Finding:
 
 def _said(found: ClockStatus) -> str:
     if not found.exchanges:
-        return "its agent does not tell its clock"
+        return "its agent does not report its clock"
     way = "ahead of" if found.offset_ms > 0 else "behind"
     return f"its clock is {abs(found.offset_ms):.1f} ms {way} this one"

@@ -88,4 +88,7 @@ def clock() -> Iterator[Finding]:
         remedy = "matters with cameras on several computers: install chrony, or ptp4l"
         yield doubtful("clock", "no time service keeps it", remedy)
     else:
-        yield fine("clock", "kept by a time service" if state >= 0 else "who keeps it cannot be told here")
+        yield fine(
+            "clock",
+            "kept by a time service" if state >= 0 else "kept by an unknown service",
+        )
