@@ -1,9 +1,9 @@
-"""How good tracks and poses are, measured against ground truth.
+"""Accuracy of tracks and poses against ground truth.
 
 Of targets: read both (`read_tracks_csv`, `read_truth_csv`, or `truth_of` messages), `score` them, show the
 result with `table` or `to_json`. Of persons: likewise `read_poses_csv`, `read_pose_truth_csv` or
-`pose_truth_of`, `score_persons`, `persons_table`, `persons_to_json`. Pure numpy; nothing here knows how
-the tracks were made.
+`pose_truth_of`, `score_persons`, `persons_table`, `persons_to_json`. Pure numpy, independent
+of the tracker.
 """
 
 from followspot.accuracy.persons.report import persons_table, persons_to_json

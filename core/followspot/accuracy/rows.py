@@ -1,4 +1,4 @@
-"""Rows of a CSV file that somebody else wrote: limited in size, checked, every mistake with its line."""
+"""Rows of a CSV file from another program: limited in size, checked, every mistake with its line."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Row:
     columns: Mapping[str, int]
 
     def cell(self, column: str) -> str:
-        """What stands there."""
+        """The text of the cell."""
         return self.cells[self.columns[column]].strip()
 
     def text(self, column: str) -> str:
@@ -67,14 +67,14 @@ class Row:
         return value
 
     def choice(self, column: str, words: Sequence[str]) -> int:
-        """Index of the word among those allowed. Raises InputError."""
+        """Index of the word among the allowed ones. Raises InputError."""
         cell = self.cell(column)
         if cell not in words:
             raise self.mistake(column, f"one of {', '.join(words)}")
         return words.index(cell)
 
     def mistake(self, column: str, wanted: str) -> InputError:
-        """What stands there, and what should."""
+        """The mistake: the text of the cell, and what is expected."""
         index = self.columns[column]
         before = sum(len(cell) + 1 for cell in self.cells[:index])
         place = Place(self.file, self.line, before + 1, max(1, len(self.cells[index])))
@@ -85,7 +85,7 @@ class Row:
 def read_rows(path: Path, columns: Sequence[str]) -> Iterator[Row]:
     """Rows of a CSV file whose first line names at least these columns.
 
-    Raises InputError where the file cannot be read, lacks a column or has more than `MOST_ROWS` rows.
+    Raises InputError if the file cannot be read, lacks a column or has more than `MOST_ROWS` rows.
     """
     with _lines(path) as lines:
         yield from _rows(str(path), lines, columns)

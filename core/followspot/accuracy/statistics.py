@@ -1,4 +1,4 @@
-"""Matching by time, and statistics that know what nothing is."""
+"""Matching by time, and statistics that are NaN for no values."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def share(part: Array, whole: Array) -> float:
 
 
 def statistic(values: Array, of: Callable[[Array], float]) -> float:
-    """A statistic, NaN where there are no values."""
+    """A statistic, NaN if there are no values."""
     return float(of(values)) if len(values) else np.nan
 
 

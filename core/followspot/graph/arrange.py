@@ -23,7 +23,7 @@ def plan(
     seed: int | None = None,
     plugin_files: tuple[str, ...] = (),
 ) -> Plan:
-    """The plan of a graph without mistakes; what could not be as it was asked stands in its notes."""
+    """The plan of a graph without mistakes; its notes name every request that could not be met."""
     stages = {stage.instance.name: stage for stage in checked.stages}
     planned = [_edge(edge, placed, edges) for edge in checked.edges]
     return Plan(
@@ -98,14 +98,14 @@ def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
 
 
 def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:
-    """The kind that was asked for where it can be; else the nearest."""
+    """The requested kind of edge if it is possible, else the nearest."""
     workers = {worker.name: worker for worker in placed.workers}
     nearest = nearest_kind(workers[placed.worker_of[source]], workers[placed.worker_of[target]])
     return nearest if choice == "auto" else max(nearest, choice, key=_NEAREST_FIRST.index)
 
 
 def _notes(edges: list[PlannedEdge], choice: EdgeChoice) -> list[str]:
-    """What could not be forced."""
+    """Notes on edges that could not get the requested kind."""
     if choice == "auto":
         return []
     reason = "they join two workers" if choice == "reference" else "they join two hosts"

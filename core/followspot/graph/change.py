@@ -1,4 +1,4 @@
-"""`fuse=balls.mean`, `color.similarity=0.7`: what becomes of the stages of a plan whose run goes on."""
+"""`fuse=balls.mean`, `color.similarity=0.7`: changes to the stages of a running plan."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from followspot.stage import Stage
 
 
 def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> tuple[PlannedStage, ...]:
-    """The stages that become others. Raises InputError with every mistake.
+    """The stages that change, in their new form. Raises InputError with every mistake.
 
-    words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter, where STAGE is a stage of the graph file or
-    one of its instances; folder: what paths in them are relative to. A stage that uses another plugin stage
-    keeps the parameters that were given to the old one and that it has, too.
+    words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
+    of its instances; folder: that paths in the words are relative to. A replacement keeps the given
+    parameters of the old stage that it also has.
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
@@ -40,14 +40,14 @@ def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> t
 
 
 def with_stages(plan: Plan, stages: Iterable[PlannedStage]) -> Plan:
-    """The plan with these stages in the place of those of their names."""
+    """The plan with these stages instead of those of the same names."""
     by_name = {stage.name: stage for stage in stages}
     return replace(plan, stages=tuple(by_name.get(stage.name, stage) for stage in plan.stages))
 
 
 @dataclass
 class _Wish:
-    """What is asked of one instance."""
+    """The changes of one instance."""
 
     old: PlannedStage
     place: Place
@@ -56,7 +56,7 @@ class _Wish:
 
 
 def _spelled(word: str) -> str:
-    """STAGE=USES stands for STAGE.uses=USES."""
+    """STAGE=USES is short for STAGE.uses=USES."""
     stage, sign, uses = word.partition("=")
     return f"{stage}.uses={uses}" if sign and "." not in stage else word
 
@@ -87,7 +87,7 @@ def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: li
 
 
 def _successor(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
-    """The stage as it is to be; None where a mistake was noted."""
+    """The stage in its new form; None if a mistake was noted."""
     old, before = wish.old, len(mistakes)
     uses = wish.uses or old.uses
     try:
@@ -124,7 +124,7 @@ def _plain_default(stage: type[Stage], name: str) -> Any:
 def _check_outputs(
     stages: Iterable[PlannedStage], plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]
 ) -> None:
-    """While both stand side by side, old and new must not write one file."""
+    """Note a mistake if old and new stage would write the same file: both are open for a moment."""
     written = {
         path: stage.name
         for stage in plan.stages

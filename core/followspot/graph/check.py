@@ -1,4 +1,4 @@
-"""Third step: every stage is found, its parameters hold, its inputs are fed by what they take."""
+"""Third step: check that stages exist, parameters are valid and inputs get messages of their types."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ class Checked:
     stages: tuple[CheckedStage, ...]
     edges: tuple[CheckedEdge, ...]
     notes: tuple[str, ...] = ()
-    """What a live run may do and a replay may not."""
+    """Notes on what is allowed in live runs only."""
     risks: tuple[Mistake, ...] = ()
-    """What can make two runs differ."""
+    """Everything that can make two runs differ."""
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
-    """Note every mistake; the result is whole only where none was noted."""
+    """Note every mistake; the result is complete only if none was noted."""
     classes = _classes(expanded, mistakes)
     for instance in expanded.instances.values():
         if instance.name in classes:
@@ -97,7 +97,7 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
 
 
 def _check_inputs(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> None:
-    """Whether the inputs that the graph names exist, and those that the stage needs are named."""
+    """True if the stage has every named input, and the graph names every required one."""
     declared, found = instance.declared, ports(stage)
     if stage.per_camera and declared.each is None:
         text = f'{instance.uses} serves one camera, and stage "{declared.name}" has no each'

@@ -31,8 +31,8 @@ def compile_graph(
 
     room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
     overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers;
-    change: what is to become of the declared stages before they are looked up; strict: whether what can make
-    two runs differ is a mistake.
+    change: changes the declared stages before they are looked up; strict: treat everything that can make two
+    runs differ as a mistake.
     """
     mistakes: list[Mistake] = []
     files = tuple(str(Path(file).absolute()) for file in plugin_files)

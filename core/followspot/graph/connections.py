@@ -24,7 +24,7 @@ class CheckedEdge:
 
     @property
     def held(self) -> bool:
-        """Whether it is delayed or sampled, so that it may close a cycle."""
+        """True if it is delayed or sampled, so that it may close a cycle."""
         return self.sampled or self.wire.feed.delay > 0
 
     @property
@@ -74,7 +74,7 @@ def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list
 
 
 def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake]) -> OutputSpec | None:
-    """The output that a wire comes from: the one that is named, else the only one of the right type."""
+    """The output that feeds a wire: the named one, else the only one of the right type."""
     name, feed = wire.source.declared.name, wire.feed
     offer = ", ".join(f"{output.name} ({output.type.__name__})" for output in source.outputs)
     fitting = [output for output in source.outputs if accepts(port.type, output.type)]

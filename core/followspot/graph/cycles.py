@@ -9,7 +9,7 @@ Successors = Mapping[str, Sequence[str]]
 
 
 def successors(names: Iterable[str], edges: Iterable[tuple[str, str]]) -> dict[str, list[str]]:
-    """For each name, where its edges lead, in the order of the edges and each once."""
+    """For each name, the targets of its edges, in the order of the edges and each once."""
     found: dict[str, dict[str, None]] = {name: {} for name in names}
     for start, end in edges:
         found[start][end] = None
@@ -91,9 +91,9 @@ def _path(graph: Successors, start: str, goal: str, component: Mapping[str, int]
 
 
 def topological(graph: Successors) -> list[str]:
-    """Names so that every edge leads forward; among those that are free, the order of the mapping.
+    """Names in topological order; names without an order between them keep the order of the mapping.
 
-    Raises ValueError where there is a cycle.
+    Raises ValueError if there is a cycle.
     """
     rank = {name: number for number, name in enumerate(graph)}
     waiting = dict.fromkeys(graph, 0)

@@ -1,4 +1,4 @@
-"""What a graph file declares, word for word: stages, their inputs, parameters and policies."""
+"""The declarations of a graph file: stages, their inputs, parameters and policies."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from followspot.graph.selector import Selector, read_selector
 from followspot.ranges import MAX_WAIT
 
 ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
-"""Keys of a stage; parameters stand below `with`."""
+"""Keys of a stage; parameters are below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
 _EDGE_POLICIES = ("block", "drop_oldest", "latest")
@@ -32,7 +32,7 @@ _FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
 
 @dataclass(frozen=True)
 class Feed:
-    """What an input port is fed from: a stage, and a port where one is named."""
+    """The sender of an input port: a stage, and a port if one is named."""
 
     stage: str
     port: str | None
@@ -42,11 +42,11 @@ class Feed:
     policy: EdgePolicy
     place: Place
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
-    """Of what else is written of it, by its key."""
+    """Places of the other settings, by key."""
 
     @property
     def origin(self) -> str:
-        """What it is fed from, as it is written."""
+        """The sender as it is written."""
         return self.stage if self.port is None else f"{self.stage}.{self.port}"
 
 
@@ -78,7 +78,7 @@ class StageDeclaration:
 
 
 def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclaration:
-    """Read one entry of `stages`; what is wrong is noted and replaced by what does no further harm."""
+    """Read one entry of `stages`; note mistakes, and replace wrong values by defaults."""
     if not is_name(name):
         mistakes.append(
             Mistake(node.key, f'"{name}" cannot be the name of a stage', "use letters, digits, _ and -")
@@ -146,7 +146,9 @@ def _delay(form: Form) -> int:
 
 
 def _policy(form: Form, delay: int, mistakes: list[Mistake]) -> EdgePolicy:
-    """What a full edge does; what drops can promise no message of a certain time, so it has no delay."""
+    """The policy of a full edge. An edge that drops has no delay: it cannot deliver the message of a certain
+    time.
+    """
     policy = cast(EdgePolicy, form.text("policy", choices=_EDGE_POLICIES) or PlannedEdge.policy)
     if delay and policy != "block":
         text = f"an edge with a delay waits for exactly its message and cannot be {policy}"

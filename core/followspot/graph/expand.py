@@ -21,7 +21,7 @@ _ANY_CAMERA = "?"
 
 @dataclass(frozen=True)
 class Instance:
-    """One instance of a stage. uses is empty where it is not known because of a mistake."""
+    """One instance of a stage. uses is empty if a mistake left it unknown."""
 
     name: str
     declared: StageDeclaration
@@ -89,7 +89,7 @@ def _too_large(loaded: Loaded, what: str, remedy: str, mistakes: list[Mistake]) 
 
 
 def _cameras(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[str | None]:
-    """The cameras that a stage fans out over; one None where it does not."""
+    """The cameras that a stage fans out over; a single None if it does not fan out."""
     if stage.each is None:
         return [None]
     if loaded.room is None:
@@ -132,7 +132,7 @@ def _instance(
 def _declared_source(
     camera: str, stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]
 ) -> tuple[Node, Mapping[str, Node]] | None:
-    """What a room says of a camera's source: the name of the stage and the parameters."""
+    """The source of a camera in the room: the name of the stage and the parameters."""
     entry = child(child(loaded.room_node, "cameras"), camera)
     source = child(entry, "source")
     use = child(source, "uses")
@@ -167,7 +167,7 @@ def _sources(
     groups: Mapping[str, Mapping[str | None, Instance]],
     mistakes: list[Mistake],
 ) -> Collection[Instance]:
-    """The instance that serves the same camera where both fan out; else every instance of the stage."""
+    """The instance for the same camera if both stages fan out; else every instance of the stage."""
     sources = groups.get(feed.stage)
     if sources is None:
         remedy = did_you_mean(feed.stage, groups, "stages")

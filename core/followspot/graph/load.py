@@ -1,4 +1,4 @@
-"""First step: the graph file with what it includes, its variables, the overrides and its room, as data."""
+"""First step: the graph file, its includes, variables, overrides and room, as data."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ _KEYS = ("graph", "room", "include", "vars", "seed", "stages")
 
 @dataclass(frozen=True)
 class Loaded:
-    """What the user wrote, every word in its place; nothing was looked up yet.
+    """The user's declarations with their places; no name has been looked up.
 
-    room: empty where none is named, None where it has mistakes; room_node: its document, if there is one.
+    room: empty if none is named, None if it has mistakes; room_node: its document, if there is one.
     """
 
     name: str
@@ -40,9 +40,9 @@ class Loaded:
 
 @dataclass
 class _Text:
-    """The parts of a graph, gathered file by file; what an including file says counts.
+    """The parts of a graph, gathered file by file; an including file overrides its includes.
 
-    files: all that were named, as real paths; nodes: of those that were read.
+    files: real paths of all named files; nodes: of those that were read.
     """
 
     name: str = ""
@@ -57,7 +57,7 @@ class _Text:
 def load(
     path: str | Path, mistakes: list[Mistake], *, room: str | None = None, overrides: Sequence[str] = ()
 ) -> Loaded:
-    """Read a graph file; mistakes are noted. Raises InputError where the file itself cannot be read."""
+    """Read a graph file; mistakes are noted. Raises InputError if the file itself cannot be read."""
     text = _Text()
     root = read(path)
     _gather(root, Path(path), text, (), mistakes)
@@ -77,7 +77,9 @@ def load(
 
 
 def _gather(root: Node, path: Path, text: _Text, above: tuple[str, ...], mistakes: list[Mistake]) -> None:
-    """Take a file's parts in, those of its includes first, so that its own prevail; above: its includers."""
+    """Add a file's parts after those of its includes, which it overrides; above: the files that include
+    it.
+    """
     form = Form(root, "a graph", _KEYS, mistakes)
     above = (*above, os.path.realpath(path))
     text.files.add(above[-1])

@@ -1,4 +1,4 @@
-"""Stages that go to another place of a plan whose run goes on: edges of other kinds, and who begins anew."""
+"""Stages of a running plan that move: the new kinds of edges, and the workers that start anew."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ _ALONE = "; another host joins only a run that was begun with agents, --listen o
 def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] = ()) -> Plan:
     """The plan with these stages in another worker. Raises InputError.
 
-    names: stages of the graph file or instances of them; place: a worker, or a host, where the first worker
-    takes them; others: hosts in reach that have no worker yet, and get one of their name.
+    names: stages of the graph file or instances of them; place: a worker, or a host, whose first worker
+    takes them; others: reachable hosts without a worker, which get one of their own name.
     """
     known = {name for stage in plan.stages for name in (stage.group, stage.name)}
     mistakes = [

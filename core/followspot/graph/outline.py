@@ -10,7 +10,7 @@ from followspot.graph.plan import EdgeKind, Plan
 
 @dataclass(frozen=True)
 class Box:
-    """All instances of a stage in one worker; cameras: those they serve; column: steps from a source."""
+    """All instances of a stage in one worker; cameras: of the instances; column: steps from a source."""
 
     worker: str
     group: str

@@ -21,7 +21,7 @@ def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[
     """The ports, STAGE.PORT each, that the words name; all if nothing is said. Raises InputError.
 
     A word is a stage (all its cameras and ports), STAGE.PORT (of all its cameras), STAGE/CAMERA, or both;
-    several are separated by commas. option: what the user wrote them after.
+    several are separated by commas. option: names the words in mistakes.
     """
     known = tuple(ports)
     if words is None:
@@ -40,7 +40,7 @@ def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[
 
 
 def port_names(port: str) -> tuple[str, str, str, str]:
-    """What a port may be called: cam0's `camera/cam0.out` is camera, camera/cam0 and camera.out, too."""
+    """Names of a port: `camera/cam0.out` is also camera, camera/cam0 and camera.out."""
     stage, _, name = port.rpartition(".")
     group = stage.partition("/")[0]
     return group, stage, f"{group}.{name}", port

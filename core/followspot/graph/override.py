@@ -24,7 +24,7 @@ class Override:
 
 
 def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
-    """Read one option; what cannot be read is noted."""
+    """Read one option; note a mistake if it is malformed."""
     path, sign, value = option.partition("=")
     keys = path.split(".", MAX_DEPTH)
     places = []
@@ -48,7 +48,7 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
 def apply_to_vars(
     values: Mapping[str, Node], overrides: list[Override], mistakes: list[Mistake]
 ) -> dict[str, Node]:
-    """The variables with those of `--set vars.NAME=VALUE`; one for an unknown variable is noted."""
+    """The variables with those of `--set vars.NAME=VALUE`; note a mistake for each unknown variable."""
     changed = dict(values)
     for override in overrides:
         group, name = override.keys[0], ".".join(override.keys[1:])

@@ -1,4 +1,4 @@
-"""A stage's parameters, checked by its own model; mistakes stand where the user wrote the value."""
+"""A stage's parameters, checked by its own model, with mistakes at the place of the value."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ def validated(
     given: Mapping[str, Any] = MappingProxyType({}),
     folder: Path = Path(),
 ) -> dict[str, Any] | None:
-    """Parameters with their defaults in JSON types, input paths absolute; None where a mistake was noted.
+    """Parameters with their defaults in JSON types, input paths absolute; None if a mistake was noted.
 
-    noun: what is checked, as in 'stage "fuse" (balls.mean)'; place: where a missing parameter is noted;
-    given: values that were checked before, for the parameters that are not named; folder: what paths on the
-    command line are relative to.
+    noun: describes the stage, as in 'stage "fuse" (balls.mean)'; place: of mistakes about missing parameters;
+    given: checked values for parameters that are not named; folder: that paths on the command line are
+    relative to.
     """
     before = len(mistakes)
     fields = stage.Params.model_fields
@@ -97,7 +97,7 @@ def _unfit(path: Path) -> str:
 
 
 def _marked(info: FieldInfo, mark: type) -> bool:
-    """Whether a parameter is declared with the mark, also as `InputPath | None`."""
+    """True if a parameter is declared with the mark, also as `InputPath | None`."""
     return any(isinstance(found, mark) for found in (*info.metadata, *_marks(info.annotation)))
 
 
@@ -107,7 +107,7 @@ def _marks(annotation: Any) -> list[Any]:
 
 
 def _mistake(detail: Any, stage: type[Stage], noun: str, params: Mapping[str, Node], place: Place) -> Mistake:
-    """What pydantic found, at the value or the key that the user wrote."""
+    """A mistake from pydantic, at the place of the value or the key."""
     fields = stage.Params.model_fields
     location: Sequence[int | str] = detail["loc"]
     kind: str = detail["type"]
@@ -144,7 +144,7 @@ def _find(params: Mapping[str, Node], location: Sequence[int | str]) -> Node | N
 
 
 def _about(info: FieldInfo | None) -> str:
-    """What the parameter is, with its unit."""
+    """Description of the parameter, with its unit."""
     if info is None or not info.description:
         return ""
     extra = info.json_schema_extra

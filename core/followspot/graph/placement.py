@@ -12,7 +12,7 @@ from followspot.graph.expand import Expanded
 from followspot.graph.plan import PlannedWorker
 
 MAIN = "main"
-"""The worker that runs whatever no other was asked to run."""
+"""The worker of all stages that the placement assigns to no other."""
 _BY = ("camera", "stage")
 
 

@@ -20,7 +20,7 @@ MAX_DELAY = 1000
 MAX_DEPTH = 10_000
 MAX_SEED = (1 << 63) - 1
 AHEAD = 2
-"""Messages on their way to the reader of an edge that drops; the others wait where they can be dropped."""
+"""Messages in transit on an edge that drops; later ones wait in the sender, which can drop them."""
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class PlannedStage:
     """One stage instance and the worker that runs it."""
 
     name: str
-    """Unique, for example ``color/cam0``; the group alone where the stage does not fan out."""
+    """Unique, for example ``color/cam0``; the group alone if the stage does not fan out."""
     group: str
     """Name of the stage in the graph file."""
     uses: str
@@ -41,9 +41,10 @@ class PlannedStage:
     tolerance: Wait = 0.004
     """Largest difference in capture time within one join, s."""
     deadline: Wait = 0.1
-    """Longest time, s, that a live join waits for those missing, on top of what joins upstream of it wait.
+    """Longest time, s, that a live join waits for missing messages, in addition to the waits of joins
+    upstream.
 
-    It counts from a message's entering the graph.
+    It counts from the time at which a message entered the graph.
     """
 
 
@@ -63,7 +64,7 @@ class PlannedEdge:
     codec: EdgeCodec = "raw"
     """How arrays travel on an edge over Zenoh."""
     policy: EdgePolicy = "block"
-    """What happens where the edge is full, in live runs: the sender waits, or the oldest message goes."""
+    """Behaviour of a full edge in live runs: the sender waits, or the oldest message is dropped."""
 
     @property
     def name(self) -> str:
@@ -72,19 +73,19 @@ class PlannedEdge:
 
     @property
     def way(self) -> str:
-        """Shown to users: the kind, the codec where it is not raw, and the policy where it drops."""
+        """For display: the kind, the codec unless it is raw, and the policy if it drops."""
         carried = self.kind if self.codec == "raw" else f"{self.kind} {self.codec}"
         dropping = {"block": "", "latest": ", latest", "drop_oldest": f", drop_oldest {self.depth}"}
         return carried + dropping[self.policy]
 
     @property
     def drops(self) -> bool:
-        """Whether a slow reader loses messages in a live run, so that it never holds up the sender."""
+        """True if a slow reader loses messages in a live run instead of blocking the sender."""
         return self.policy != "block"
 
     @property
     def capacity(self) -> int:
-        """Most messages under way or waiting: feedback needs those of its delay, and one more."""
+        """Most messages in transit or waiting: feedback needs its delay and one more."""
         return self.depth + AHEAD if self.drops else max(self.depth, self.delay + 2)
 
 
@@ -97,7 +98,7 @@ class PlannedWorker:
 
 
 def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
-    """The kind of an edge from one worker to another, unless a farther one is asked for."""
+    """The nearest kind of edge from one worker to another."""
     if start.host != end.host:
         return "zenoh"
     return "reference" if start.name == end.name else "ring"
@@ -105,7 +106,7 @@ def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run will be: stages in a topological order (feedback edges aside), edges, workers."""
+    """A run before it starts: stages in topological order (ignoring feedback edges), edges, workers."""
 
     graph: str
     room: Room
@@ -116,11 +117,11 @@ class Plan:
     plugin_files: tuple[str, ...] = ()
     """Absolute paths of one-file plugins."""
     notes: tuple[str, ...] = field(default=())
-    """What differs from what was asked, for example an edge kind that could not be forced."""
+    """Differences from the request, for example an edge kind that was not possible."""
 
     @property
     def live(self) -> bool:
-        """Whether any source delivers in its own time; else nothing is dropped."""
+        """True if any source delivers at its own pace; otherwise no message is dropped."""
         return any(stage.live for stage in self.stages)
 
     def worker_of(self, stage: str) -> str:

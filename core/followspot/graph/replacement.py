@@ -1,4 +1,4 @@
-"""Whether one plugin stage can take the place of another while the graph runs: ports, kind, cameras."""
+"""Checks whether one plugin stage can replace another in a running graph: ports, kind, cameras."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from followspot.ports import Ports, accepts, ports
 from followspot.stage import Stage
 
 Misfit = tuple[str, str]
-"""What does not fit, and what to do about it."""
+"""What does not fit, and the remedy."""
 
 
 def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: Plan) -> list[Misfit]:
-    """All that keeps `stage` from succeeding `present` as the instance `old` of a plan; empty where it fits.
+    """Every reason why `stage` cannot replace `present` as the instance `old` of a plan; empty if it can.
 
-    Edges stay as they are, so connected ports must keep their names, types and kinds.
+    Edges do not change, so connected ports must keep their names, types and kinds.
     """
     before, after = ports(present), ports(stage)
     if before.source and not present.live:

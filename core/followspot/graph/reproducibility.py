@@ -1,6 +1,6 @@
-"""All that a plan knows to make two runs of it differ: what `check --strict` refuses.
+"""Everything in a plan that can make two runs differ: `check --strict` refuses it.
 
-What only the code of a stage knows (its own clock, its own random numbers) is not among it.
+The use of clocks or random numbers in the code of a stage does not show in a plan.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Checked(Protocol):
 
 
 def risks(stages: Sequence[Checked], edges: Sequence[CheckedEdge]) -> list[Mistake]:
-    """One for each reason, at the place where the graph or the room says so; each once for all cameras."""
+    """A mistake for each reason, at its place in the graph or the room; once for all cameras."""
     found = [*_anywhere(stages), *_lossy(edges)]
     if any(checked.stage.live for checked in stages):
         found += [*_live(stages), *_sampled(edges), *_dropping(edges), *_deadlines(edges)]
@@ -40,7 +40,7 @@ def risks(stages: Sequence[Checked], edges: Sequence[CheckedEdge]) -> list[Mista
 
 
 def _anywhere(stages: Sequence[Checked]) -> Iterator[Mistake]:
-    """What makes replays differ, too."""
+    """Reasons that also hold for replays."""
     for checked in stages:
         declared = checked.instance.declared
         if declared.on_error != "fail":
@@ -69,7 +69,7 @@ def _live(stages: Sequence[Checked]) -> Iterator[Mistake]:
 
 
 def _sampled(edges: Sequence[CheckedEdge]) -> Iterator[Mistake]:
-    """Inputs that take what has arrived; those in cycles are named with their cycle."""
+    """Sampled inputs; those in cycles are named with their cycle."""
     in_cycles = sampled_cycles(edge.link for edge in edges)
     places = {mistake.place for mistake in in_cycles}
     yield from in_cycles
@@ -90,7 +90,7 @@ def _dropping(edges: Sequence[CheckedEdge]) -> Iterator[Mistake]:
 
 
 def _deadlines(edges: Sequence[CheckedEdge]) -> Iterator[Mistake]:
-    """Joins of live runs, which go on without what is late."""
+    """Joins of live runs, which do not wait for late messages."""
     members = Counter(edge.wire.target.name for edge in edges if not edge.held)
     for edge in edges:
         declared = edge.wire.target.declared

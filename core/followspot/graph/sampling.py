@@ -1,4 +1,4 @@
-"""Sampled inputs (`Latest`) in cycles without a delay: what such an input gets depends on timing.
+"""Sampled inputs (`Latest`) in cycles without a delay: the message that such an input gets depends on timing.
 
 Its sender waits for its reader's result, so the reader cannot wait until the newest message is known.
 """

@@ -16,7 +16,7 @@ VERSION = 1
 
 
 class PlanDataError(FollowspotError):
-    """What arrived is no plan of this version."""
+    """The data are not a plan of this version."""
 
 
 class _Data(pydantic.BaseModel):
@@ -51,7 +51,7 @@ def plan_to_data(plan: Plan) -> dict[str, Any]:
 
 
 def plan_from_data(data: Any) -> Plan:
-    """The plan from what `plan_to_data` gave. Raises PlanDataError, InputError (from the room)."""
+    """The plan from the result of `plan_to_data`. Raises PlanDataError, InputError (from the room)."""
     try:
         found = _Data.model_validate(data)
     except pydantic.ValidationError as error:

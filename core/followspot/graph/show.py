@@ -51,7 +51,7 @@ def _title(worker: PlannedWorker) -> str:
 
 
 def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:
-    """One row per pair of ports, kind and pair of workers; rows of the same ports stand together."""
+    """One row per pair of ports, kind and pair of workers, ordered by ports."""
     counts: dict[tuple[str, str], dict[tuple[str, str, int], int]] = {}
     for line in lines:
         ports = (f"{line.start.group}.{line.port}", f"-> {line.end.group}.{line.input}")
@@ -81,5 +81,5 @@ def _aligned(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def _escaped(text: str) -> str:
-    """Mermaid knows HTML entities, written with # instead of &."""
+    """Escape for Mermaid: HTML entities with # instead of &."""
     return "".join(c if c.isalnum() or c in " ._-/·" else f"#{ord(c)};" for c in text)

@@ -57,7 +57,7 @@ def _box(box: Box, laid: Layout) -> str:
 
 
 def _line(line: Line, corners: Sequence[Point]) -> str:
-    """With a dot where it enters; dashed where it leads to a later frame."""
+    """A line with a dot at its end; dashed if it leads to a later frame."""
     x, y = corners[-1]
     dash = ' stroke-dasharray="5 4"' if line.delay else ""
     name = f"{line.start.group}.{line.port} -> {line.end.group}.{line.input}: {line.way} × {line.count}"

@@ -17,7 +17,7 @@ from followspot.graph.outline import Box, Line, Outline
 from followspot.graph.plan import Plan
 
 HEIGHT = 44
-"""Of a box, px."""
+"""Size of a box, px."""
 MARGIN = 24
 TITLE = 22
 """Height of a worker's title, px."""
@@ -75,7 +75,7 @@ def layout(plan: Plan, found: Outline) -> Layout:
 
 
 def text_of(box: Box) -> tuple[str, str]:
-    """What stands in a box: which stage, and what it uses."""
+    """Text of a box: the stage, and the plugin stage that it uses."""
     if len(box.cameras) == 1:
         return f"{box.group}/{box.cameras[0]}", box.uses
     return box.group + (f" × {len(box.cameras)}" if box.cameras else ""), box.uses
@@ -95,7 +95,7 @@ def _way(line: Line) -> _Way:
 
 
 def _shared(places: Iterable[tuple[Place, Hashable]]) -> dict[Place, list[Hashable]]:
-    """Who shares each place; those that leave a box before those that come to one."""
+    """Lines that share each place: those that leave a box before those that enter one."""
     found: dict[Place, list[Hashable]] = {}
     for place, key in sorted(dict.fromkeys(places), key=lambda shared: _enters(shared[1])):
         found.setdefault(place, []).append(key)
@@ -157,7 +157,7 @@ def _down(
 
 
 def _ports(ways: Sequence[_Way], corner: Mapping[Box, Point]) -> dict[tuple[str, Box, str], float]:
-    """Height of each port: one that leads straight on in the middle, others where their lines come from."""
+    """Height of each port: a straight line in the middle, others in the direction of their lines."""
     sides: dict[tuple[str, Box], dict[str, bool]] = {}
     for way in sorted(ways, key=lambda way: (way.line.back, len(way.turns))):
         line, up = way.line, way.lane is not None and way.lane[0][1]

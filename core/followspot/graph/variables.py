@@ -1,4 +1,4 @@
-"""`${name}` in a graph file: replaced by what stands under `vars`."""
+"""`${name}` in a graph file: replaced by the value under `vars`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Variables:
     """The variables of a graph. They add limited amounts to it: a short text could name a long one often."""
 
     def __init__(self, values: Mapping[str, Node], mistakes: list[Mistake]) -> None:
-        """mistakes: grow by what is wrong."""
+        """mistakes: list that receives mistakes."""
         self.values = values
         self.mistakes = mistakes
         self.added = 0
@@ -62,7 +62,7 @@ class Variables:
         return str(found)
 
     def _afford(self, nodes: int, node: Node) -> bool:
-        """Whether the graph may grow by so much; noted once if it may not."""
+        """True if the graph may grow by so much; the first excess is noted as a mistake."""
         self.added += nodes
         if self.added > MAX_NODES:
             self._fail(node, f"variables add more than {MAX_NODES} values to the graph", "use fewer")

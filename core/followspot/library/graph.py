@@ -35,11 +35,11 @@ class PortOf:
         return replace(self, delay=firings)
 
     def queued(self, depth: int, policy: Literal["block", "drop_oldest", "latest"] | None = None) -> PortOf:
-        """With room for so many messages, and what happens in a live run if they are more."""
+        """With a capacity of so many messages, and the policy of a live run if the edge is full."""
         return replace(self, depth=depth, policy=policy)
 
     def to_data(self) -> Any:
-        """As a graph file has it."""
+        """The port in the form of a graph file."""
         name = f"{self.stage}.{self.port}" if self.port else self.stage
         more = {"delay": self.delay or None, "depth": self.depth, "policy": self.policy}
         given = {key: value for key, value in more.items() if value is not None}
@@ -93,10 +93,10 @@ class Graph:
     ) -> StageOf:
         """Add a stage.
 
-        uses: the plugin stage, or a class of this process, which can run in this process only; each: what the
-        stage fans out over, for example ``cameras[kind=color]``; arguments: inputs (a stage, a port of one,
-        or a list of them) and parameters, by name. tolerance, deadline: s. Raises FollowspotError if the
-        stage is not known, or the name is taken.
+        uses: the plugin stage, or a class of this process, which can run in this process only; each: the
+        cameras that the stage fans out over, for example ``cameras[kind=color]``; arguments: inputs (a stage,
+        a port of one, or a list of them) and parameters, by name. tolerance, deadline: s. Raises
+        FollowspotError if the stage is not known, or the name is taken.
         """
         if name in self.stages:
             raise FollowspotError(f'stage "{name}" is there already')
@@ -122,7 +122,7 @@ class Graph:
         return PortOf(stage, port)
 
     def to_yaml(self, room: Path | None = None) -> str:
-        """The graph as a file; room: as it is to be named there, as it was given unless told."""
+        """The text of the graph file; room: path of the room file in it, by default the given one."""
         named = self.room if room is None else room
         data: dict[str, Any] = {"graph": self.name}
         data |= {} if named is None else {"room": str(named)}
@@ -130,7 +130,7 @@ class Graph:
         return str(yaml.safe_dump({**data, "stages": self.stages}, sort_keys=False, width=110))
 
     def save(self, path: str | Path) -> Path:
-        """Write the graph file; the room is named relative to it where it can be. Raises OSError."""
+        """Write the graph file, with a relative path to the room if it lies below. Raises OSError."""
         target = Path(path)
         room = self.room and self.room.absolute()
         if room is not None and room.is_relative_to(target.absolute().parent):
@@ -139,7 +139,9 @@ class Graph:
         return target
 
     def plan(self, **options: Any) -> Plan:
-        """What `followspot.graph.compile.compile_graph` makes of it. Raises InputError with every mistake."""
+        """The plan; options: as `followspot.graph.compile.compile_graph`. Raises InputError with every
+        mistake.
+        """
         with TemporaryDirectory(prefix="followspot-graph-") as folder:
             path = Path(folder) / f"{self.name}.yaml"
             path.write_text(self.to_yaml(self.room and self.room.absolute()), encoding="utf-8")
@@ -156,7 +158,7 @@ class Graph:
 
 
 def _feed(value: Any) -> Any:
-    """What feeds an input, as a graph file has it. Raises FollowspotError."""
+    """The sender of an input in the form of a graph file. Raises FollowspotError."""
     if isinstance(value, StageOf):
         return value.name
     if isinstance(value, PortOf):

@@ -1,4 +1,4 @@
-"""What a run did, for people and for programs."""
+"""The report of a run, for people and for programs."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from followspot.worker.ledger import COUNTS
 
 
 class Report:
-    """The end of a run: its ledger, latency and accuracy as tables, warnings and errors.
+    """Report of a run that has ended: ledger, latency and accuracy as tables, warnings and errors.
 
-    out: the folder of its outputs; targets, persons: how well each was tracked, if the room knows the truth.
+    out: the folder of its outputs; targets, persons: scores of each, if the room has ground truth.
     """
 
     def __init__(
@@ -44,27 +44,27 @@ class Report:
 
     @property
     def stopped(self) -> bool:
-        """Whether it was ended before its sources were."""
+        """True if the run was stopped before its sources ended."""
         return self.run.stopped
 
     @property
     def ok(self) -> bool:
-        """Whether the run did what it was asked, and every message is accounted for."""
+        """True if the run succeeded, and every message is accounted for."""
         return self.run.ok
 
     @property
     def errors(self) -> tuple[str, ...]:
-        """What went wrong; empty if nothing did."""
+        """Errors of the run; empty if it succeeded."""
         return (*self.run.errors, *self.run.unbalanced)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Of all workers, and what broke and was mended."""
+        """Warnings of all workers, and faults from which the run recovered."""
         return self.run.warnings
 
     @cached_property
     def ledger(self) -> Table:
-        """What became of the messages of each edge."""
+        """Counts of the messages of each edge, by what became of them."""
         rows = [
             (
                 f"{edge.from_stage}.{edge.from_port}",
@@ -85,7 +85,7 @@ class Report:
 
     @cached_property
     def accuracy(self) -> Table:
-        """A row for each target; empty if the room knows no truth."""
+        """A row for each target; empty if the room has no ground truth."""
         found = to_json(self.targets)
         columns = list(next(iter(found.values()), {}))
         return Table(("target", *columns), [(name, *row.values()) for name, row in found.items()])

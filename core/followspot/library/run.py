@@ -30,7 +30,7 @@ from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
 _LOOK = 1.0
-"""Seconds between two looks whether the run waits for a subscription that nobody reads."""
+"""Seconds between two checks whether the run waits for a subscription without a reader."""
 _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
 
@@ -42,7 +42,7 @@ class RunFailed(FollowspotError):
 
 
 class PlanOptions(TypedDict, total=False):
-    """What can be chosen besides the graph and its parameters, as `run` takes it."""
+    """Options of a plan besides the graph and its parameters, as `run` takes them."""
 
     room: str | Path | None
     placement: str | Path | None
@@ -98,9 +98,9 @@ def run(
 
     ports: STAGE.PORT of subscriptions that miss nothing: ``run["track.tracks"]`` iterates over the messages
     from the first one on; in a replay a slow loop holds up the run, in a live run it misses messages, which
-    are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, a new
-    one below ``runs`` unless told; frames: of each source; the rest is as `followspot run` has it. Raises
-    InputError with every mistake.
+    are counted. set: parameters and stages, ``{"fuse.uses": "balls.mean"}``; out: folder for outputs, by
+    default a new one below ``runs``; frames: of each source; the others: as the options of `followspot run`.
+    Raises InputError with every mistake.
     """
     plan = plan_of(
         graph, set, room=room, placement=placement, seed=seed, plugin_files=plugin_files, edges=edges
@@ -161,9 +161,9 @@ class OwnRun(ScriptHandle):
         return super().__getitem__(port)
 
     def wait(self) -> Report:
-        """Wait for the end of the run; what it did.
+        """Wait for the end of the run and return its report.
 
-        Raises RunFailed if it failed, and FollowspotError if it waits for a subscription that nobody reads.
+        Raises RunFailed if it failed, FollowspotError if it waits for a subscription without a reader.
         """
         while not self._ended.wait(_LOOK):
             self._subscribed.check_read()
@@ -172,7 +172,9 @@ class OwnRun(ScriptHandle):
 
     @property
     def report(self) -> Report:
-        """What the run did, after its end. Raises FollowspotError before it, RunFailed if it never began."""
+        """The report after the end of the run. Raises FollowspotError before, RunFailed if the run never
+        began.
+        """
         if self._whole is not None:
             return self._whole
         if not self._ended.is_set():
@@ -205,7 +207,7 @@ class OwnRun(ScriptHandle):
         return self._dispatcher.dispatch(request)
 
     def _failure(self) -> Exception | None:
-        """What the run failed with, once it is over."""
+        """The error of the run after its end; None if it succeeded."""
         self._ended.wait()
         if isinstance(self._error, FollowspotError):
             return self._error

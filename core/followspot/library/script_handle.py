@@ -23,7 +23,9 @@ class ScriptHandle(RunHandle, Closing):
         pid: int | None = None,
         failure: Callable[[], Exception | None] = lambda: None,
     ) -> None:
-        """failure: what the run failed with, which loops over ports raise; for the others see `RunHandle`."""
+        """failure: returns the error of the run, which loops over ports raise; the others: see
+        `RunHandle`.
+        """
         super().__init__(run, graph, ask, pid)
         self._tapped = TappedPorts(self, failure)
 

@@ -22,30 +22,30 @@ class Subscribed:
     """plan: with the sinks; in_process: the workers that are threads of this process."""
 
     def __init__(self, plan: Plan, words: Sequence[str]) -> None:
-        """words: ports, as people name them.
+        """words: names of ports; see `chosen_ports`.
 
-        Raises InputError if a port is not there, FollowspotError if a class of this process is to run
+        Raises InputError if there is no such port, FollowspotError if a class of this process would run
         elsewhere.
         """
         self.in_process = (plan.workers[0].name,) if len(plan.workers) == 1 else (_WORKER,)
         self.failure: Callable[[], Exception | None] = lambda: None
-        """What the run failed with."""
+        """Returns the error of the run; None if it succeeded."""
         self._subscriptions: dict[str, Subscription] = {}
         self._keys: list[str] = []
         _check_offered(plan)
         self.plan = self._with_sinks(plan, words)
 
     def found(self, word: str) -> Subscription | None:
-        """The subscription of this name, if it was asked for in time."""
+        """The subscription of this name; None if `ports=` did not name it."""
         return self._subscriptions.get(word)
 
     def check_read(self) -> None:
-        """Raises FollowspotError if the run waits for a subscription that nobody has begun to read."""
+        """Raises FollowspotError if the run waits for a subscription without a reader."""
         for subscription in self._subscriptions.values():
             subscription.check_siblings()
 
     def close(self) -> None:
-        """Nobody reads any more."""
+        """Close every subscription."""
         for subscription in self._subscriptions.values():
             subscription.close()
 

@@ -34,10 +34,10 @@ class Subscription(Closing):
         siblings: Collection[Subscription] = (),
         on_close: Callable[[], object] = lambda: None,
     ) -> None:
-        """port: its name; failure: what the run failed with, raised after the last message.
+        """port: its name; failure: returns the error of the run, raised after the last message.
 
-        siblings: all subscriptions of the run, for an unread one may hold up the others; on_close: called
-        when nothing more is read, perhaps several times.
+        siblings: all subscriptions of the run, because an unread one may hold up the others; on_close: called
+        at each close.
         """
         self.port = port
         self.lossless = lossless
@@ -79,7 +79,7 @@ class Subscription(Closing):
 
     @property
     def closed(self) -> bool:
-        """Whether nobody reads any more."""
+        """True after `close` or the end of a loop."""
         return self._closed
 
     def close(self) -> None:
@@ -128,7 +128,7 @@ class Subscription(Closing):
 
     @property
     def _holds_up(self) -> bool:
-        """Whether the run waits for a first reader."""
+        """True if the run waits for the first read."""
         return self.lossless and not (self._begun or self._closed) and len(self._messages) >= CAPACITY
 
     def check_siblings(self) -> None:
@@ -142,7 +142,7 @@ class Subscription(Closing):
                 )
 
     def _next(self) -> Message | None:
-        """The next message; None at the end. Raises what the run failed with, after the last message."""
+        """The next message; None at the end. Raises the error of the run after the last message."""
         self._begun = True
         with self._changed:
             while not (self._messages or self._ended or self._closed):

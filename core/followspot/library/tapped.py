@@ -1,4 +1,4 @@
-"""Subscriptions to a run that has begun: taps at its ports send here, wherever its workers are."""
+"""Subscriptions to a run that has begun: taps at its ports send to this process, from every host."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Failure = Callable[[], Exception | None]
 
 
 class TappedPorts:
-    """The subscriptions of one handle, by the name that they were asked for."""
+    """The subscriptions of one handle, by name."""
 
     def __init__(self, run: RunHandle, failure: Failure = lambda: None) -> None:
         self._run = run
@@ -96,7 +96,7 @@ class _Feed:
                 self._follow()
 
     def _follow(self) -> None:
-        """Tap the ports where their stages are now. Raises FollowspotError."""
+        """Tap the ports on the present hosts of their stages. Raises FollowspotError."""
         plan = self._run.plan()
         homes = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in self._types}
         if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
@@ -120,7 +120,7 @@ class _Feed:
         return Tapping(name, SINK, {**place, "port": name})
 
     def _hear(self, records: Iterator[Record]) -> None:
-        """Pass on what one sender brings; a malformed stream ends there, a malformed message is counted."""
+        """Pass on the messages of one sender; count malformed messages, end at a malformed stream."""
         gaps = Gaps()
         with suppress(ValueError, KeyError):
             for port, number, packed in records:

@@ -1,4 +1,4 @@
-"""What a stage says of itself, as data: for the command line, the reference, editors and pages."""
+"""Description of a stage as data, for the command line, the reference, editors and pages."""
 
 from __future__ import annotations
 

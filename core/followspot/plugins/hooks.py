@@ -1,4 +1,4 @@
-"""All hooks that a package can implement, one line each, and the loading of what implements them.
+"""The hooks that a package can implement, and the loading of the packages that do.
 
 A package names a module in the entry-point group `followspot.hooks.v1`; the module's functions marked with
 `hookimpl` are the hooks. `followspot --help` imports these modules, so they import nothing heavy at the top.
@@ -43,27 +43,27 @@ class Command:
 
     @property
     def help(self) -> str:
-        """Its first line stands in the list of commands, all of it in the command's own --help."""
+        """Its first line is the entry in the list of commands; the whole text is the command's own --help."""
         return cleandoc(self.run.__doc__ or "")
 
     @property
     def title(self) -> str:
-        """As the user types it."""
+        """The name as the user types it."""
         return f"{self.parent} {self.name}" if self.parent else self.name
 
 
 def _nobody(_args: argparse.Namespace) -> AbstractContextManager[None]:
-    """Nobody looks on."""
+    """Default of `watch`: no observer."""
     return nullcontext()
 
 
 @dataclass(frozen=True)
 class PlanOptions:
-    """Options of every command that plans a graph, what they make of the plan, and who looks on at its run.
+    """Options of every command that plans a graph, their effect on the plan, and an observer of its run.
 
-    configure: adds the options; change: the plan (`followspot.graph.plan.Plan`) as the options ask for it,
-    the same one where they ask for nothing; raises InputError; watch: held open while
-    a graph runs in this process, for those who look on (`followspot.operator.control_socket`).
+    configure: adds the options; change: returns the plan (`followspot.graph.plan.Plan`) that
+    the options ask for, the same one if they ask for nothing; raises InputError; watch: a context that is
+    open while a graph runs in this process, for an observer (`followspot.operator.control_socket`).
     """
 
     configure: Callable[[argparse.ArgumentParser], None]
@@ -75,7 +75,7 @@ class PlanOptions:
 class RecordingReader:
     """Opens recordings for scripts (`followspot.open_recording`). suffix: of the files, for example `.mcap`.
 
-    open: gets the path, returns what the script holds, raises FollowspotError.
+    open: from a path to a `followspot.Recording`; raises FollowspotError.
     """
 
     suffix: str
@@ -83,7 +83,7 @@ class RecordingReader:
 
 
 class Hooks:
-    """What a package can add to followspot."""
+    """Specifications of the hooks."""
 
     @hookspec
     def followspot_commands(self) -> Sequence[Command]:  # type: ignore[empty-body]
@@ -100,7 +100,7 @@ class Hooks:
 
 @dataclass(frozen=True)
 class HookModule:
-    """A module of hooks and how it fared; problem is empty where it is well."""
+    """A module of hooks; problem: why it could not be loaded, empty if it was."""
 
     name: str
     value: str
@@ -110,7 +110,7 @@ class HookModule:
 
 @dataclass(frozen=True)
 class LoadedHooks:
-    """All hook modules and what they offer."""
+    """All hook modules with their commands, options and readers."""
 
     modules: tuple[HookModule, ...]
     commands: tuple[Command, ...]
@@ -120,7 +120,7 @@ class LoadedHooks:
 
 @dataclass(frozen=True)
 class _Offer:
-    """What one module offers; problem: why it offers less than it means to."""
+    """Commands, options and readers of one module; problem: why some are missing."""
 
     problem: str = ""
     commands: list[Command] = field(default_factory=list)
@@ -130,7 +130,7 @@ class _Offer:
 
 @cache
 def load_hooks() -> LoadedHooks:
-    """Load every hook module on its own: one that is broken is named and left out, the others serve."""
+    """Load each hook module separately: a broken one is named and left out."""
     modules: list[HookModule] = []
     commands: list[Command] = []
     plan_options: list[PlanOptions] = []
@@ -187,7 +187,7 @@ def _load(entry: EntryPoint) -> _Offer:
 
 
 def _silent(module: object) -> str:
-    """What pluggy passes over in silence: hooks without the mark, a module without hooks."""
+    """Mistakes that pluggy ignores: hooks without the mark, a module without hooks."""
     functions = {
         name: hasattr(value, f"{PROJECT}_impl")
         for name, value in vars(module).items()

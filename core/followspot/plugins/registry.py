@@ -1,4 +1,4 @@
-"""Which stages are installed and in which state, from metadata alone; the import of those in use."""
+"""Installed stages and their state, from metadata alone; the import of stages in use."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ State = Literal["ok", "duplicate", "outdated", "half-installed", "broken"]
 
 @dataclass(frozen=True)
 class StageEntry:
-    """One stage that a distribution offers; problem: one line, empty where state is ok."""
+    """One stage that a distribution offers; problem: one line, empty if state is ok."""
 
     name: str
     value: str
@@ -39,7 +39,7 @@ class StageEntry:
 
 
 class PluginError(FollowspotError):
-    """A stage cannot be used; problem: one line says which plugin and why; remedy: what to do."""
+    """A stage cannot be used; problem: one line with the plugin and the reason; remedy: advice."""
 
     def __init__(self, problem: str, remedy: str | Guess = "") -> None:
         super().__init__(problem, remedy)
@@ -71,13 +71,13 @@ def use_plugin_files(paths: Sequence[str]) -> None:
 _offered: dict[str, type[Stage]] = {}
 """Stages of this process alone, by name."""
 OFFERED = "here."
-"""What the names of stages begin with that exist in this process only."""
+"""Prefix of the names of stages that exist in this process only."""
 
 
 def offer_stage(stage: type[Stage]) -> str:
-    """Let graphs of this process use a class that stands in no installed package; its name in a graph.
+    """Register a class of this process for its graphs; returns its name in a graph.
 
-    A later class of the same name takes its place, as when the cell of a notebook is run again.
+    A later class of the same name replaces it, for example if a notebook's cell runs again.
     Raises SignatureError if it is no stage.
     """
     ports(stage)
@@ -95,7 +95,7 @@ def catalogue() -> Mapping[str, StageEntry]:
 
 
 def read_catalogue(entries: Iterable[EntryPoint]) -> Mapping[str, StageEntry]:
-    """The stages that distributions offer, each with its state; entries stand together by distribution."""
+    """The stages of distributions with their states; the entries of a distribution must be adjacent."""
     found: dict[str, StageEntry] = {}
     for distribution, offered in groupby(entries, key=lambda entry: entry.dist):
         if distribution is not None:
@@ -105,7 +105,7 @@ def read_catalogue(entries: Iterable[EntryPoint]) -> Mapping[str, StageEntry]:
 
 
 def stage_names() -> list[str]:
-    """Names of all stages that can be asked for."""
+    """Names of all stages that a graph can use."""
     return sorted({*catalogue(), *_files})
 
 
@@ -154,7 +154,7 @@ def _for_port(name: str, port: str) -> type[Stage]:
 
 
 def examined(entry: StageEntry) -> StageEntry:
-    """The entry after an attempt to import it: broken, with the reason, where that fails."""
+    """The entry after an attempt to import it: broken, with the reason, if that fails."""
     if entry.state != "ok":
         return entry
     stage, problem = _import(entry)
@@ -173,7 +173,7 @@ def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
 
 
 def _stages(distribution: Distribution, entries: Iterable[EntryPoint]) -> Iterator[StageEntry]:
-    """What one distribution offers; its metadata is parsed once, for every process start waits for this."""
+    """The stages of one distribution; its metadata is parsed once, since every process start waits for it."""
     name, release, unfit = distribution.name, distribution.version, _unfit(distribution)
     for entry in entries:
         state, problem = _judged(entry, name, unfit)
@@ -181,7 +181,7 @@ def _stages(distribution: Distribution, entries: Iterable[EntryPoint]) -> Iterat
 
 
 def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[State, str]:
-    """State and problem of an entry; unfit: why its whole distribution is outdated, empty where it is not."""
+    """State and problem of an entry; unfit: why its whole distribution is outdated, empty if it is not."""
     if _VALUE.fullmatch(entry.value) is None:
         return "broken", f"{distribution} registers {entry.value!r} where package.module:Class belongs"
     if entry.group != GROUP:
@@ -196,7 +196,7 @@ def _judged(entry: EntryPoint, distribution: str, unfit: str) -> tuple[State, st
 
 
 def _unfit(distribution: Distribution) -> str:
-    """Why a distribution is of another time than this followspot; empty where it is not."""
+    """Why a distribution does not fit this version of followspot; empty if it fits."""
     for text in distribution.requires or ():
         if text.startswith("followspot") and (problem := _unmet(text)):
             return f"{distribution.name} {problem}"
@@ -204,7 +204,7 @@ def _unfit(distribution: Distribution) -> str:
 
 
 def _unmet(text: str) -> str:
-    """What a requirement asks of followspot that this one is not; empty where it is, or another is meant."""
+    """The unmet part of a requirement on followspot; empty if it is met, or names another package."""
     from packaging.requirements import InvalidRequirement, Requirement  # slow, and few need it
 
     try:

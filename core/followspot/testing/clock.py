@@ -1,4 +1,4 @@
-"""A clock that goes when a test says so, and an edge that needs no process."""
+"""A clock that a test advances, and an edge within the process."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class VirtualClock:
 
 
 class MemoryEdge:
-    """An edge to another process without the process: what arrives went through the wire format."""
+    """An edge to another process without the process: messages pass through the wire format."""
 
     def __init__(self, kind: type[Message]) -> None:
         self.kind = kind

@@ -61,7 +61,7 @@ PROMISES: tuple[Promise, ...] = (
 
 
 class Finding(NamedTuple):
-    """A promise that a stage breaks, and what to do."""
+    """A promise that a stage breaks, and the remedy."""
 
     promise: str
     text: str
@@ -70,8 +70,8 @@ class Finding(NamedTuple):
 def check_stage(stage: type[Stage], *, room: Room | None = None, messages: int = 2000, **params: Any) -> None:
     """Raise AssertionError with every broken promise of a stage class.
 
-    room: to try it in, the tiny room unless told; messages: how many of them its memory is watched for;
-    params: what it cannot be built without.
+    room: for the trial, by default the tiny room; messages: number over which the growth of memory is
+    measured; params: required parameters.
     """
     found = list(findings(stage, room=room, messages=messages, **params))
     assert not found, "\n".join(f"{stage.__name__}: {f.promise}: {f.text}" for f in found)

@@ -1,4 +1,4 @@
-"""Fixtures for the tests of plugins; pytest finds them wherever followspot is installed."""
+"""Fixtures for the tests of plugins; pytest finds them once followspot is installed."""
 
 from __future__ import annotations
 

@@ -12,17 +12,18 @@ from followspot.tracking import Frame
 
 Content = Literal["empty", "plausible", "unknown"]
 BLACK = np.zeros((48, 64, 3), np.uint8)
-"""What the cameras of the tiny room see in the dark."""
+"""A dark picture of the tiny room's cameras."""
 _BINS = 16
 
 
 def sample(
     kind: type[Message], content: Content, room: Room, camera: str, pixels: Array, seed: int = 0
 ) -> Message:
-    """A message of a type. pixels: (H, W, C) uint8, the picture where it is one or of its size.
+    """A message of a type. pixels: (H, W, C) uint8, the picture, for messages that contain one or have its
+    size.
 
     plausible: one row a column, numbers between 0 and 1, first target, first cameras;
-    unknown: the same with NaN in place of every fraction.
+    unknown: the same with NaN for every float.
     """
     if kind is Frame:
         return Frame(camera, pixels)

@@ -1,4 +1,4 @@
-"""What a stage is tried with: a room, parameters, instances that are always closed, and inputs."""
+"""Trial of a stage: a room, parameters, instances that are always closed, and inputs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PERIOD = 33_333_333
 class Trial:
     """One stage class under examination.
 
-    params: for the stages that need some; messages: how many of them its memory is watched for.
+    params: for stages that require some; messages: number over which the growth of memory is measured.
     """
 
     stage: type[Stage]
@@ -44,13 +44,13 @@ class Trial:
 
     @property
     def complete(self) -> bool:
-        """Whether every required parameter is given."""
+        """True if every required parameter is given."""
         fields = self.stage.Params.model_fields
         return all(name in self.params or not info.is_required() for name, info in fields.items())
 
     @cached_property
     def buildable(self) -> bool:
-        """Whether its parameters are complete and accepted."""
+        """True if its parameters are complete and valid."""
         try:
             self.stage.Params(**self.params)
         except pydantic.ValidationError:
@@ -59,24 +59,24 @@ class Trial:
 
     @property
     def computes(self) -> bool:
-        """Whether it can be called with messages."""
+        """True if it can be called with messages."""
         return self.buildable and not self.ports.source
 
     @property
     def yields(self) -> bool:
-        """Whether it is a source that can be asked at any time: no device."""
+        """True for a source that is no device, and so can be called at any time."""
         generator = inspect.isgeneratorfunction(self.stage.process)
         return self.buildable and self.ports.source and generator and not self.stage.live
 
     def build(self, out: Path, camera: str | None = None, seed: int = 0) -> Stage:
-        """An instance that was not set up; camera: the first one unless told."""
+        """An instance without `setup`; camera: by default the first."""
         name = camera or next(iter(self.room.cameras))
         place = self.room.cameras[name] if self.stage.per_camera else None
         return self.stage(Context(room=self.room, camera=place, out=out, seed=seed), **self.params)
 
     @contextmanager
     def at_work(self, camera: str | None = None, seed: int = 0) -> Iterator[Stage]:
-        """An instance that is set up, and closed in the end; what it writes goes to a folder of its own."""
+        """An instance after `setup`, closed at the end of the block; its outputs go to a temporary folder."""
         with tempfile.TemporaryDirectory(prefix="followspot-") as folder:
             instance = self.build(Path(folder), camera, seed)
             try:
@@ -88,7 +88,7 @@ class Trial:
     def inputs(
         self, content: Content = "empty", frame: int = 0, pixels: Array = BLACK, camera: str | None = None
     ) -> list[Any]:
-        """Arguments of `process` for one frame; held inputs have nothing yet where the content is empty."""
+        """Arguments of `process` for one frame; sampled inputs have no message if the content is empty."""
         name = camera or next(iter(self.room.cameras))
         header = Header("conformance", frame, frame * PERIOD, 5)
         return [

@@ -19,11 +19,11 @@ NOBODY = -1
 
 @dataclass(frozen=True, eq=False)
 class Matches:
-    """Poses and persons that belong together in F frames with P persons and N poses.
+    """Matches between the P persons of F frames and N poses.
 
-    row: (F, P) pose of each person, -1 without one; identity: (F, P) its number where it is within `REACH`,
-    else -1; frame: (N,) frame of each pose, -1 where none is near in time, or another pose of the same number
-    is nearer; apart: (N,) m to the nearest person of the frame, inf without one.
+    row: (F, P) pose of each person, -1 without one; identity: (F, P) its number if it is within `REACH`,
+    else -1; frame: (N,) frame of each pose, -1 if no frame is near in time, or another pose of the same
+    number is nearer; apart: (N,) m to the nearest person of the frame, inf without one.
     """
 
     row: Array
@@ -35,8 +35,8 @@ class Matches:
 def match(poses: PoseTable, truth: PoseTruthTable) -> Matches:
     """Match by time within half an interval of the truth, then by distance on the floor.
 
-    A pair of number and person that was matched before is kept while it is within `REACH`; of the others
-    the nearest are matched first.
+    An earlier match is kept while it is within `REACH`; the remaining poses are matched nearest
+    first.
     """
     frames, persons = truth.visible.shape
     row = np.full((frames, persons), NOBODY)

@@ -16,7 +16,7 @@ ALL = "all"
 
 
 def persons_table(score: PersonsScore) -> str:
-    """A line per figure, a column per person and one for all; a dash where there was nothing to measure."""
+    """A line per figure, a column per person and one for all; a dash if there was nothing to measure."""
     named = {**score.persons, ALL: score.overall} if len(score.persons) != 1 else score.persons
     head, *rows = zip(
         ("person", *HEADINGS), *((name, *_cells(one)) for name, one in named.items()), strict=True
@@ -30,7 +30,7 @@ def persons_table(score: PersonsScore) -> str:
 
 
 def persons_to_json(score: PersonsScore) -> dict[str, dict[str, Any]]:
-    """The scores as JSON types, `all` with what was too much; NaN, which JSON has not, becomes null."""
+    """The scores as JSON types, `all` with the surplus; NaN becomes null."""
     found = {name: _plain(dataclasses.asdict(one)) for name, one in score.persons.items()}
     surplus = dataclasses.asdict(score.surplus)
     whole = {"frames_in_all": surplus.pop("frames"), **surplus}

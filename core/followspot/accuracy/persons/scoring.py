@@ -58,7 +58,7 @@ class PersonScore:
     pan_median_deg: float
     tilt_median_deg: float
     identity_switches: int
-    """How often the person got another number, or one that was another person's."""
+    """Number of times that the person got a new number, or the number of another person."""
     acquire_s: tuple[float, ...]
     """For each time the person came: from being half visible to the first pose within 0.5 m."""
     vanish_s: tuple[float, ...]
@@ -70,7 +70,7 @@ class PersonScore:
 
 @dataclass(frozen=True)
 class Surplus:
-    """What was reported beyond the persons."""
+    """Surplus poses, which match no person."""
 
     frames: int
     """Frames of the truth."""
@@ -79,12 +79,12 @@ class Surplus:
     false_share: float
     """Share of frames that have one."""
     duplicate_rows: int
-    """Poses near a person who has another one."""
+    """Second poses near a matched person."""
 
 
 @dataclass(frozen=True)
 class PersonsScore:
-    """Scores by the person's number in the truth, of all persons together, and what was too much."""
+    """Scores by the person's number in the truth, of all persons together, and the surplus."""
 
     persons: Mapping[str, PersonScore]
     overall: PersonScore

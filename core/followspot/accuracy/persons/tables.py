@@ -44,10 +44,10 @@ class PoseTable:
 
 @dataclass(frozen=True, eq=False)
 class PoseTruthTable:
-    """Where P persons really were at F ascending times.
+    """True poses of P persons at F ascending times.
 
-    time: (F,) s; pose: (F, P, 6), NaN where a person is absent; visible: (F, P) visible share of the upper
-    body, 0 where absent; viewpoint: (2,) m, the place from which directions and distances are told.
+    time: (F,) s; pose: (F, P, 6), NaN if a person is absent; visible: (F, P) visible share of the upper
+    body, 0 if absent; viewpoint: (2,) m, the point to which directions and distances refer.
     """
 
     persons: tuple[int, ...]
@@ -102,7 +102,9 @@ _Person = tuple[int, Array, float]
 
 
 def _truth_row(row: Row) -> tuple[float, _Person, Array]:
-    """Time, person, and the camera's place: `r` away, where the two headings differ by its direction."""
+    """Time, person and the camera's position: at distance `r`, in the direction by which the two headings
+    differ.
+    """
     x, y, height, relative, pan, tilt, heading, r, visible = row.numbers(*TRUTH_COLUMNS[2:])
     toward = heading - relative
     place = np.array([x + r * np.cos(toward), y + r * np.sin(toward)])

@@ -1,4 +1,4 @@
-"""Persons who come, go and return: how soon they are found and let go, and whether they are known again."""
+"""Persons that enter, leave and return: delays of detection and deletion, and re-identification."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ class Visit:
 
 @dataclass(frozen=True)
 class Coming:
-    """What became of a person's visits.
+    """Statistics of a person's visits.
 
-    acquire_s: for each, from being seen to the first right position, its whole length where none came;
-    vanish_s: for each that ended, how long the pose stayed; returns, known: visits of a person who was
-    tracked before, and how many of them under the same number.
+    acquire_s: for each visit, from first visibility to the first right position, or its whole length if none
+    came; vanish_s: for each that ended, how long the pose stayed; returns, known: number of visits after the
+    first tracked one, and how many of them got the same number.
     """
 
     acquire_s: tuple[float, ...] = ()
@@ -86,9 +86,9 @@ def ghosts(poses: PoseTable, matches: Matches, own: int, number: int, start: int
 
 
 def switches(identity: Array) -> Array:
-    """(P,) how often a person got another number, or a number that was another person's.
+    """(P,) number of times that a person got a new number, or the number of another person.
 
-    identity: (F, P) numbers, -1 where there is none.
+    identity: (F, P) numbers, -1 for none.
     """
     persons = identity.shape[1]
     count = np.zeros(persons, int)

@@ -53,7 +53,7 @@ def jerk_cost(xyz: Array) -> float:
     """Integral of the squared third derivative of the position (eq. 9-10 of Jin & Qian 2008).
 
     In the paper's units: lengths of 15 ft, time in frames, scaled to 100 frame intervals as in its
-    table 3. xyz: (F, 3) m, NaN where there is no position; only runs of four count.
+    table 3. xyz: (F, 3) m, NaN for no position; only runs of four count.
     """
     jerk = np.diff(xyz / PAPER_UNIT, n=3, axis=0)
     squared = np.square(jerk).sum(axis=1)
@@ -64,7 +64,7 @@ def jerk_cost(xyz: Array) -> float:
 def reprojection(xyz: Array, truth: Array, cameras: Sequence[Camera]) -> Array:
     """Distances between the projections of positions and of the truth, px, over all cameras.
 
-    xyz, truth: (N, 3) m. A camera counts where both have an image and that of the truth is in its picture.
+    xyz, truth: (N, 3) m. A camera counts if both have an image and the true one lies in its picture.
     """
     distances = [np.zeros(0)]
     for camera in cameras:

@@ -27,7 +27,7 @@ HEADINGS = (
 
 
 def table(scores: Mapping[str, TargetScore]) -> str:
-    """One line per target under a line of headings; a dash where there was nothing to measure."""
+    """One line per target under a line of headings; a dash if there was nothing to measure."""
     return dedent(drawn(HEADINGS, [_cells(name, one) for name, one in scores.items()]))
 
 

@@ -53,7 +53,7 @@ class TargetScore:
 class Trajectory:
     """Positions of one target at the F times of the truth.
 
-    xyz: (F, 3) m, NaN where there is none; tracked: (F,) whether the state was "tracked".
+    xyz: (F, 3) m, NaN for none; tracked: (F,) True if the state was "tracked".
     """
 
     xyz: Array
@@ -68,8 +68,8 @@ class Trajectory:
 def score(tracks: TrackTable, truth: TruthTable, room: Room | None = None) -> dict[str, TargetScore]:
     """Compare tracks with the truth, matched by time within half an interval of the truth.
 
-    Scores every object of the truth, then those that were only reported: everywhere hidden, for the
-    truth knows of none. With a room, also the reprojection error.
+    Scores every object of the truth, then those that only the tracks name, which count as hidden in every
+    frame. With a room, also the reprojection error.
     """
     cameras = tuple(room.cameras.values()) if room else ()
     whole = with_absent(truth, [name for name in tracks.objects if name not in truth.objects])
@@ -110,7 +110,7 @@ def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
 
 def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Sequence[Camera]) -> TargetScore:
     trackable, hidden = truth.trackable[:, own], truth.hidden[:, own]
-    distance = np.linalg.norm(track.xyz[:, None] - truth.xyz, axis=2)  # (F, M), NaN where unknown
+    distance = np.linalg.norm(track.xyz[:, None] - truth.xyz, axis=2)  # (F, M), NaN if unknown
     right = distance[:, own] < REACH
     elsewhere = (np.delete(distance, own, axis=1) < REACH).any(axis=1) & ~right
     measured = trackable & track.there

@@ -33,10 +33,10 @@ class TrackTable:
 
 @dataclass(frozen=True, eq=False)
 class TruthTable:
-    """Where M objects really were at F ascending times.
+    """True positions of M objects at F ascending times.
 
-    time: (F,) s; xyz: (F, M, 3) m, NaN where an object is absent; hidden, trackable, pair: (F, M) as
-    in `followspot.tracking.Truth`, False where an object is absent.
+    time: (F,) s; xyz: (F, M, 3) m, NaN if an object is absent; hidden, trackable, pair: (F, M) as
+    in `followspot.tracking.Truth`, False if an object is absent.
     """
 
     objects: tuple[str, ...]

@@ -1,1 +1,1 @@
-"""What every stage promises, one function a promise: a text for every way in which it is broken."""
+"""The promises of stages, one function each, which yields a text for each way in which a stage breaks it."""

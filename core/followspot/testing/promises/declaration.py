@@ -1,4 +1,4 @@
-"""What a stage says of itself before it runs."""
+"""Promises about the declaration of a stage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Beginning and end of a stage, and what it keeps in between."""
+"""Promises about setup, state and close of a stage."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def closes_within_a_second(trial: Trial) -> Iterator[str]:
 
 
 def leaves_no_thread_behind(trial: Trial) -> Iterator[str]:
-    """What `setup` starts `close` ends."""
+    """`close` ends everything that `setup` starts."""
     before = set(threading.enumerate())
     _work(trial, 3)
     left = [thread.name for thread in set(threading.enumerate()) - before if thread.is_alive()]
@@ -92,7 +92,7 @@ def has_a_state_of_plain_values(trial: Trial) -> Iterator[str]:
 
 
 def carries_on_from_its_state(trial: Trial) -> Iterator[str]:
-    """A successor that took over gives what its predecessor would have given, bit for bit."""
+    """A replacement with the checkpoint of the old stage gives the same results, bit for bit."""
     if not trial.computes or trial.stage.state is Stage.state:
         return
     try:
@@ -135,7 +135,7 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
 
 
 def _resident() -> int:
-    """Memory of this process, bytes; 0 where the system does not say."""
+    """Memory of this process, bytes; 0 if the system does not report it."""
     statistics = Path("/proc/self/statm")
     return int(statistics.read_text().split()[1]) * mmap.PAGESIZE if statistics.exists() else 0
 
@@ -195,7 +195,7 @@ def _feed(trial: Trial, stage: Stage, frames: range) -> None:
 
 
 def _not_plain(value: Any) -> Any:
-    """The first part that is no number, text, array, list or dict; None where all are."""
+    """The first part that is no number, text, array, list or dict; None if all are."""
     if value is None or isinstance(value, bool | int | float | str | bytes | np.generic):
         return None
     if isinstance(value, np.ndarray):

@@ -1,4 +1,4 @@
-"""That whatever a stage sends or takes crosses a wire."""
+"""Promises about messages: every type of a stage can be packed and unpacked."""
 
 from __future__ import annotations
 

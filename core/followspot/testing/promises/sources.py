@@ -1,4 +1,4 @@
-"""What a source promises; devices, which deliver in their own time, are not asked."""
+"""Promises of sources, except devices, which deliver at their own pace."""
 
 from __future__ import annotations
 

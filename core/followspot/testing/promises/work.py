@@ -1,4 +1,4 @@
-"""What a stage does with the messages that it gets."""
+"""Promises about `process`."""
 
 from __future__ import annotations
 
@@ -186,7 +186,7 @@ def _tried(trial: Trial, what: str, frames: Sequence[list[Any]]) -> Iterator[str
 
 
 def _sent(trial: Trial) -> list[Message]:
-    """What an instance sends for three frames."""
+    """The messages of an instance for three frames."""
     return [message for result in _returned(trial) for message in outputs(result)]
 
 
