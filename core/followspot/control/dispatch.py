@@ -88,13 +88,17 @@ def answer_to_wire(kind: type[Request], answer: Any) -> Any:
     return _answer(kind).model_construct(answer).model_dump(mode="json")
 
 
+Handlers = Mapping[type[Request], Callable[..., Any]]
+"""By type: get the request, return its answer, raise FollowspotError to refuse it."""
+
+
 class Dispatcher:
     """Hands each request to the handler of its type.
 
-    role: of this process; handlers: get the request, return its answer, raise FollowspotError to refuse it.
+    role: of this process.
     """
 
-    def __init__(self, role: Role, handlers: Mapping[type[Request], Callable[..., Any]]) -> None:
+    def __init__(self, role: Role, handlers: Handlers) -> None:
         """Raises TypeError if a request is for another role."""
         if foreign := [kind.__name__ for kind in handlers if role not in kind.roles]:
             raise TypeError(f"requests that no {role} handles: {', '.join(foreign)}")

@@ -25,7 +25,6 @@ from followspot.control.dispatch import Dispatcher
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
 from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.tapping import PlaceTaps
 from followspot.control.worker_messages import (
     Built,
     Change,
@@ -223,10 +222,10 @@ class WorkerMain:
         return Dispatcher(
             "worker",
             {
-                StopRun: lambda _: worker.stop(),
+                **worker.handlers,
+                **(self.taps.handlers if self.taps is not None else {}),
                 EndWorkers: lambda order: self._give_up(order.workers),
                 TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
-                PlaceTaps: lambda order: self.taps.place(order.taps) if self.taps else None,
                 SendStates: lambda _: self._tell_states(),
                 SetClock: self._set_clock,
                 LeaveRun: self._leave_run,

@@ -17,6 +17,8 @@ from functools import partial
 from heapq import heappop, heappush
 from operator import attrgetter
 
+from followspot.control.dispatch import Handlers
+from followspot.control.lifecycle import StopRun
 from followspot.errors import FollowspotError
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import END
@@ -85,6 +87,11 @@ class Worker:
         self._watched: dict[int, Callable[[], bool]] = {}
         self._wakeup = WakeupEvent()
         self._connect()
+
+    @property
+    def handlers(self) -> Handlers:
+        """The orders that the scheduler carries out."""
+        return {StopRun: lambda _: self.stop()}
 
     def mark(self, rank: int) -> None:
         """Schedule this stage runner: its inputs or outputs changed."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterable
 
-from followspot.control.tapping import Tapping
+from followspot.control.dispatch import Handlers
+from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.stage import Post
 from followspot.transport.keys import tap_key
 from followspot.worker.edge_links import EdgeLinks
@@ -23,6 +24,11 @@ class WorkerTaps:
         self._warn = warn
         self._one = threading.Lock()
         self._over = False
+
+    @property
+    def handlers(self) -> Handlers:
+        """The orders that taps carry out."""
+        return {PlaceTaps: lambda order: self.place(order.taps)}
 
     def place(self, tappings: Iterable[Tapping]) -> None:
         """Begin to add taps, and return at once."""
