@@ -5,11 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from followspot.ranges import Age, Count, Figure
+from followspot.ranges import Age, Count, Figure, Nanoseconds
 
-StageState = Literal["starting", "getting", "waiting", "processing", "sending", "old", "absent", "over"]
+StageState = Literal[
+    "starting", "getting", "waiting", "processing", "sending", "paused", "old", "absent", "over"
+]
 """getting: an input is empty, or the device has nothing; waiting: it has all that it needs, but its worker is
-at another stage; sending: an output is full; absent: all it listens to is away, or its worker.
+at another stage; sending: an output is full; paused: the
+operator holds the source; absent: all it listens to is away, or its worker.
 
 For those who look on: starting: nothing was heard of it yet; old: nothing was heard of it lately.
 """
@@ -33,7 +36,8 @@ class StageStatus:
     """One stage at one moment.
 
     on: the edges that it waits for, by name, or the stage that its worker is at; error: the last one, "" for
-    none; edges: that lead to it; idle_s: time, s, in which it has not fired, as far as that was noticed.
+    none; edges: that lead to it; idle_s: time, s, in which it has not fired, as far as that was noticed;
+    time: newest capture time that a source has sent, ns; hold: id of the order that holds a source.
     """
 
     stage: str
@@ -46,6 +50,8 @@ class StageStatus:
     error: str = ""
     edges: tuple[EdgeAge, ...] = ()
     idle_s: Age = 0.0
+    time: Nanoseconds = -1
+    hold: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
 from followspot.control.tapping import PlaceTaps
+from followspot.errors import FollowspotError, did_you_mean
+from followspot.graph.plan import Plan
 from followspot.ranges import Count, Incarnation, Nanoseconds
 from followspot.transport.zenoh.network import Network
 
@@ -65,7 +67,36 @@ class LeaveRun(WorkerOrder):
     """Tell the host a checkpoint of every stage and exit, in the middle of the streams."""
 
 
-RELAYED: tuple[type[Relayed], ...] = (PlaceTaps,)
+class HoldSources(Relayed):
+    """Hold all sources of a replay: they send nothing, and what was sent is processed.
+
+    id: of the order; the same id changes only `until`; held: False lets them go on; source: one that sends
+    `count` messages more before it holds, "" for none; until: capture time that the others reach before they
+    hold, ns. Where that source runs, the others follow its newest capture time without being told.
+    """
+
+    id: str
+    held: bool = True
+    source: str = ""
+    count: Count = 0
+    until: Nanoseconds = -1
+
+    def check(self, plan: Plan, *, remote: bool) -> None:
+        """Raises FollowspotError if the run is live, or has no such source."""
+        if plan.live:
+            raise FollowspotError("a live run cannot be paused: its devices do not wait")
+        fed = {edge.to_stage for edge in plan.edges}
+        known = [stage.name for stage in plan.stages if stage.name not in fed]
+        if self.source and self.source not in known:
+            remedy = did_you_mean(self.source, known, "sources")
+            raise FollowspotError(f'there is no source "{self.source}"; {remedy}')
+
+    def replaces(self, other: Relayed) -> bool:
+        """The newest order counts alone."""
+        return isinstance(other, HoldSources)
+
+
+RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, HoldSources)
 """Orders that come from the operator."""
 ORDERS = by_verb(
     (

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 from followspot.control.dispatch import Request
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
+from followspot.control.stage_status import StageStatus
 from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
@@ -31,6 +35,10 @@ ANSWER_TIMEOUT = 10.0
 """Seconds that a run has to answer; a run that is setting up its stages is slow."""
 _CHANGE_TIMEOUT = 120.0
 """Seconds that a change has: new stages are built beside those that run."""
+_STALLED = 60.0
+"""Seconds without a message of any source after which a step is given up."""
+_POLL_INTERVAL = 0.02
+"""Seconds between two looks at a step."""
 
 
 class NoAnswer(FollowspotError):
@@ -116,6 +124,41 @@ class RunHandle:
         """Tap ports: their messages also go to the given sinks."""
         self.ask(PlaceTaps(taps=tuple(taps)), ANSWER_TIMEOUT)
 
+    def pause(self) -> None:
+        """Hold all sources of a replay; what they have sent is processed. A live run refuses."""
+        self.ask(HoldSources(id=uuid4().hex), ANSWER_TIMEOUT)
+
+    def resume(self) -> None:
+        """Let the sources go on."""
+        self.ask(HoldSources(id=uuid4().hex, held=False), ANSWER_TIMEOUT)
+
+    def step(self, count: int = 1, *, source: str | None = None) -> int:
+        """Let a replay go on for the next `count` capture times of a source, and pause; the newest one, ns.
+
+        source: for example ``camera/cam0``; the first camera's unless told. Every other source sends until it
+        has reached that time. Returns when the sources have sent this; stages may still process it.
+        """
+        plan = self.plan()
+        fed = {edge.to_stage for edge in plan.edges}
+        sources = [stage for stage in plan.stages if stage.name not in fed]
+        chosen = source or min(sources, key=lambda stage: stage.camera is None).name
+        order = HoldSources(id=uuid4().hex, source=chosen, count=count)
+        self.ask(order, ANSWER_TIMEOUT)
+        names, seen, patient = {stage.name for stage in sources}, None, 0.0
+        while True:
+            stages = [stage for worker in self.status().workers for stage in worker.stages]
+            found = {stage.stage: stage for stage in stages if stage.stage in names}
+            if chosen in found and found[chosen].time > order.until:
+                order = order.model_copy(update={"until": found[chosen].time})
+                self.ask(order, ANSWER_TIMEOUT)
+            if names == found.keys() and all(_has_stepped(stage, order) for stage in found.values()):
+                return order.until
+            if seen != (seen := {stage.stage: stage.time for stage in found.values()}):
+                patient = time.monotonic() + _STALLED
+            if time.monotonic() > patient:
+                raise NoAnswer(f"no source has sent anything for {_STALLED:.0f} s")
+            time.sleep(_POLL_INTERVAL)
+
     def stop(self) -> None:
         """End the sources; workers finish the messages in flight."""
         self.ask(StopRun(), ANSWER_TIMEOUT)
@@ -128,3 +171,10 @@ class RunHandle:
             return False
         except FollowspotError:
             return True
+
+
+def _has_stepped(source: StageStatus, order: HoldSources) -> bool:
+    """Whether a source has sent all that the order lets it send."""
+    if source.state == "over":
+        return True
+    return source.state == "paused" and source.hold == order.id and source.time >= order.until

@@ -19,6 +19,7 @@ from operator import attrgetter
 
 from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import StopRun
+from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import END
@@ -82,6 +83,9 @@ class Worker:
         self._ready: list[int] = []
         self._marked = [False] * len(runners)
         self._stopping = False
+        self.hold: HoldSources | None = None
+        self._hold_at = 0
+        """Messages of the source that the hold names, after which it holds."""
         self._actions: deque[Callable[[], None]] = deque()
         self._poll = select.poll()
         self._watched: dict[int, Callable[[], bool]] = {}
@@ -91,7 +95,23 @@ class Worker:
     @property
     def handlers(self) -> Handlers:
         """The orders that the scheduler carries out."""
-        return {StopRun: lambda _: self.stop()}
+        return {StopRun: lambda _: self.stop(), HoldSources: self._set_hold}
+
+    def holds(self, source: SourceRunner) -> bool:
+        """Whether this source sends nothing now, because the operator holds it."""
+        hold = self.hold
+        if hold is None:
+            return False
+        if source.name == hold.source:
+            return source.yielded >= self._hold_at
+        here = (other.watermark for other in self.sources if other.name == hold.source)
+        return source.watermark >= max(here, default=hold.until)
+
+    def _set_hold(self, order: HoldSources) -> None:
+        if order.held and (self.hold is None or self.hold.id != order.id):
+            yielded = (source.yielded for source in self.sources if source.name == order.source)
+            self._hold_at = sum(yielded) + order.count
+        self.hold = order if order.held else None
 
     def mark(self, rank: int) -> None:
         """Schedule this stage runner: its inputs or outputs changed."""
@@ -265,7 +285,7 @@ class Worker:
 
     def _pull(self) -> bool:
         """Pull the source with the earliest watermark, then those that are earliest; False if none yields."""
-        candidates = [s for s in self.sources if not s.done]
+        candidates = [s for s in self.sources if not s.done and not self.holds(s)]
         candidates.sort(key=_watermark)
         reached = END
         for source in candidates:
@@ -287,7 +307,7 @@ class Worker:
         if self._credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
-        if not (deadlines or self.readers or self.writers or self.live):
+        if not (deadlines or self.readers or self.writers or self.live or self.hold):
             raise StuckError(self._why_stuck())
         if not deadlines:
             self._receive(_LONGEST_SLEEP_MS)
@@ -333,6 +353,7 @@ class Worker:
 
     def _stop_sources(self) -> None:
         self._stopping = False
+        self.hold = None
         self.give_up(_ALL)
         for source in self.sources:
             if not source.done:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.transport.token import END
@@ -13,14 +14,25 @@ from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import COLUMNS, tally
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import LiveSourceRunner
+from followspot.worker.source import LiveSourceRunner, SourceRunner
 from followspot.worker.stage_runner import StageRunner
 
 
 def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, ...]:
     """Status of all stages of a worker; safe from another thread. errors: the last warning of each stage."""
     at_work = next((runner.name for runner in worker.runners if runner.working), "")
-    return tuple(_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
+    found = (_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
+    return tuple(map(partial(_with_hold, worker), worker.runners, found))
+
+
+def _with_hold(worker: Worker, runner: StageRunner, status: StageStatus) -> StageStatus:
+    """The status, that of a source with its capture time and whether it is paused."""
+    if not isinstance(runner, SourceRunner):
+        return status
+    hold = worker.hold
+    if runner.done or hold is None or not worker.holds(runner):
+        return replace(status, time=runner.watermark if runner.watermark < END else -1)
+    return replace(status, state="paused", on=(), time=runner.watermark, hold=hold.id)
 
 
 class Idleness:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import pydantic
 
@@ -54,12 +54,19 @@ class Record:
     ports: str = ""
 
 
-_WISH: pydantic.TypeAdapter[Change | Record] = pydantic.TypeAdapter(
-    Change | Record, config=pydantic.ConfigDict(strict=True)
-)
+@dataclass(frozen=True)
+class Hold:
+    """A pause, its end, or a step of so many capture times."""
+
+    hold: Literal["pause", "resume", "step"]
+    count: Annotated[int, pydantic.Field(ge=1, le=1000)] = 1
 
 
-def wish_of(text: str) -> Change | Record:
+Wish = Change | Record | Hold
+_WISH: pydantic.TypeAdapter[Wish] = pydantic.TypeAdapter(Wish, config=pydantic.ConfigDict(strict=True))
+
+
+def wish_of(text: str) -> Wish:
     """A browser's request, in JSON. Raises FollowspotError."""
     try:
         return _WISH.validate_json(text)

@@ -17,7 +17,7 @@ from followspot_dashboard.gate import Gate
 from followspot_page import metrics
 from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
-from followspot_page.changing import Record, forms, wish_of, words_of
+from followspot_page.changing import Hold, Record, forms, wish_of, words_of
 from followspot_page.crowd import Crowd
 from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Previews
@@ -77,6 +77,7 @@ class Page:
             ],
             "forms": forms(self.plan) if self.ask else {},
             "ports": recordable(self.plan) if self.ask else [],
+            "replay": self.ask is not None and not self.plan.live,
         }
 
     async def allow_changes(self, run: RunHandle) -> None:
@@ -94,12 +95,21 @@ class Page:
             if asked.on:
                 return await self.button.start(self.ask, self.plan, asked.ports)
             return await self.button.stop()
+        if isinstance(asked, Hold):
+            return await self._hold(self.ask, asked)
         return await self._change(self.ask, words_of(asked, self.plan))
 
     async def _change(self, run: RunHandle, words: list[str]) -> str:
         answer = await asyncio.to_thread(run.change, words)
         self.show(await plan_of(run))
         return "; ".join(stage.text for stage in answer.stages) or "it is so already"
+
+    async def _hold(self, run: RunHandle, asked: Hold) -> str:
+        if asked.hold == "step":
+            reached = await asyncio.to_thread(run.step, asked.count)
+            return f"at {reached / 1e9:.6f} s"
+        await asyncio.to_thread(run.pause if asked.hold == "pause" else run.resume)
+        return ""
 
     def _tell_recording(self, about: dict[str, Any]) -> None:
         self.feed.put("recording", json.dumps({"type": "recording", **about}))

@@ -1,4 +1,4 @@
-"""The commands top, hz, echo and logs, which watch runs from a terminal."""
+"""The commands that watch runs from a terminal and pause them: top, hz, echo, logs, pause, resume, step."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from followspot_watch.run_option import RUN
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands top, hz, echo and logs."""
+    """The commands of this package."""
     return [
         Command("top", _configure_top, _top),
         Command("hz", _configure_hz, _hz),
         Command("echo", _configure_echo, _echo),
         Command("logs", _configure_logs, _logs),
+        Command("pause", _configure_hold, _pause),
+        Command("resume", _configure_hold, _resume),
+        Command("step", _configure_step, _step),
     ]
 
 
@@ -28,6 +31,18 @@ def _configure_top(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--every", type=float, default=1.0, metavar="S", help="seconds between two tables (default 1)"
     )
+    add_network_options(parser)
+
+
+def _configure_hold(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("run", nargs="?", metavar="RUN", help=RUN)
+    add_network_options(parser)
+
+
+def _configure_step(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("number", nargs="?", type=_count, default=1, metavar="N", help="how many (default 1)")
+    parser.add_argument("--source", metavar="STAGE", help="whose capture times count (default: first camera)")
+    parser.add_argument("--run", metavar="RUN", help=RUN)
     add_network_options(parser)
 
 
@@ -143,6 +158,45 @@ def _logs(args: argparse.Namespace) -> int:
     from followspot_watch.logs import logs
 
     return logs(args)
+
+
+def _pause(args: argparse.Namespace) -> int:
+    """Pause a replay: its sources send nothing until it is resumed or stepped
+
+    What was sent is processed; outputs are the same as without pauses. Live runs cannot be paused.
+
+    Examples:
+      followspot pause
+      followspot pause glowballs --connect tls/pc-left:7450 --certificates certs
+    """
+    from followspot_watch.hold import pause
+
+    return pause(args)
+
+
+def _resume(args: argparse.Namespace) -> int:
+    """Let a paused replay go on
+
+    Examples:
+      followspot resume
+    """
+    from followspot_watch.hold import resume
+
+    return resume(args)
+
+
+def _step(args: argparse.Namespace) -> int:
+    """Let a replay go on for some capture times of one source, then pause it
+
+    Every other source sends until it has reached the last of these times.
+
+    Examples:
+      followspot step
+      followspot step 5 --source camera/cam0
+    """
+    from followspot_watch.hold import step
+
+    return step(args)
 
 
 def _seconds(text: str) -> float:

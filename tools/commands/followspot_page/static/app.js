@@ -3,6 +3,7 @@ import { Faults } from "./faults.js";
 import { Legend } from "./legend.js";
 import { make } from "./make.js";
 import { Pipeline } from "./pipeline.js";
+import { Player } from "./player.js";
 import { Recorder } from "./recorder.js";
 import { Room } from "./room.js";
 import { Tiles } from "./tiles.js";
@@ -19,6 +20,7 @@ let socket = null;
 const ask = (wish) => socket.send(JSON.stringify(wish));
 const pipeline = new Pipeline($("groups"), $("detail"), ask);
 const recorder = new Recorder($("recorder"), ask);
+const player = new Player($("player"), ask);
 const legend = new Legend($("legend"));
 const faults = new Faults($("faults"));
 const room = Room.on($("view"));
@@ -56,7 +58,8 @@ let shown = "";
 let fused = false;
 const takers = {
   answer(answer) {
-    ("on" in JSON.parse(answer.to) ? recorder : pipeline).answer(answer);
+    const wish = JSON.parse(answer.to);
+    ("on" in wish ? recorder : "hold" in wish ? player : pipeline).answer(answer);
   },
   scene(scene) {
     $("graph").textContent = scene.graph;
@@ -64,6 +67,7 @@ const takers = {
     pipeline.show(scene.stages, scene.forms);
     tiles.from(scene.stages);
     recorder.show(scene.ports);
+    player.show(scene.replay);
     if (JSON.stringify(scene.room) === shown) return; // only stages or parameters are others
     shown = JSON.stringify(scene.room);
     tiles.show(scene.room);
@@ -72,7 +76,8 @@ const takers = {
   },
   run(run) {
     const running = run.stages.some((stage) => stage.state !== "over");
-    setLife(running ? "running" : "waiting", running ? "running" : "starting");
+    const life = player.update(run.stages) ? "paused" : "running";
+    setLife(running ? life : "waiting", running ? life : "starting");
     faults.take(run.faults);
     const fresh = run.paths.filter(({ old }) => !old);
     const path = fresh.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);

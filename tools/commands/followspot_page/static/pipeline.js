@@ -2,7 +2,7 @@
 import { Form } from "./form.js";
 import { make } from "./make.js";
 
-const WORST = ["absent", "old", "starting", "sending", "processing", "waiting", "getting", "over"];
+const WORST = ["absent", "old", "starting", "paused", "sending", "processing", "waiting", "getting", "over"];
 const LASTING_S = 2; // from which on it is told how long a state has lasted
 const FAULTS = ["absent", "old"];
 const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"];

@@ -1,0 +1,137 @@
+"""Replays that are paused, stepped and resumed: what they write is what they write without."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from tests.integration.running import COMMAND, STAGES, finish, start, write_graph
+
+import followspot as fs
+from followspot.control.stage_status import StageStatus
+from followspot.operator.control_socket import runs_here
+from followspot.operator.run_handle import RunHandle
+
+PERIOD = 10_000_000
+COUNT = 60
+GATED = """for n in range(p.count):
+            while n == 2 and not (self.context.out / "gate").exists():
+                if not self.context.pause(0.01):
+                    return"""
+"""Lines of the test stages, which hold the source up at its third number."""
+
+
+@pytest.fixture(scope="module")
+def stages(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("plugins") / "gated.py"
+    path.write_text(STAGES.read_text().replace("for n in range(p.count):", GATED, 1))
+    return path
+
+
+@pytest.fixture
+def graph(tmp_path: Path) -> Path:
+    """Two sources 3 ms apart, joined; they send little until the file `gate` is in the output folder."""
+    return write_graph(
+        tmp_path,
+        f"""
+a: {{uses: gated.count, with: {{count: {COUNT}}}}}
+b: {{uses: gated.count, with: {{count: {COUNT}, shift: 3000000}}}}
+c: {{uses: gated.sum, in: {{numbers: [a, b]}}}}
+w: {{uses: gated.write, in: {{number: c}}}}
+""",
+    )
+
+
+def begun(graph: Path, stages: Path, placement: str | None, out: str) -> fs.OwnRun:
+    return fs.run(graph, placement=placement, plugin_files=[stages], out=graph.parent / out)
+
+
+def until(condition: Callable[[], bool]) -> None:
+    limit = time.monotonic() + 60.0
+    while not condition():
+        assert time.monotonic() < limit, "it never happened"
+        time.sleep(0.02)
+
+
+def command(*words: object) -> str:
+    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, timeout=90)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def sources(run: RunHandle) -> dict[str, StageStatus]:
+    stages = (stage for worker in run.status().workers for stage in worker.stages)
+    return {stage.stage: stage for stage in stages if stage.stage in "ab"}
+
+
+def paused(run: RunHandle) -> bool:
+    return [stage.state for stage in sources(run).values()] == ["paused", "paused"]
+
+
+@pytest.mark.parametrize("placement", [None, "stage"])
+def test_a_replay_with_pauses_and_steps_writes_what_it_writes_without(
+    graph: Path, stages: Path, placement: str | None
+) -> None:
+    with begun(graph, stages, placement, "with") as run:
+        run.pause()
+        (run.out / "gate").touch()
+        until(lambda: paused(run))
+        before = sources(run)
+        assert all(stage.fired <= 4 for stage in before.values())
+        assert run.step(5, source="a") == (before["a"].fired + 4) * PERIOD
+        after = sources(run)
+        assert after["a"].fired == before["a"].fired + 5
+        assert after["b"].time - PERIOD < after["a"].time <= after["b"].time
+        until(lambda: sources(run)["a"].idle_s > 2.0)  # a worker that hangs is killed sooner
+        assert paused(run)
+        assert run.step() == after["a"].time + PERIOD
+        run.resume()
+        report = run.wait()
+    assert not report.errors
+    with begun(graph, stages, placement, "without") as run:
+        (run.out / "gate").touch()
+        run.wait()
+    written = [(graph.parent / out / "ticks.csv").read_bytes() for out in ("with", "without")]
+    assert written[0] == written[1]
+    assert len(written[0].splitlines()) >= COUNT
+
+
+@pytest.mark.parametrize(("end", "placement"), [("stop", ["--placement", "stage"]), ("Ctrl-C", [])])
+def test_a_paused_run_ends_at_once_and_well(
+    graph: Path, stages: Path, end: str, placement: list[str]
+) -> None:
+    process = start(graph, graph.parent / "out", "--plugin", str(stages), *placement)
+    found: list[RunHandle] = []
+
+    def is_there() -> bool:
+        found[:] = [run for run in runs_here() if run.pid == process.pid and run.graph]
+        return bool(found)
+
+    until(is_there)
+    assert "is paused" in command("pause", process.pid)
+    (graph.parent / "out" / "gate").touch()
+    until(lambda: paused(found[0]))
+    assert "is paused at the capture time 0.0" in command("step", "2", "--source", "b", "--run", process.pid)
+    if end == "stop":
+        found[0].stop()
+    else:
+        process.send_signal(signal.SIGINT)
+    finished = finish(process, graph.parent / "out")
+    assert finished.code == 0, finished.errors
+    assert len(finished.lines()) < COUNT
+
+
+def test_a_live_run_refuses_and_a_source_that_is_not_there_is_an_error(
+    tmp_path: Path, graph: Path, stages: Path
+) -> None:
+    live = write_graph(tmp_path, "a: {uses: ticks.live, with: {count: 1000000}}", "live")
+    with fs.run(live, plugin_files=[STAGES], out=tmp_path / "live") as run:
+        for order in (run.pause, run.step):
+            with pytest.raises(fs.FollowspotError, match="a live run cannot be paused: its devices"):
+                order()
+    with begun(graph, stages, None, "out") as run, pytest.raises(fs.FollowspotError, match='no source "c"'):
+        run.step(source="c")
