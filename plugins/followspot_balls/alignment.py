@@ -1,4 +1,4 @@
-"""Blobs of cameras that are not synchronised, moved to where one moment would have shown them."""
+"""Alignment of the blobs of unsynchronised cameras to one time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NANOSECOND = 1e-9
 
 
 def delays(blobs: Sequence[Blobs], clock_offset: Array) -> Array:
-    """How much later than their joined time the blobs of each camera were seen: (M,) s.
+    """Delay of each camera's blobs after the time of the joined messages: (M,) s.
 
     clock_offset: (M,) s, by which each camera's time stamps are early. Messages are joined at the earliest.
     """
@@ -28,10 +28,10 @@ def delays(blobs: Sequence[Blobs], clock_offset: Array) -> Array:
 def aligned(
     xy: Array, view: Array, targets: Array, delay: Array, P: Array, forecast: Forecast, minimum: float
 ) -> Array:
-    """Blobs where they would have been without their cameras' delays: (N, 2) px.
+    """The blobs corrected for their cameras' delays: (N, 2) px.
 
-    A blob moves as the image of its target does, for the forecast X and v: by P(X + v delay) - P(X). Of
-    several targets it is the nearest's, within reach; a blob of no target whose place is known stays.
+    A blob moves as the image of its target does, for the forecast X and v: by P(X + v delay) - P(X). A blob
+    near several targets belongs to the nearest one; a blob out of reach of all targets stays.
     xy: (N, 2) px, undistorted; view: (N,) numbers of the cameras; targets: (N, T) bool; delay: (C,) s;
     P: (C, 3, 4); minimum: px, smallest reach.
     """

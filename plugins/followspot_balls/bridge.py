@@ -1,4 +1,4 @@
-"""A target that one camera still sees keeps its place for a while, marked as predicted."""
+"""Positions of targets that only one camera sees, marked as predicted."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ class Bridge(Stage):
         )
 
     def doubtful(self, positions: Positions, forecast: Forecast | None) -> Array:
-        """Positions that no pair supports, or a lone poor one far from the forecast: (M,) bool."""
+        """Positions without a supporting pair, or with a single weak one far from the forecast: (M,) bool."""
         poor = (positions.support == 1) & ~positions.evident
         if forecast is None or not len(forecast.state) or not (poor | (positions.support == 0)).any():
             return np.zeros(len(positions.target), bool)
@@ -101,7 +101,8 @@ class Bridge(Stage):
         return np.asarray((positions.support == 0) | (poor & far))
 
     def nearest(self, target: Array, blobs: Sequence[Blobs], forecast: Forecast) -> tuple[Sight, Array]:
-        """Each target's blob that is nearest to its forecast in any view, and whether it may be the target.
+        """The blob of each target that is nearest to its forecast in any view, and whether it passes the
+        gate.
 
         target: (M,) numbers. Returns M sights and (M,) bool.
         """
@@ -118,7 +119,7 @@ class Bridge(Stage):
         return sight.where((blob, target)), error[blob, target] <= self.params.gate**2
 
     def possible(self, offset: Array, view: Array, blobs: Sequence[Blobs], forecast: Forecast) -> Array:
-        """Which of N blobs may be which target, as they are as large, and nearer to no other: (N, T) bool.
+        """Which of N blobs have the size of which target and are nearest to it: (N, T) bool.
 
         offset: (N, T, 2) px from the targets' images; view: (N,).
         """
@@ -133,7 +134,7 @@ class Bridge(Stage):
 
 
 def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: Array) -> Positions:
-    """The positions with those of M targets that a single view made: (M,), (M, 3) m, (M, 3, 3) m^2."""
+    """The positions and those of M targets from single views: (M,), (M, 3) m, (M, 3, 3) m^2."""
     count = len(target)
     if not count:
         return positions
@@ -151,7 +152,7 @@ def with_predicted(positions: Positions, target: Array, xyz: Array, covariance: 
 
 
 def _distance(offset: Array, spread: Array) -> Array:
-    """Squared Mahalanobis distance: (M, 3), (M, 3, 3) -> (M,). From a covariance that is none, all is far."""
+    """Squared Mahalanobis distance: (M, 3), (M, 3, 3) -> (M,). A singular covariance gives inf."""
     try:
         distance: Array = np.vecdot(offset, np.linalg.solve(spread, offset[..., None])[..., 0])
     except np.linalg.LinAlgError:

@@ -36,7 +36,7 @@ NOTHING = Found(np.empty((0, 2)), np.empty(0), np.empty(0), np.empty(0, int))
 
 
 class Templates(NamedTuple):
-    """What targets look like in some views: a row for each target of each view in turn."""
+    """Templates of the targets in some views: a row for each target of each view in turn."""
 
     histograms: Array
     """(rows, 16) hue, normalised."""
@@ -172,9 +172,9 @@ def measured(
     count: int,
     near: tuple[Circles, Windows] | None = None,
 ) -> Found:
-    """Blobs of the targets that the parts of a strip are searched for.
+    """Blobs of the targets in the parts of a strip.
 
-    count: targets of each view; near: search regions, where the parts are their windows.
+    count: targets of each view; near: search regions, if the parts are their windows.
     """
     level, strip = sought.level, sought.strip
     blobs = components(above_local_peak(level, p.edge_level), level, strip)

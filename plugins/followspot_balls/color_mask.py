@@ -33,7 +33,7 @@ class Lit(NamedTuple):
 
 
 class Sought(NamedTuple):
-    """A strip of what may show the targets."""
+    """A strip with the pixels that may show the targets."""
 
     strip: Strip
     owner: Array
@@ -47,7 +47,7 @@ class Sought(NamedTuple):
 def in_windows(
     pictures: Sequence[Array], windows: Windows, owner: Array, hues: Array, limits: Limits
 ) -> Sought:
-    """What may show each target in its window.
+    """Pixels that may show each target in its window.
 
     pictures: (H, W, 3) BGR, one for each window; owner: (N,) rows of the targets;
     hues: (rows,) u16, bits of the targets of all views.
@@ -64,7 +64,7 @@ def in_windows(
 
 
 def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smallest: Array) -> Sought:
-    """What may show some targets of one view anywhere in its picture.
+    """Pixels that may show some targets of one view anywhere in its picture.
 
     owner: (N,) rows of the targets; smallest: (N,) area, px; others as above.
     """
@@ -82,7 +82,7 @@ def in_picture(pixels: Array, owner: Array, hues: Array, limits: Limits, smalles
 def lit(pixels: Array, limits: Limits) -> Lit:
     """Pixels that show a hue, or are overexposed cores. pixels: (H, W, 3) BGR.
 
-    A core is bright and pale: the sensor saturates where the ball glows most, and its hue is lost.
+    An overexposed core is bright and pale: the sensor saturates at the brightest part of the ball.
     """
     brightest_dark = min(limits.value, limits.white) - 1
     _, bright = cv2.threshold(pixels, brightest_dark, 255, cv2.THRESH_BINARY)  # of each colour by itself

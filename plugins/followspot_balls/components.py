@@ -45,7 +45,7 @@ def above_local_peak(level: Array, fraction: float) -> Array:
     """Pixels above a fraction of the brightest one near them.
 
     A ball is cut from a dimmer projection or halo that it touches, whatever the exposure.
-    level: (H, W) u8, 0 where nothing is sought. Returns bool, same shape.
+    level: (H, W) u8, 0 if nothing is sought. Returns bool, same shape.
     """
     if not level.size:
         return np.zeros(level.shape, bool)

@@ -1,4 +1,4 @@
-"""What the detectors of all cameras share: where they search, and how they say what they found."""
+"""Parameters and output that the detectors of all cameras share."""
 
 from __future__ import annotations
 

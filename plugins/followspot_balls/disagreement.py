@@ -1,4 +1,4 @@
-"""By how much cameras contradict each other about tracked targets: a sign that their calibration is off."""
+"""Disagreement of cameras about tracked targets: a sign of a wrong calibration."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from followspot.messages import Array
 from followspot.tracking import Candidates
 
 EACH = 8
-"""One frame in so many is looked at."""
+"""One frame in so many is sampled."""
 MOST = 256
-"""Frames that are kept; older ones make way."""
+"""Number of stored frames; the oldest are dropped."""
 FEWEST = 200
-"""Pairs that tell."""
+"""Smallest number of pairs for a judgement."""
 LIMIT = 0.05
 """Median distance of a blob from the epipolar line of its partner, over the width of the blobs, beyond which
-cameras disagree. Calibrated well it is 0.03 at most, where lamps sit somewhere on a ball."""
+cameras disagree. A good calibration gives at most 0.03, with lamps anywhere on the balls."""
 
 
 class Sample(NamedTuple):
@@ -48,7 +48,7 @@ class Disagreement:
             self.samples.append(Sample(candidates.epipolar[rows], candidates.area[rows]))
 
     def warning(self) -> str:
-        """What the user is told, empty where there is nothing to tell."""
+        """The warning for the user; empty if the cameras agree."""
         if not self.samples:
             return ""
         epipolar, area = (np.concatenate(parts) for parts in zip(*self.samples, strict=True))

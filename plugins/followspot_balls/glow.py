@@ -1,4 +1,6 @@
-"""What glows in a clip: in each frame the one bright, compact spot that is alike in all of them."""
+"""Detection of a glowing target in a clip: in each frame the bright, compact spot that is similar in all
+frames.
+"""
 
 from __future__ import annotations
 
@@ -40,11 +42,11 @@ class Spot(NamedTuple):
 
 
 def glowing(levels: Sequence[Array], edge: float) -> list[Spot]:
-    """The target in each frame that shows it, whoever else walks through the picture.
+    """The target in each frame that shows it; people may walk through the picture.
 
-    People are seen by the light of others: they are dimmer than what glows, or not compact, or of another
-    size than it has in most frames; so are reflections. The room is the median frame, so that hot pixels and
-    lamps are not taken for a target that moves. Raises ValueError where nothing glows.
+    People and reflections are dimmer than a glowing target, not compact, or of another size than it has in
+    most frames. The median frame is subtracted, so that hot pixels and lamps are not mistaken for a moving
+    target. Raises ValueError if nothing glows.
     levels: (H, W) u8 pictures; edge: of a blob over its brightest pixel.
     """
     stack = _stacked(levels)
@@ -65,7 +67,7 @@ def brightness(picture: Array) -> Array:
 
 
 def consistent(spots: Sequence[Spot]) -> list[Spot]:
-    """Those that are about as bright and as large as the brighter ones of the clip."""
+    """The spots with about the brightness and area of the brighter spots of the clip."""
     if not spots:
         return []
     usual = float(np.percentile([spot.level for spot in spots], 75))

@@ -8,7 +8,7 @@ from followspot.messages import Array
 
 BINS = 16
 BIT = np.append(1 << np.arange(BINS), (1 << BINS) - 1).astype(np.uint16)
-"""(17,) the bit that stands for each bin, and last all of them, for what may be of any hue."""
+"""(17,) the bit of each bin, then all bits, for pixels of unknown hue."""
 
 
 def hue_bin(hue: Array) -> Array:

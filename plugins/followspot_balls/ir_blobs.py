@@ -30,7 +30,7 @@ SAME = 0.5
 
 
 class Limits(NamedTuple):
-    """What may be a ball in each of V views."""
+    """Limits of brightness and area of a ball in each of V views."""
 
     darkest: Array
     """(V,) u8."""
@@ -121,7 +121,7 @@ def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
 
 
 def blobs_of(pictures: Sequence[Array], regions: Regions, limits: Limits, p: IrBlobs.Params) -> Found:
-    """Bright blobs in the windows, all views at once; in the whole picture where a target is lost."""
+    """Bright blobs in the windows of all views at once, and in the whole picture if a target is lost."""
     count = len(regions.circles.lost) // len(pictures)
     whole = regions.circles.lost.reshape(len(pictures), count).any(axis=1)
     found = [NOTHING]
@@ -169,7 +169,7 @@ def measured(
 ) -> Found:
     """Bright blobs of a strip.
 
-    view: (N,) of each part; circles: of all views; windows: where the parts are such.
+    view: (N,) of each part; circles: of all views; windows: of the parts, if they are windows.
     """
     blobs = components(above_local_peak(level, p.edge_level), level, strip)
     seen = view.take(blobs.part)
@@ -209,7 +209,7 @@ def nearest_radius(circles: Circles, pixel: Array) -> Array:
 
 
 def distinct(center: Array, view: Array) -> Array:
-    """Blobs without those that another window shows too, or that another part of the same ball stands for.
+    """Marks blobs that no earlier blob duplicates: in another window, or as another part of the same ball.
 
     center: (N, 2) px; view: (N,) that each is seen in. Returns (N,) bool.
     """

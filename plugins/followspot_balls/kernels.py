@@ -13,7 +13,7 @@ def epipolar_weight(distance: Array, threshold: Array | float) -> Array:
 
 
 def scales(bandwidth: Array) -> Array:
-    """What squares of offsets are weighted with in :func:`kernel`: (T, 3) m -> (T, 3, 2), 1 / h^2 and
+    """Weights of squared offsets in :func:`kernel`: (T, 3) m -> (T, 3, 2), 1 / h^2 and
     1 / max(h)^2.
     """
     squares = np.square(bandwidth)

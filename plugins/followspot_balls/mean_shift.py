@@ -14,11 +14,11 @@ from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_
 from followspot_balls.search import lost_targets
 
 FAINT = 1e-200
-"""Least credit of a candidate, so that one far from the forecast may be chosen where there is no other."""
+"""Smallest credit of a candidate, so that a distant one can be chosen if there is no other."""
 
 
 class MeanShift(Stage):
-    """Seek the mode of each target's candidates, from the forecast or from where they are densest."""
+    """Seek the mode of each target's candidates, from the forecast or from the densest candidate."""
 
     class Params(StageParams):
         initial_center: Literal["forecast", "densest", "mean"] = Field(
@@ -106,7 +106,7 @@ class MeanShift(Stage):
         )
 
     def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
-        """T_ED, px: of all candidates, or (T, N) where a target has no forecast."""
+        """T_ED, px: of all candidates, or (T, N) if a target has no forecast."""
         p = self.params
         if not lost.any():
             return p.epipolar_sigma
@@ -122,7 +122,7 @@ class MeanShift(Stage):
         return np.where(lost[:, None], recovery, np.maximum(near, FAINT))
 
     def modes(self, sample: Sample, center: Array, recovery: Array, lost: Array) -> Modes:
-        """Modes from the initial centres; those that hold too little give way to the densest candidate."""
+        """Modes from the initial centres; the densest candidate replaces modes with too little weight."""
         p = self.params
         start = weighted_mean(sample.xyz, sample.weights) if p.initial_center == "mean" else center.copy()
         dense = lost | (p.initial_center == "densest")

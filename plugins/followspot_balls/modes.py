@@ -20,7 +20,7 @@ class Sample(NamedTuple):
     labelled: Array
     """(N,) bool."""
     weights: Array
-    """(M, N); 0 where a candidate is not the target's. Each row has one above 0."""
+    """(M, N); 0 if a candidate is not the target's. Each row has one above 0."""
     bandwidth: Array
     """(M, 3) m."""
 
@@ -30,7 +30,7 @@ class Sample(NamedTuple):
 
 
 class Modes(NamedTuple):
-    """Where the centres came to rest."""
+    """The converged centres."""
 
     center: Array
     """(M, 3) m."""
@@ -41,9 +41,9 @@ class Modes(NamedTuple):
 
 
 def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Modes:
-    """Move each centre to the weighted mean of what its kernel holds (eq. 4) until it rests.
+    """Move each centre to the weighted mean of the candidates in its kernel (eq. 4) until it converges.
 
-    A centre whose kernel holds nothing stays where it is.
+    A centre with an empty kernel does not move.
     start: (M, 3) m; tolerance: length of the last step, m; steps: at most.
     """
     center, taken = start, np.zeros(len(start), int)
@@ -66,7 +66,7 @@ def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Mo
 
 
 def weighted_mean(xyz: Array, weights: Array) -> Array:
-    """Sum w x / sum w: (N, 3) m and (M, N) -> (M, 3) m; zero where all weights are."""
+    """Sum w x / sum w: (N, 3) m and (M, N) -> (M, 3) m; zero if all weights are."""
     total = weights.sum(axis=1, keepdims=True)
     return np.asarray(weights @ xyz / np.maximum(total, TINY))
 
@@ -74,7 +74,7 @@ def weighted_mean(xyz: Array, weights: Array) -> Array:
 def densest(sample: Sample, credit: Array) -> Array:
     """The candidate around which each target's are densest.
 
-    credit: (M, N) factor of each candidate's density, 0 where it must not be chosen. Returns (M, 3) m.
+    credit: (M, N) factor of each candidate's density, 0 if it must not be chosen. Returns (M, 3) m.
     """
     center = np.empty((len(credit), 3))
     scale, unlabelled = scales(sample.bandwidth), 1.0 - sample.labelled

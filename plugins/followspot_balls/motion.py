@@ -18,7 +18,7 @@ class Motion(NamedTuple):
 
     @classmethod
     def zero(cls, count: int) -> Self:
-        """Nothing known of `count` targets."""
+        """The motion of `count` targets before any measurement."""
         return cls(np.zeros((count, 6)), np.zeros((count, 6, 6)))
 
     @property
@@ -75,10 +75,10 @@ def transition(seconds: float, acceleration: float) -> tuple[Array, Array]:
 def manoeuvred(
     motion: Motion, target: Array, xyz: Array, noise: Array, seconds: float, gate: float
 ) -> Motion:
-    """Predictions that give way to measurements which they make improbable: the target bounced or was hit.
+    """Predictions with larger covariances for targets that bounced or were hit.
 
-    Where the innovation n exceeds `gate` sigmas, n^T S^-1 n > gate^2, its velocity changed along n by an
-    unknown amount at an unknown moment of the last step: the covariance grows until n is one sigma.
+    If the innovation n exceeds `gate` sigmas, n^T S^-1 n > gate^2, the velocity changed along n by an unknown
+    amount at an unknown time of the last step: the covariance grows until n is one sigma.
     target: (M,) distinct; xyz: (M, 3) m; noise: (M, 3, 3) m^2; seconds: of the step.
     """
     innovation = xyz - motion.state[target, :3]
@@ -125,7 +125,7 @@ def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Mot
 def followed(
     motion: Motion, target: Array, xyz: Array, noise: Array, sure: Array, seconds: float, gate: float
 ) -> Motion:
-    """Corrected by measurements; where sure ones are improbable, predictions give way first.
+    """The motion corrected by measurements; improbable but sure ones first enlarge the covariance.
 
     sure: (M,) bool; others as for :func:`manoeuvred`.
     """

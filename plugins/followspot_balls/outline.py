@@ -15,10 +15,10 @@ def unit_outline(room: Room) -> Array:
 
 
 def bright_part(room: Room, focal: Array) -> Array:
-    """Part of a whole ball's outline that its blob fills in each camera: (C,), 1 where it was not learnt.
+    """Share of a whole ball's outline that its blob fills in each camera: (C,), 1 without templates.
 
     Reflective patches are dim towards the rim, so an infrared blob may show less of a ball than a
-    colour blob. The templates tell how large whole balls are, for cameras about equally far away.
+    colour blob. The templates give the area of whole balls, for cameras at similar distances.
     """
     sizes = np.full(len(focal), np.nan)
     for number, name in enumerate(room.cameras):

@@ -1,4 +1,4 @@
-"""Where a target is looked for: circles in the views (Jin & Qian 2008, eq. 3) and spheres in the room."""
+"""Search regions of targets: circles in the views (Jin & Qian 2008, eq. 3) and spheres in the room."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot.room import Room
 from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
 
 MARGIN = 2
-"""Px by which a window exceeds a ball on its search circle: what touches the window's edge may be cut off."""
+"""Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""
 FARTHEST_OFF = 0.1
 """Cosine of the angle from the optical axis up to which outlines become longer."""
 TINY = np.finfo(float).tiny
@@ -28,7 +28,7 @@ class Circles(NamedTuple):
     radius: Array
     """(T,) px."""
     ball: Array
-    """(T,) px, radius of the target's outline; NaN where the centre is."""
+    """(T,) px, radius of the target's outline; NaN if the centre is."""
     lost: Array
     """(T,) bool: looked for in the whole image."""
 
@@ -97,7 +97,7 @@ def tracked_targets(forecast: Forecast | None, count: int) -> Array:
 def search_radius(travel: Array, minimum: float, scale: float) -> Array:
     """T_2D: `minimum` while the expected travel is at most that, else `scale` times the travel (eq. 3).
 
-    travel: (...,) px between the last two estimates, NaN where one has no image; minimum: px.
+    travel: (...,) px between the last two estimates, NaN if one has no image; minimum: px.
     """
     return np.asarray(np.where(travel > minimum, scale * travel, minimum))
 
@@ -115,7 +115,7 @@ def search_circles(
 def search_regions(
     room: Room, cameras: Sequence[str], forecasts: Sequence[Forecast | None], minimum: float, scale: float
 ) -> Regions:
-    """Where targets are looked for in some views, by the forecast that each has."""
+    """Search regions of some views, from the forecast of each."""
     if len(set(forecasts)) > 1:  # a camera lags behind
         alone = zip(cameras, forecasts, strict=True)
         return side_by_side([search_regions(room, [c], [f], minimum, scale) for c, f in alone])
@@ -130,7 +130,7 @@ def search_regions(
 
 @lru_cache(maxsize=8)
 def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: float) -> RoomRegions:
-    """Where targets are looked for in all views at once, for whichever stage of a worker asks first."""
+    """Search regions of all views at once; the stages of a worker share the cached result."""
     views, count = len(room.cameras), len(room.targets)
     lost = lost_targets(forecast, count)
     rows_lost = lost[None].repeat(views, axis=0).reshape(-1)
@@ -150,14 +150,14 @@ def room_regions(room: Room, forecast: Forecast | None, minimum: float, scale: f
 
 @lru_cache(maxsize=8)
 def view_rows(room: Room, cameras: tuple[str, ...]) -> Array:
-    """Rows of some views among those of all: (views * T,)."""
+    """Rows of some views in the arrays of all views: (views * T,)."""
     numbers = np.array([list(room.cameras).index(camera) for camera in cameras])
     count = len(room.targets)
     return np.asarray((numbers[:, None] * count + np.arange(count)).reshape(-1))
 
 
 def side_by_side(views: Sequence[Regions]) -> Regions:
-    """The regions of several views, one by one, as those of all."""
+    """The concatenated regions of several views."""
     circles = Circles(*map(np.concatenate, zip(*(view.circles for view in views), strict=True)))
     count = len(views[0].circles.lost)
     near = np.concatenate([view.near + number * count for number, view in enumerate(views)])
@@ -167,7 +167,7 @@ def side_by_side(views: Sequence[Regions]) -> Regions:
 
 @lru_cache(maxsize=8)
 def forecast_images(room: Room, forecast: Forecast) -> Images:
-    """Forecasts reprojected into all views at once, for whichever stage of a worker asks first."""
+    """Forecasts reprojected into all views at once; the stages of a worker share the cached result."""
     views, count, sizes = room_views(room), len(room.targets), target_radii(room)
     here = forecast.xyz
     local = views.local(np.concatenate([forecast.last, here, here, forecast.before, here, here]))

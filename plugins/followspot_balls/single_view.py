@@ -1,4 +1,4 @@
-"""A place from one view: what the blob leaves open, the forecast or a plane settles."""
+"""Position from one view: the forecast or a plane determines the depth."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import numpy as np
 from followspot.messages import Array
 
 OPEN = 1.0
-"""One sigma of the forecast, m: it settles what nothing else does, and the filter adds its own belief."""
+"""Sigma of the forecast, m: large, because it only has to fix the depth; the filter weighs the forecast
+itself."""
 PLANE = 0.01
 """One sigma of the height of a ball that lies on a plane, m."""
 
@@ -40,7 +41,7 @@ def images(P: Array, place: Array) -> tuple[Array, Array]:
 
 
 def misfit(sight: Sight, covariance: Array, sigma: float) -> Array:
-    """Squared Mahalanobis distances of blobs from forecasts: of (N, T) sights, NaN where there is no image.
+    """Squared Mahalanobis distances of blobs from forecasts: of (N, T) sights, NaN if there is no image.
 
     covariance: (T, 3, 3) m^2, of the forecasts; sigma: of a blob's place, px.
     """

@@ -1,8 +1,8 @@
 """Many small parts of pictures side by side in one strip, so that one call treats them all.
 
 The parts are search windows, of one picture or several, or the clusters in which sought pixels of a whole
-picture lie. Empty columns between them are so wide that no part bears upon its neighbour: what is found in
-a part does not depend on what else is in the strip.
+picture lie. Empty columns between them are so wide that the parts are independent: results in one part do not
+depend on the others.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ each other's reach."""
 
 
 class Windows(NamedTuple):
-    """Where N square windows lie."""
+    """Positions of N square windows."""
 
     corners: Array
     """(N, 2) int px, x and y of the upper left pixels in their pictures."""
@@ -38,7 +38,7 @@ class Windows(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """Where the N parts lie: W columns."""
+    """Positions of the N parts: W columns."""
 
     part: Array
     """(W,) part that each column belongs to."""
@@ -93,7 +93,7 @@ def whole_strip(width: int) -> Strip:
 
 
 def cut(pictures: Sequence[Array], windows: Windows) -> Array:
-    """Copy windows into a strip; black where they reach beyond their pictures.
+    """Copy windows into a strip; pixels outside their pictures are black.
 
     pictures: N of (H, W, C), one for each window. Returns (rows, columns, C).
     Raises ValueError for pictures of different kinds.

@@ -1,7 +1,7 @@
 """Templates of a target, learnt from a clip of it in a dark room (Jin & Qian 2008, section 3.2).
 
-The frames are those of one camera; the target glows, moves and may be out of view in some of them; whoever
-carries it may be in view.
+The frames are those of one camera; the target glows, moves and may be out of view in some of them; a person
+may carry it in view.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 VIVID = 80
 """Least saturation of a pixel that shows its hue."""
 ALIKE = 0.6
-"""Least similarity of a spot's hues with those of the whole clip; another colour is something else."""
+"""Smallest similarity of a spot's hues with those of the clip; a spot of another colour is no target."""
 
 
 class ColorSpots(NamedTuple):
@@ -39,14 +39,14 @@ class ColorSpots(NamedTuple):
 def learn_color(frames: Sequence[Array]) -> tuple[Array, tuple[float, float]]:
     """Hue histogram (16,), normalised, and smallest and largest area in px of a glowing target.
 
-    frames: BGR pictures (H, W, 3) u8. Raises ValueError where no target is seen.
+    frames: BGR pictures (H, W, 3) u8. Raises ValueError if no target is seen.
     """
     spots = color_spots(frames)
     return color_template(spots), spots.extremes
 
 
 def color_spots(frames: Sequence[Array]) -> ColorSpots:
-    """The target in each frame that shows it: spots of one colour. Raises ValueError where there are none."""
+    """The target in each frame that shows it: spots of one colour. Raises ValueError if there are none."""
     spots = glowing([brightness(frame) for frame in frames], COLOR_EDGE)
     counts = np.zeros((len(spots), BINS))
     for number, spot in enumerate(spots):
@@ -72,7 +72,7 @@ def color_template(spots: ColorSpots) -> Array:
 def learn_infrared(frames: Sequence[Array]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Lowest and highest grey level, and smallest and largest area in px, of a reflective target.
 
-    frames: pictures (H, W) or (H, W, channels) u8. Raises ValueError where no target is seen.
+    frames: pictures (H, W) or (H, W, channels) u8. Raises ValueError if no target is seen.
     """
     grays = [frame if frame.ndim == 2 else frame[..., 0] for frame in frames]
     spots = glowing(grays, INFRARED_EDGE)

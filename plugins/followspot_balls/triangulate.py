@@ -16,7 +16,7 @@ from followspot_balls.search import lost_targets, search_spheres, tracked_target
 from followspot_balls.three_views import threefold
 
 SAME_COLOR = 0.8
-"""Bhattacharyya coefficient of two templates from which colour does not tell the targets apart (eq. 2)."""
+"""Bhattacharyya coefficient of two templates above which colour does not distinguish the targets (eq. 2)."""
 
 
 class Triangulate(Stage):
@@ -73,7 +73,7 @@ class Triangulate(Stage):
 
     @cached_property
     def disagreement(self) -> Disagreement:
-        """What is told at the end, also of a run that never began."""
+        """Statistics for the warning at the end; also exists if the run never began."""
         return Disagreement()
 
     def setup(self) -> None:
@@ -121,7 +121,7 @@ class Triangulate(Stage):
         return candidates
 
     def close(self) -> None:
-        """Tell the user where the cameras contradict each other."""
+        """Warn the user if the cameras contradict each other."""
         if text := self.disagreement.warning():
             self.context.warn(text)
 
@@ -156,7 +156,7 @@ class Triangulate(Stage):
     def unclaimed(self, pairs: Pairs, forecast: Forecast | None) -> Array:
         """Which pairs may be a target's although others are tracked: (N, T) bool.
 
-        An infrared blob where a tracked target is expected is that target, and no evidence of a lost one.
+        An infrared blob at the forecast of a tracked target is that target, and no evidence of a lost one.
         """
         count = len(self.sizes)
         lost, tracked = lost_targets(forecast, count), tracked_targets(forecast, count)
@@ -180,12 +180,12 @@ class Triangulate(Stage):
         return np.asarray(pairs.area * distance2 / self.unit_outline.take(pairs.view))
 
     def plausible(self, sizes: Array, pairs: Pairs, sought: Array, whole: Array) -> Array:
-        """Which pairs are as large as a target that is sought would be there: (N, T) bool.
+        """Which pairs have the size of a sought target at that distance: (N, T) bool.
 
-        A tracked ball may be hidden in part; one that is still sought must show itself, but to two
-        cameras only: what makes pairs with both blobs of an evident pair may be small.
-        sizes: (N, 2) unit shares; sought: (N, T) bool, which else may be such a target's; whole: (N, T)
-        bool, of which both blobs are large enough for an evident pair.
+        A tracked ball may be partly hidden. A sought one must be visible, but only to two cameras: a blob
+        that pairs with both blobs of an evident pair may be small.
+        sizes: (N, 2) unit shares; sought: (N, T) bool, pairs that may show a sought target; whole: (N, T)
+        bool, pairs of blobs that are both large enough for an evident pair.
         """
         sought = sought & (sizes.max(axis=1)[:, None] <= self.params.maximum_area * self.outlines)
         large = sizes.min(axis=1)[:, None] >= self.params.minimum_area * self.outlines

@@ -104,7 +104,7 @@ class VerifyPairs(Stage):
     def at_one_moment(
         self, xy: Array, view: Array, targets: Array, blobs: Sequence[Blobs], forecast: Forecast
     ) -> Array:
-        """Where all cameras would have seen the blobs (N, 2) px at the joined time."""
+        """The blobs (N, 2) px corrected to the time of the joined messages."""
         numbers = [self.number[b.camera] for b in blobs]
         delay = np.zeros(len(self.cameras))
         delay[numbers] = delays(blobs, self.clock_offset[numbers])

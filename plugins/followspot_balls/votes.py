@@ -2,7 +2,7 @@
 
 The centroid of a partly hidden ball is off by a pixel or more. Its visible rim is still a part of a
 circle whose radius follows from the forecast distance, so each edge pixel votes for the point one
-radius inward; the rim's votes agree, those of the edge of whatever hides the ball scatter.
+radius inward; the rim's votes agree, those of the edge of an occluder scatter.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ NEAR = 1.2
 FAINTEST = 0.08
 """Least slope of a voting pixel, peaks per px."""
 UNHEARD = 1e-9
-"""Weight of the centroid itself, so that it stays where there is no vote."""
+"""Weight of the centroid itself, so that it stays if there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
 """Scale of the robust kernel in each iteration, px: wide enough to leave a biased centroid, then exact."""
 TOUCHING = np.ones((3, 3), np.uint8)
 
 
 def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, edge: float) -> Array:
-    """Centres of the discs that the components are visible parts of.
+    """Centres of the discs whose visible parts are the components.
 
     level: (H, W) u8 brightness that the components were cut from, in a strip;
-    radius: (N,) px of each component's disc, NaN where unknown; edge: of a disc over its peak.
-    Returns (N, 2) px in the picture; the centroid where the radius is unknown.
+    radius: (N,) px of each component's disc, NaN if unknown; edge: of a disc over its peak.
+    Returns (N, 2) px in the picture; the centroid if the radius is unknown.
     """
     known = np.equal(radius, radius).nonzero()[0]
     if not len(known):
@@ -88,7 +88,7 @@ def derivatives(level: Array, index: Array) -> Array:
 
 
 def agreement(votes: Array, weight: Array, label: Array, start: Array) -> Array:
-    """Where most votes of each component agree: a weighted mean, iterated with a narrowing kernel.
+    """The point where most votes of each component agree: an iterated weighted mean with a narrowing kernel.
 
     votes: (3, P) x and y, px, and 1; weight, label: (P,); start: (K, 2) px, kept without votes.
     Returns (K, 2) px.

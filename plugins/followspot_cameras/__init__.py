@@ -2,6 +2,6 @@
 
 import os
 
-# Decoders complain on standard error; what matters of it is said by the stages.
+# The stages report what matters of the decoders' messages on standard error.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 os.environ.setdefault("OPENCV_LOG_LEVEL", "ERROR")

@@ -27,7 +27,7 @@ def cut_off(path: Path) -> str:
 
 
 def declared_size(file: BinaryIO) -> int:
-    """Bytes that the file should have, after its own header (Matroska, AVI, MP4); 0 where it does not say."""
+    """Bytes that the file should have, after its own header (Matroska, AVI, MP4); 0 if it does not say."""
     head = file.read(12)
     file.seek(0)
     if head[:4] == EBML:

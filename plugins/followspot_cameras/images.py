@@ -36,7 +36,7 @@ class Images(Stage):
     params: Params
 
     def setup(self) -> None:
-        """List the folder. Raises InputError where it has no such pictures."""
+        """List the folder. Raises InputError if it has no such pictures."""
         self.files = natural_order(self.params.path, self.params.pattern)
         if not self.files:
             raise InputError(
@@ -77,7 +77,7 @@ class Images(Stage):
 def read_picture(path: Path, flags: int = cv2.IMREAD_COLOR) -> Array | None:
     """The picture, (H, W, 3) uint8 unless flags say otherwise.
 
-    None where it cannot be read, has more than `PICTURE` bytes, or claims a size beyond all reason.
+    None if it cannot be read, has more than `PICTURE` bytes, or claims a size beyond all reason.
     """
     try:
         require_regular(path, PICTURE)

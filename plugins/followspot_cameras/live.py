@@ -19,13 +19,13 @@ FIRST_WAIT, LONGEST_WAIT = 0.5, 10.0
 
 
 class Capture(Protocol):
-    """What is used of cv2.VideoCapture."""
+    """The methods of cv2.VideoCapture that live cameras use."""
 
     def isOpened(self) -> bool:  # noqa: N802
         """Whether the camera answers."""
 
     def grab(self) -> bool:
-        """Wait for the next picture; False where none comes."""
+        """Wait for the next picture; False if none comes."""
 
     def retrieve(self, image: Array | None = None, /) -> tuple[bool, Any]:
         """Decode the grabbed picture, into `image` if it fits."""
@@ -35,7 +35,7 @@ class Capture(Protocol):
 
 
 class LiveCamera(Stage, ABC):
-    """Base of live sources: subclasses say how to connect and what the camera is called."""
+    """Base of live sources: subclasses connect to the camera and name it."""
 
     live: ClassVar[bool] = True
     per_camera: ClassVar[bool] = True

@@ -1,4 +1,4 @@
-"""From what OpenCV decodes to a `Frame`: the camera's size, its number of channels, one array."""
+"""Conversion of decoded pictures to a `Frame`: the camera's size and number of channels in one array."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Loan = Callable[[tuple[int, ...], str], Array]
 
 
 def color_buffer(camera: Camera, loan: Loan) -> Array | None:
-    """(H, W, 3) to decode into, where the picture needs no conversion afterwards; else None."""
+    """(H, W, 3) to decode into, if the picture needs no conversion afterwards; else None."""
     width, height = camera.size
     return loan((height, width, 3), "u1") if camera.kind == "color" else None
 
@@ -24,7 +24,7 @@ def as_frame(image: Array, camera: Camera, loan: Loan, origin: str) -> Frame:
     """The decoded picture as the camera's frame: BGR for colour cameras, one grey channel for infrared.
 
     image: (H, W, 3) BGR or (H, W) grey; origin: file, device or address, for the error.
-    Raises InputError where the size is not that of the calibration.
+    Raises InputError if the size is not that of the calibration.
     """
     check_size(image.shape[1], image.shape[0], camera, origin)
     gray = image.ndim == 2 or image.shape[2] == 1
@@ -39,7 +39,7 @@ def as_frame(image: Array, camera: Camera, loan: Loan, origin: str) -> Frame:
 
 
 def check_size(width: int, height: int, camera: Camera, origin: str) -> None:
-    """Raise InputError where a picture has not the size that the camera was calibrated with, px."""
+    """Raise InputError if a picture does not have the size, px, that the camera was calibrated with."""
     if (width, height) != camera.size:
         raise InputError(
             [

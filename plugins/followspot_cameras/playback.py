@@ -13,9 +13,9 @@ from followspot_cameras.video import Video
 
 
 class Playback(Video):
-    """Play a video file at its own speed; frames that nobody takes in time are dropped, the oldest first.
+    """Play a video file at its own speed; if the graph is too slow, the oldest frames are dropped.
 
-    Shows on a recording what a graph does with a live camera. Frame f is captured at f / fps, as in the
+    It shows on a recording how a graph behaves with a live camera. Frame f is captured at f / fps, as in the
     recording, and comes that long after the first one.
     """
 
@@ -32,7 +32,7 @@ class Playback(Video):
         return Event()
 
     def process(self) -> Source[Frame]:
-        """Frames when they are due; those that are overdue at once."""
+        """Frames when they are due; overdue frames at once."""
         began, origin = 0.0, None
         try:
             for frame in super().process():

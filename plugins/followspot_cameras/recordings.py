@@ -16,7 +16,7 @@ POSE_TRUTH = "_gt.csv"
 def find_recordings(folder: Path, cameras: Iterable[str]) -> dict[str, Path]:
     """Camera -> video file or folder of pictures; cameras without one are left out.
 
-    Raises InputError where the folder is none, or a camera has several videos.
+    Raises InputError if the folder is none, or a camera has several videos.
     """
     if not folder.is_dir():
         raise InputError([Mistake(None, f"{folder} is not a folder")])

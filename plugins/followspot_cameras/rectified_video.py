@@ -30,7 +30,7 @@ class RectifiedVideo(Stage):
     """Play a video turned upright, without distortion, smaller: as the room's camera would have taken it.
 
     The room's camera and the one that took the video stand at the same place, so that no depth is needed.
-    What the video does not show repeats the colours at its edge.
+    Pixels outside the video repeat the colours at its edge.
     """
 
     per_camera = True
@@ -49,7 +49,7 @@ class RectifiedVideo(Stage):
         self._maps = rectification(self.camera, taken)
 
     def length(self) -> int | None:
-        """Frames that will come, where the file tells."""
+        """Number of frames, if the file states it."""
         return self._video.length()
 
     def process(self) -> Source[Frame]:
@@ -87,9 +87,9 @@ def taken_by(camera: Camera, lens: Lens) -> Camera:
 
 
 def rectification(camera: Camera, taken: Camera) -> tuple[Array, Array]:
-    """Where each pixel of a camera is in the pictures of another at the same place, for `cv2.remap`.
+    """Coordinates of each pixel of a camera in the pictures of another at the same place, for `cv2.remap`.
 
-    Where the other looks elsewhere, it is the place outside that OpenCV calls the border.
+    Pixels that the other camera does not see get coordinates outside the picture.
     """
     width, height = camera.size
     y, x = np.mgrid[:height, :width]

@@ -20,8 +20,8 @@ from followspot_cameras.picture import as_frame, check_size, color_buffer
 class Video(Stage):
     """Play a video file as the camera's pictures; frame f is captured at f / fps.
 
-    Frames that cannot be decoded leave a gap in the numbers, where the file has time stamps to tell,
-    and are reported at the end; so is a file that ends early.
+    Frames that cannot be decoded leave a gap in the numbers if the file has time stamps. They are reported at
+    the end, as is a file that ends early.
     """
 
     per_camera = True
@@ -36,7 +36,7 @@ class Video(Stage):
     capture = cv2.VideoCapture()  # plays nothing until setup
 
     def setup(self) -> None:
-        """Open the file. Raises InputError where it is no video, or one of another size or without a rate."""
+        """Open the file. Raises InputError if it is no video, has another size or states no frame rate."""
         path = self.params.path
         self.capture = open_video(path)
         width = int(self.capture.get(cv2.CAP_PROP_FRAME_WIDTH))
@@ -46,7 +46,7 @@ class Video(Stage):
         self.damaged = 0
 
     def length(self) -> int | None:
-        """Frames that will come, after the container; None where its time stamps are of no use."""
+        """Number of frames as the container states it; None if its time stamps are unusable."""
         total = announced_frames(self.params.path) - self.params.start_frame
         return min(total, self.params.frames or total) if total > 0 else None
 
@@ -70,7 +70,7 @@ class Video(Stage):
     def numbered(self, last: int | None) -> Iterator[int]:
         """Grab one picture after the other up to number `last` and give each its number.
 
-        The number follows the time stamp where that leaps, for then frames before it are damaged.
+        The number follows the time stamp if that leaps, because then frames before it are damaged.
         """
         number, origin = -1, None
         while last is None or number < last:
@@ -86,7 +86,7 @@ class Video(Stage):
                 yield number
 
     def warn_of_early_end(self, played: int) -> None:
-        """Compare what came with what the container announced."""
+        """Warn if fewer frames came than the container announced."""
         path = self.params.path
         total = int(self.capture.get(cv2.CAP_PROP_FRAME_COUNT))
         missing = cut_off(path)
@@ -122,7 +122,7 @@ def open_video(path: Path) -> cv2.VideoCapture:
 
 
 def announced_frames(path: Path) -> int:
-    """Number of frames after the container; 0 where that rests on time stamps that do not advance."""
+    """Number of frames as the container states it; 0 if its time stamps do not advance."""
     capture = open_video(path)
     try:
         advancing = capture.grab() and capture.grab() and capture.get(cv2.CAP_PROP_PTS) >= 1
@@ -132,7 +132,7 @@ def announced_frames(path: Path) -> int:
 
 
 def frame_rate(capture: cv2.VideoCapture, path: Path, given: float) -> Fraction:
-    """Frames per second: as given, or as the file states it. Raises InputError where neither does."""
+    """Frames per second: as given, or as the file states it. Raises InputError if neither does."""
     try:
         return exact_rate(given or capture.get(cv2.CAP_PROP_FPS))
     except (ValueError, OverflowError):

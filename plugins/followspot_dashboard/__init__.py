@@ -1,1 +1,1 @@
-"""Taps: previews of what a graph sends, for those who look on. They never wait and cost nothing unwatched."""
+"""Taps: previews of a graph's messages for observers. They never wait and cost nothing without observers."""

@@ -9,9 +9,9 @@ from followspot_dashboard.picture import picture_of
 
 
 class Echo(Observer):
-    """Send every message of a port to `followspot echo`; what it does not take at once is dropped.
+    """Send every message of a port to `followspot echo`; messages that it does not take at once are dropped.
 
-    Of a frame a small picture is sent.
+    Frames are sent as small pictures.
     """
 
     class Params(Observer.Params):

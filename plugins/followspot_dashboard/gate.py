@@ -1,9 +1,8 @@
-"""Which moments are previewed: the taps of all processes agree through a few words of shared memory.
+"""The gate: the taps of all processes agree on the previewed capture times through shared memory.
 
-Pictures, blobs and tracks of one moment belong together, so the taps do not each choose their own: the tap
-of a source that finds the period over names a capture time a few frames ahead, and every tap shows its first
-message from then on. The words live in a file of the page's folder, made by the page, which also says there
-whether anybody looks.
+Pictures, blobs and tracks of one time belong together, so the taps choose together: when the period is over,
+the tap of a source stores a capture time a few frames ahead, and every tap shows its first message from then
+on. The page makes the file of shared words in its folder, and stores there whether a browser shows it.
 """
 
 from __future__ import annotations
@@ -14,9 +13,9 @@ from pathlib import Path
 
 FILE = "gate"
 WATCHED, MOMENT, BEFORE, NEXT = range(4)
-"""Words: whether anybody looks; the capture time, ns, to show next, and the one before, which not all taps
-may have come to; ns of the monotonic clock at which the next one may be named. They are hints: two taps that
-write at once cost a preview, nothing else."""
+"""Words: whether a browser shows the page; the next capture time to show, ns, and the previous one, which
+some taps may not have reached; the monotonic time, ns, after which a tap may choose the next one. They are
+hints: two taps that write at once cost one preview."""
 SIZE = 32
 MAX_LEAD = 8
 """Frames from naming a moment to it, at most: as many as may be under way between stages."""
@@ -25,7 +24,7 @@ _BACKWARDS = 1_000_000_000
 
 
 class Gate:
-    """The shared words. Raises OSError where the file is not there."""
+    """The shared words. Raises OSError if the file is not there."""
 
     def __init__(self, folder: Path) -> None:
         fd = os.open(folder / FILE, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
@@ -37,7 +36,7 @@ class Gate:
 
     @property
     def watched(self) -> bool:
-        """Whether anybody looks. Stored by the page."""
+        """Whether a browser shows the page, which stores this word."""
         return self.words[WATCHED] != 0
 
     @watched.setter
@@ -45,9 +44,9 @@ class Gate:
         self.words[WATCHED] = somebody
 
     def moment(self, time: int) -> int:
-        """The newest moment, ns, up to a capture time: the first message of each port from it on is shown.
+        """The newest chosen time, ns, up to a capture time: each tap shows its first message from then on.
 
-        Later than the capture time where no moment has come yet.
+        Later than the capture time if none was chosen yet.
         """
         newest = self.words[MOMENT]
         return newest if time >= newest else self.words[BEFORE]
@@ -67,7 +66,7 @@ class Gate:
         self.words[MOMENT] = moment
 
     def close(self) -> None:
-        """Let go of the memory."""
+        """Release the shared memory."""
         self.words.release()
         self._memory.close()
 

@@ -1,4 +1,4 @@
-"""What the stages have in common that send what they observe at a port to a reader or the page."""
+"""Base of the stages that observe a port and send its messages to a reader or the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which messages of a port are previewed: those of the moments that all taps show."""
+"""The choice of previewed messages: those at the capture times that all taps show."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from followspot_dashboard.pace import Pace
 
 
 class Turn(Protocol):
-    """What a tap asks about each message."""
+    """Decides for each message whether a tap shows it."""
 
     def has_come(self, captured: int) -> bool:
         """Whether the message with this capture time, ns, is shown. Asked once of each message."""

@@ -37,21 +37,21 @@ each second since the last one, for a body is 0.7 m high to the waist and people
 MISS = 1.5
 """Trust that a person loses without a box."""
 TRUSTED = 12.0
-"""Most trust in a person."""
+"""Largest trust in a person."""
 UNUSUAL = 0.12
-"""Difference from the usual height that costs a newcomer half a point of trust, m."""
+"""Difference from the mean height that raises the confirmation score of a newcomer by half a point, m."""
 COLOR_SHARE = 0.3
 """Weight of minus log F^C against the distance, relative to this limit, when boxes are given to persons."""
 STRANGE = 2.0
-"""Minus log F^C of a person who wears something else."""
+"""Minus log F^C of a person with other clothes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Acquaintance:
-    """A person, known or not yet: number 0 until enough boxes have shown that somebody is there.
+    """A person of the slow instance: tentative, with number 0, until enough boxes confirm it.
 
-    initiated, seen: ns, of the first and of the last box; hits, trust: number of the boxes so far, and their
-    scores less what missing ones cost; absent: whether the person is away.
+    initiated, seen: ns, times of the first and of the last box; hits: number of boxes; trust: sum of their
+    scores minus the cost of missing boxes; absent: whether the person has left.
     """
 
     number: int
@@ -167,7 +167,7 @@ class Appearance(Stage):
         return matched(cost, 1 + COLOR_SHARE * STRANGE)
 
     def strangeness(self, person: Acquaintance, seen: BodyView, box: Array, picture: Picture) -> float:
-        """Minus log F^C of a person, standing in a box as in the last picture; 0 where no colour is known."""
+        """Minus log F^C of a person, standing in a box as in the last picture; 0 if no colour is known."""
         if person.colors.evidence.sum() == 0:
             return 0.0
         placed = replace(seen, surface=carried(seen.surface[0], seen.box[0], box)[None])
@@ -179,7 +179,7 @@ class Appearance(Stage):
         return -float(np.log(color_likelihood(responses * inside, seen.visibility)[0]))
 
     def unclaimed(self, boxes: Boxes, pairs: list[tuple[int, int]]) -> list[int]:
-        """Boxes that begin a person: sure enough, and not one more box of somebody who has one."""
+        """Boxes that initiate a person: with a sufficient score, and not on a person that has a box."""
         claimed = [box for _, box in pairs]
         taken = on_body(boxes.box, boxes.box[claimed], self.around) | (
             boxes.score < self.params.minimum_score
@@ -216,7 +216,7 @@ class Appearance(Stage):
         )
 
     def missed(self, person: Acquaintance, seconds: float, now: int) -> Acquaintance | None:
-        """The person after a picture without a box; None for one whom nobody knows yet."""
+        """The person after a picture without a box; None deletes a tentative person."""
         trust = person.trust - MISS
         if person.number == 0 and trust <= 0:
             return None
@@ -224,14 +224,16 @@ class Appearance(Stage):
         return replace(person, track=coasted(person.track, seconds), trust=trust, absent=absent)
 
     def initiated(self, detection: Detection, score: float, now: int) -> Acquaintance:
-        """Somebody whom one box has shown."""
+        """A tentative person from one box."""
         particles = spawned(self.camera, self.shape, detection, self.params.particles, self.rng)
         return Acquaintance(
             0, Track.initiated(particles), ColorModel.unseen(len(self.shape.names)), now, now, 1, score
         )
 
     def recognised(self, people: list[Acquaintance]) -> list[Acquaintance]:
-        """Everybody, newcomers with the number of one who was lost and looks the same, or with a new one."""
+        """All persons; confirmed newcomers get the number of an absent person of the same appearance, or a
+        new one.
+        """
         newcomers = [p for p in people if self.confirmed(p)]
         others = [p for p in people if not self.confirmed(p)]
         for newcomer in newcomers:
@@ -248,7 +250,7 @@ class Appearance(Stage):
         return others
 
     def confirmed(self, person: Acquaintance) -> bool:
-        """Whether a newcomer is a person."""
+        """Whether a tentative person is confirmed."""
         unusual = 0.5 * ((person.track.stature - STATURE) / UNUSUAL) ** 2
         return (
             person.number == 0
@@ -261,7 +263,7 @@ class Appearance(Stage):
         return same_person(a.colors, b.colors, (a.track.stature, b.track.stature), self.relations)
 
     def appearances(self, camera: str) -> Appearances:
-        """Everybody who has a number."""
+        """The confirmed persons."""
         known = sorted((p for p in self.people if p.number), key=lambda p: p.number)
         features = len(self.shape.names)
         models = [

@@ -1,4 +1,4 @@
-"""Where the features of posed bodies appear in the picture of a camera.
+"""Images of the features of posed bodies in a camera.
 
 A body is small against its distance, so five of its points are projected by the camera's own model, and
 the features are placed between them, to first order of their distance from the body's axis. This holds for
@@ -64,7 +64,7 @@ def bearing(camera: Camera, pose: Array) -> Bearing:
 
 
 def view(camera: Camera, shape: ShapeModel, pose: Array) -> BodyView:
-    """Features of posed bodies in the picture; NaN where a body has no image. pose: (P, 6)."""
+    """Features of posed bodies in the picture; NaN if a body has no image. pose: (P, 6)."""
     stand = bearing(camera, pose)
     turned = turn(shape, stand.torso, stand.head, pose[:, TILT])
     axes = _axes(camera, shape, pose, stand)

@@ -48,7 +48,7 @@ def condense(
     search: Search,
     rng: np.random.Generator,
 ) -> tuple[Array, Estimate]:
-    """Particles after a picture, and what they say. particles: (N, 6); eye: (3,) m, the camera's centre."""
+    """Particles after a picture, and their estimate. particles: (N, 6); eye: (3,) m, the camera's centre."""
     cloud = predicted(particles, velocity, seconds, eye, rng)
     strewn = int(search.random * len(cloud))
     if strewn:

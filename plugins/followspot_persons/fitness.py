@@ -1,4 +1,4 @@
-"""The logarithm of a pose's weight: what the picture says (eq. 7), and what bodies do."""
+"""The logarithm of a pose's weight: the likelihood of the picture (eq. 7) and the prior of poses."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Weights:
 class Picture:
     """One picture of a camera, flat: magnitude and orientation (H W,) u1, colours (H W, 3) u1 BGR.
 
-    hidden: (H W,) u1, 1 where somebody nearer covers the person who is sought; None where nobody does.
+    hidden: (H W,) u1, 1 if a nearer person covers the pixel; None if no person does.
     """
 
     camera: Camera
@@ -52,7 +52,7 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Detection:
-    """What a detector saw of one person: box (4,) px, log-likelihoods (B,) of headings of chest and face."""
+    """A detection of one person: box (4,) px, log-likelihoods (B,) of the headings of chest and face."""
 
     box: Array
     torso: Array
@@ -61,8 +61,8 @@ class Detection:
 
 @dataclass(frozen=True, eq=False)
 class Habits:
-    """What is known of a person besides this picture: height and its sigma (m); course (rad), where it walks
-    to, and how concentrated headings are about it (0: stands, or not known).
+    """The prior of a person's pose: height and its sigma (m); course (rad), the walking direction, and the
+    concentration of headings about it (0: the person stands, or it is unknown).
     """
 
     height: float = 1.72
@@ -72,7 +72,7 @@ class Habits:
 
 
 UNSEEN_EDGE, UNSEEN_COLOR = 0.35, 0.45
-"""Responses of features that somebody nearer hides: worse than a person's, better than the background's."""
+"""Responses of features that a nearer person hides: between those of a person and of the background."""
 PAN_SIGMA, TILT_SIGMA = 0.6, 0.2
 """Of relaxed heads, rad."""
 SIDEWAYS = 0.05
@@ -137,13 +137,13 @@ class Fitness:
         return color_likelihood(responses * inside, seen.visibility)
 
     def hidden(self, index: Array, inside: Array) -> Array:
-        """Which features, at these pixels, somebody nearer hides."""
+        """Which features at these pixels a nearer person hides."""
         if self.picture.hidden is None:
             return np.zeros(index.shape, bool)
         return np.asarray(self.picture.hidden.take(index) & inside, bool)
 
     def shown(self, pose: Array) -> float:
-        """Share of the outline of one pose (6,) that nobody nearer hides."""
+        """Share of the outline of one pose (6,) that no nearer person hides."""
         if self.picture.hidden is None:
             return 1.0
         seen = view(self.picture.camera, self.shape, pose[None])

@@ -15,11 +15,11 @@ from followspot_persons.sightings import Sightings, blended, sightings_of
 
 NANOSECOND = 1e-9
 FAMILIAR = 0.5
-"""Factor of the distance to a camera's person who was this one before."""
+"""Factor on the distance to a camera's person that was assigned to this person before."""
 PLACE_GAIN, VELOCITY_GAIN = 0.7, 0.3
 """Share of the difference to the forecast that place and velocity take over at a picture."""
 PERIOD = 1 / 60
-"""Least time between two places that tell a velocity, s."""
+"""Smallest time between two positions that give a velocity, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Fused:
 
 
 class Fusion(Stage):
-    """Fuse what several cameras see: places by their uncertain directions, headings by a vote."""
+    """Fuse the poses of several cameras: positions by their uncertain directions, headings by a vote."""
 
     class Params(StageParams):
         direction_sigma: float = Field(
@@ -86,7 +86,7 @@ class Fusion(Stage):
         self.time = -1
 
     def process(self, poses: Joined[Poses]) -> Poses:
-        poses = tuple(p for p in poses if p.camera in self.room.cameras)  # who fused them knows no place
+        poses = tuple(p for p in poses if p.camera in self.room.cameras)  # already fused poses have no camera
         if not poses:
             return Poses.empty()
         now = max(p.header.time for p in poses)
@@ -102,7 +102,7 @@ class Fusion(Stage):
         return self.fused()
 
     def assigned(self, seen: Sightings, seconds: float) -> tuple[list[list[int]], list[int]]:
-        """The rows of each person, at most one a camera, and the rows of nobody."""
+        """The rows of each person, at most one per camera, and the unassigned rows."""
         groups: list[list[int]] = [[] for _ in self.people]
         free = set(range(len(seen.pose)))
         if self.people:
@@ -127,7 +127,7 @@ class Fusion(Stage):
         )
 
     def grouped(self, seen: Sightings, free: list[int]) -> list[list[int]]:
-        """Rows of nobody, those of different cameras at one place together."""
+        """Unassigned rows, grouped if different cameras see the same position."""
         groups: list[list[int]] = []
         for row in sorted(free, key=lambda i: -seen.confidence[i]):
             for group in groups:
@@ -142,7 +142,7 @@ class Fusion(Stage):
         return groups
 
     def moved(self, person: Fused, seen: Sightings, rows: list[int], seconds: float, now: int) -> Fused:
-        """The person after a picture; carried on by its velocity where no camera saw it."""
+        """The person after a picture; it coasts with its velocity if no camera saw it."""
         forecast = person.pose.copy()
         forecast[:2] += person.velocity * seconds
         if not rows:
@@ -156,7 +156,7 @@ class Fusion(Stage):
         return Fused(person.number, pose, sigma, velocity, confidence, now, person.hits + 1, members)
 
     def initiated(self, seen: Sightings, rows: list[int], now: int) -> Fused:
-        """Somebody whom no one knew, or one who was gone and whom a camera knows again."""
+        """A tentative person, or a deleted one that a camera has recognised."""
         pose, sigma = blended(seen, rows, None)
         members = {seen.names[i]: int(seen.person[i]) for i in rows}
         confidence = float(seen.confidence[rows].max())
@@ -169,7 +169,7 @@ class Fusion(Stage):
         return Fused(0, pose, sigma, np.zeros(2), confidence, now, 1, members)
 
     def delete_missed(self, now: int) -> None:
-        """Give numbers to the confirmed; let go who was not seen for long."""
+        """Number the confirmed persons, and delete those that were missed too long."""
         people = []
         for person in self.people:
             age = (now - person.seen) * NANOSECOND
@@ -184,7 +184,7 @@ class Fusion(Stage):
         self.deleted = [p for p in self.deleted if (now - p.seen) * NANOSECOND <= self.params.memory_time]
 
     def fused(self) -> Poses:
-        """Everybody who has a number."""
+        """The confirmed persons."""
         people = sorted((p for p in self.people if p.number), key=lambda p: p.number)
         pose = np.array([p.pose for p in people]).reshape(-1, 6)
         return Poses(

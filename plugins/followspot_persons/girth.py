@@ -37,7 +37,7 @@ class Girth:
 
     @classmethod
     def unknown(cls) -> Girth:
-        """Of a person who was not seen yet."""
+        """The girth of a person before any picture."""
         return cls(np.zeros(len(GIRTHS)))
 
     @property

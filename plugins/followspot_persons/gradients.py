@@ -19,7 +19,7 @@ from followspot_persons.panorama import full_turn
 DIAGONAL = np.pi / 4
 """From the axis x to the first axis of the Roberts cross."""
 STRIP = 16
-"""Rows that are worked on at once, so that what is needed on the way stays in the processor's cache."""
+"""Rows of a block, so that intermediate results stay in the processor's cache."""
 
 
 class FindGradients(Stage):
@@ -60,7 +60,7 @@ class FindGradients(Stage):
 
 
 def padded(pixels: Array, margin: int) -> Array:
-    """One more row and column, for the cross reaches right and down; a panorama goes on at its other end.
+    """Adds a row and a column for the gradient's cross; a panorama continues at its other end.
 
     pixels: (H, W, C) u8; margin: columns of the other end on each side, 0 for a picture with borders.
     Returns (H + 1, W + 2 margin + 1, C) u8.
@@ -105,7 +105,7 @@ def _pack(pixels: Array, table: Array) -> Array:
     magnitude += np.float32(0.5)
     packed = table.take(magnitude.astype(np.intp))
     angle *= np.float32(256 / np.pi)
-    angle += np.float32(256 / np.pi * DIAGONAL + 0.5)  # half a unit, for what follows rounds down
+    angle += np.float32(256 / np.pi * DIAGONAL + 0.5)  # half a unit, because the shift below rounds down
     packed |= angle.astype(np.uint16) & 255
     return np.asarray(packed.reshape(down_right.shape))
 
@@ -122,7 +122,7 @@ def spread(packed: Array, reach: int) -> Array:
 
 
 def _spread_rows(packed: Array, reach: int) -> Array:
-    """Each row takes what its neighbours above and below have, in place."""
+    """Combine each row with its neighbours above and below, in place."""
     faded = np.empty_like(packed)
     step = 1
     while step <= min(reach, len(packed) - 1):

@@ -1,4 +1,4 @@
-"""Whether two pictures of a person show the same one, by colours and height (sections 3.3 and 5)."""
+"""Re-identification of persons by colours and height (sections 3.3 and 5)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from followspot_persons.color.model import ColorModel
 from followspot_persons.hsi import plane
 
 LIGHT = np.array([0.05, 0.05, 0.10])
-"""One sigma of what light and pose change in the mean colour of a feature, in the plane of `hsi.plane`."""
+"""Sigma of the change of a feature's mean colour with light and pose, in the plane of `hsi.plane`."""
 STATURE_SIGMA = 0.04
 """One sigma of the difference between two measured heights of one person, m."""
 POPULATION_SIGMA = 0.13
@@ -18,7 +18,7 @@ POPULATION_SIGMA = 0.13
 INDEPENDENT = 0.25
 """Share of the features that speak independently: neighbours wear the same."""
 MISPLACED = 0.1
-"""Share of the features that show something else: an arm, a bag, what is behind the person."""
+"""Share of the features that show something else: an arm, a bag, the background."""
 
 
 def same_person(

@@ -9,8 +9,8 @@ from followspot.tracking import Frame
 class Look(Stage):
     """Pass a camera's picture on to several slow stages, so that all of them work on the same one.
 
-    With `policy: latest` on its input and `depth: 1` behind it, a live camera's pictures are dropped here,
-    before any work was done on them, and what is passed on is the newest.
+    With `policy: latest` on its input and `depth: 1` behind it, the stage drops a live camera's pictures
+    before any work was done on them, and passes on the newest.
     """
 
     per_camera = True

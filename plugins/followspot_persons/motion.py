@@ -1,4 +1,6 @@
-"""How people move between two pictures, and what their joints allow (Weinrich et al. 2010, section 4)."""
+"""The motion of people between two pictures, and the limits of their joints (Weinrich et al. 2010, section
+4).
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,11 @@ from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
 MAX_PAN, MAX_TILT = 1.3, 0.7
 """Of a neck, rad."""
 LOWEST, HIGHEST = 1.2, 2.2
-"""Heights of people who stand, m."""
+"""Heights of standing people, m."""
 STEP = 0.6
 """One sigma of the change of velocity within a picture's time, m/s."""
 CREEP = 0.01
-"""One sigma of what moves without time: error of the last place, m."""
+"""Sigma of the motion at zero time: error of the last position, m."""
 STRETCH = 0.1
 """One sigma of the height's change, m/s."""
 TURN, SPIN = 1.0, 4.0

@@ -1,4 +1,4 @@
-"""Who stands before whom: nearer people hide features of farther ones."""
+"""Occlusion: nearer people hide features of farther ones."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SUBPIXEL = 4
 
 
 def covered(picture: Picture, shape: ShapeModel, pose: Array) -> Picture:
-    """The picture in which a person, of this shape and pose (6,), hides who stands farther away."""
+    """The picture in which a person of this shape and pose (6,) hides people farther away."""
     camera = picture.camera
     width, height = camera.size
     hidden = np.zeros(width * height, np.uint8) if picture.hidden is None else picture.hidden.copy()

@@ -13,14 +13,14 @@ from followspot_persons.panorama import full_turn
 WINDOW = (64, 128)
 """Of the detector, px."""
 UPPER = np.array([18.0, 14.0, 46.0, 56.0])
-"""Where the window holds the upper body of a person who stands in it, px."""
+"""Position of the upper body of a standing person in the window, px."""
 STRIDE = (8, 8)
 FINAL = 1.0
 """Number of windows that a person must be found in, beside the first."""
 
 
 class PeopleDetector(Stage):
-    """Find upright people who are seen from head to foot; it knows nothing of where they look."""
+    """Find upright people that are visible from head to foot, without headings."""
 
     per_camera = True
 

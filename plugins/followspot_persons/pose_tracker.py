@@ -24,23 +24,23 @@ from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
-"""Of particles about a pose that the slow instance told: m, m, m, rad, rad, rad."""
+"""Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
 JOINING = 0.1
 """Share of the particles that a pose of the slow instance replaces."""
 HEEDING = 0.2
-"""Share of the height of a pose of the slow instance, which knows the box, in the person's height."""
+"""Weight of the slow instance's height, which rests on the box, in the person's height."""
 STRAYING = np.array([0.5, 0.5, 0.0, 0.8, 0.8, 0.2])
-"""What the sigma of an older pose grows by: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
+"""Growth of this sigma with the age of the pose: m/s, m/s, m/s, rad/s, rad/s, rad/s."""
 NEAR = 0.6
-"""Distance of a box that still shows the person, in heights of the box."""
+"""Largest distance of a box from its person, in heights of the box."""
 
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """A person who is followed.
+    """A tracked person.
 
-    good, boxed: ns, time of the last picture that agreed, and of the last one in which the detector saw the
-    person; state: as in `Poses`.
+    good, boxed: ns, times of the last picture that agreed, and of the last box of the detector; state: as in
+    `Poses`.
     """
 
     number: int
@@ -139,13 +139,15 @@ class PoseTracker(Stage):
         return self.poses(frame.camera)
 
     def nearest_first(self, known: Collection[int]) -> list[int]:
-        """Who is followed and known, those first who can hide others."""
+        """Tracked and known persons, nearest first, because the nearer ones hide others."""
         eye = self.camera.center[:2]
         away = {n: float(np.hypot(*(p.track.pose[:2] - eye))) for n, p in self.people.items() if n in known}
         return sorted(away, key=lambda n: away[n])
 
     def listen(self, people: Appearances, now: int) -> None:
-        """Begin to follow whom the slow instance has seen, and let its poses take part, if they are known."""
+        """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked
+        ones.
+        """
         for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
             before = self.heard.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
@@ -164,7 +166,7 @@ class PoseTracker(Stage):
             self.people[number] = replace(known, track=replace(track, particles=particles, stature=stature))
 
     def initiated(self, number: int, before: Hearing | None, now: int) -> Track:
-        """The track of somebody whom the slow instance has just told of, not for the first time perhaps."""
+        """The track of a person that the slow instance has just reported, with its past if it returns."""
         hearing = self.heard[number]
         age = (now - hearing.time) * NANOSECOND
         places = self.strewn(hearing.forecast(before, age), self.params.particles, age)
@@ -180,7 +182,7 @@ class PoseTracker(Stage):
         return np.asarray(particles)
 
     def detections(self, boxes: Boxes | None, now: int, seconds: float) -> dict[int, Detection]:
-        """What a detector saw of each person, once for each of its messages, carried to this picture."""
+        """The detection of each person, once per message of the detector, carried to this picture."""
         if boxes is None or boxes.header.time <= self.boxed:
             return {}
         self.boxed = boxes.header.time
@@ -209,7 +211,7 @@ class PoseTracker(Stage):
         seconds: float,
         now: int,
     ) -> Picture:
-        """One person in one picture; returns the picture with what this person hides of others."""
+        """Track one person in one picture; returns the picture with this person's occlusions."""
         known = self.people[number]
         known_colors = colors if self.params.use_colors else None
         fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
@@ -231,7 +233,7 @@ class PoseTracker(Stage):
         return covered(picture, with_girth(self.shape, track.girth.mean), track.pose)
 
     def delete_missed(self, people: Appearances, now: int) -> None:
-        """Stop following who does not appear any more."""
+        """Delete persons that were missed too long."""
         known = set(people.person.tolist())
         for number, person in list(self.people.items()):
             silent = (
@@ -246,7 +248,7 @@ class PoseTracker(Stage):
         self.known = {number: track for number, track in self.known.items() if number in known}
 
     def poses(self, camera: str) -> Poses:
-        """Everybody who is followed."""
+        """The tracked persons."""
         people = [self.people[number] for number in sorted(self.people)]
         pose = np.array([p.track.pose for p in people]).reshape(-1, 6)
         return Poses(

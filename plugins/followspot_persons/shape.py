@@ -64,7 +64,7 @@ class ShapeModel:
 
 
 def read_shape(path: Path = SHIPPED) -> ShapeModel:
-    """The model in a file. Raises InputError that names the file, what is wrong and the remedy."""
+    """The model in a file. Raises InputError with the file, the mistake and the remedy."""
     try:
         return shape_of(plain(read(path)))
     except (ValueError, TypeError, KeyError, AttributeError) as error:
@@ -74,7 +74,7 @@ def read_shape(path: Path = SHIPPED) -> ShapeModel:
 
 
 def shape_of(document: dict[str, Any]) -> ShapeModel:
-    """The model of a parsed file. Raises ValueError, TypeError or KeyError where it is none."""
+    """The model of a parsed file. Raises ValueError, TypeError or KeyError if it is invalid."""
     sections, features = document["outline"], document["surface"]
     if not 0 < len(sections) <= MAX_FEATURES or not 0 < len(features) <= MAX_FEATURES:
         raise ValueError(f"outline and surface have 1 to {MAX_FEATURES} entries each")

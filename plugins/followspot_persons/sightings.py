@@ -1,4 +1,4 @@
-"""Poses of several cameras side by side, and how those of one person blend."""
+"""The poses of several cameras in one table, and the fusion of those of one person."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from followspot.people import Poses
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, X, Y
 
 AGREE = np.radians(70)
-"""Headings within this angle of the best one are averaged; others are taken for mistakes."""
+"""Headings within this angle of the best one are averaged; others are outliers."""
 PRIOR_CONFIDENCE = 0.15
 """Confidence of the heading that the person had before, in the vote."""
 MIN_SIGMA = np.array([0.01, 0.01, 0.01, 0.1, 0.1, 0.05])
-"""Least that a camera is believed to err: m, m, m, rad, rad, rad."""
+"""Smallest sigma of a camera's pose: m, m, m, rad, rad, rad."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +79,8 @@ def information(offset: Array, direction: float, distance: float) -> Array:
 def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Array, Array]:
     """Pose and sigma, (6,) each, of one person from these rows; before: the last pose (6,), if there is one.
 
-    Places by their information, heights where the lines of sight to the head's top pass that place, pans and
-    tilts by their variances, headings by a vote.
+    Positions are weighted by their information, pans and tilts by their variances. Headings are voted on.
+    Heights are those of the lines of sight to the head's top at the position.
     """
     trust = seen.confidence[rows] + 1e-3
     weight = trust[:, None] / np.maximum(seen.sigma[rows], MIN_SIGMA) ** 2
@@ -90,7 +90,7 @@ def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Arr
     moment = (trust[:, None] * np.einsum("kij,kj->ki", seen.information[rows], seen.pose[rows, :2])).sum(
         axis=0
     )
-    with suppress(np.linalg.LinAlgError):  # what is known of no place leaves the mean
+    with suppress(np.linalg.LinAlgError):  # without information on the position the mean remains
         pose[[X, Y]] = np.linalg.solve(precision, moment)
         sigma[[X, Y]] = np.sqrt(np.diag(np.linalg.inv(seen.information[rows].sum(axis=0))))
     pose[HEADING], agreeing = _heading(seen.pose[rows, HEADING], weight[:, HEADING], before)
@@ -104,8 +104,8 @@ def blended(seen: Sightings, rows: list[int], before: Array | None) -> tuple[Arr
 def _sighted_height(eye: Array, pose: Array, place: Array) -> Array:
     """Heights at a place (2,) m of the lines of sight to the tops of heads, (K,) m.
 
-    eye: (K, 3) m; pose: (K, 6). One camera tells how high a head appears, hardly how far it is; together
-    they know the place, and with it the height.
+    eye: (K, 3) m; pose: (K, 6). One camera determines the direction of the head's top, hardly its distance;
+    several determine the position, and with it the height.
     """
     told = np.maximum(np.hypot(*(pose[:, :2] - eye[:, :2]).T), 0.1)
     true = np.hypot(*(place - eye[:, :2]).T)

@@ -1,4 +1,4 @@
-"""Where a person may be whom a detector boxed: the first particles."""
+"""The first particles of a person, from a detector's box."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ PLACE_SIGMA = 0.03
 NEAREST = 0.6
 """Distance of people from a camera, m."""
 SMALLEST = 12.0
-"""Height of an upper body from which on somebody can be followed, px."""
+"""Smallest height of an upper body that can be tracked, px."""
 
 
 def spawned(
     camera: Camera, shape: ShapeModel, detection: Detection, count: int, rng: np.random.Generator
 ) -> Array:
-    """Poses that would be boxed like this, (count, 6); headings as the detector tells them.
+    """Poses that fit the box, (count, 6), with headings from the detector.
 
     The rays of the box's top and bottom are as far apart as the upper body is high; the top gives the height.
     """
@@ -67,7 +67,7 @@ def _slopes(camera: Camera, column: Array, row: Array) -> Array:
 
 
 def _drawn(table: Array, count: int, rng: np.random.Generator) -> Array:
-    """Headings drawn from a table of log-likelihoods; any heading where there is none."""
+    """Headings drawn from a table of log-likelihoods; any heading if there is none."""
     tried = rng.uniform(-np.pi, np.pi, 4 * count)
     weight = np.exp(heading_log_likelihood(table, tried))
     return np.asarray(tried[rng.permutation(systematic(weight / weight.sum(), count, rng))])

@@ -1,4 +1,4 @@
-"""How tall a person would be whose upper body fills a box: people stand on the floor, z = 0."""
+"""The height of a person whose upper body fills a box: people stand on the floor, z = 0."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ LOWEST = 0.2
 
 
 def knows_floor(camera: Camera) -> bool:
-    """Whether the camera's place allows to tell how tall people are; one at the origin was never measured."""
+    """Whether the camera's position gives people's heights; a camera at the origin was never placed."""
     return bool(camera.center[2] > LOWEST)
 
 
@@ -22,8 +22,8 @@ def standing(camera: Camera, box: Array) -> tuple[Array, Array]:
     """Horizontal distance and height of upright persons, (N,) m each, whose head tops and waists are given.
 
     With z the camera's height and a, b the rise per metre of the rays to head top and waist, the height is
-    h = z + r a and the waist's WAIST h = z + r b, hence r = z (1 - WAIST) / (WAIST a - b). Both are NaN
-    where no distance fits. box: (N, 4) px, x0, y0, x1, y1; columns beyond a panorama's width go on at 0.
+    h = z + r a and the waist's WAIST h = z + r b, hence r = z (1 - WAIST) / (WAIST a - b). Both are NaN if no
+    distance fits. box: (N, 4) px, x0, y0, x1, y1; columns beyond a panorama's width go on at 0.
     """
     middle = (box[:, 0] + box[:, 2]) / 2
     high = camera.center[2]

@@ -1,4 +1,4 @@
-"""One person followed from picture to picture: particles, the smoothed pose, and what is known besides."""
+"""The track of one person: particles, the smoothed pose, and the state of body and likelihood."""
 
 from __future__ import annotations
 
@@ -19,37 +19,37 @@ PLACE_GAIN, VELOCITY_GAIN = 0.6, 0.25
 HEADING_GAIN, HEAD_GAIN = 0.6, 0.5
 """The same of the heading, and of pan and tilt."""
 RISE, FALL = 0.05, 0.01
-"""Share of a new likelihood in the typical one, where it is higher and where it is lower: what is not the
-person must not become typical before it is noticed."""
+"""Weight of a new likelihood in the typical one if it is higher, and if it is lower: a false person must not
+become typical before it is noticed."""
 ORDINARY = 0.45
-"""Likelihood that is expected of somebody new at least."""
+"""Smallest typical likelihood of a new person."""
 HIDDEN = 0.4
-"""Share of the outline that has to show for a picture to say where a person is."""
+"""Smallest visible share of the outline for an update of the pose."""
 FASTEST = 2.0
 """Of a person in a room, m/s."""
 PERIOD = 1 / 15
-"""Of the pictures that the gains are told for, s."""
+"""Period of the pictures that the gains refer to, s."""
 STATURE_SIGMA = 0.09
 """Of people's heights, m."""
 STATURE_FLOOR = 0.015
-"""Uncertainty of a height that was seen for long, m: a step lowers it, a hat raises it."""
+"""Smallest sigma of a height, m: steps and hats change it."""
 SCALE_SIGMA = 0.06
-"""Error of a distance that is told by a body's size, of the distance."""
+"""Relative sigma of a distance from a body's size."""
 STATURE_MEMORY = 60.0
 """Pictures that the height is a mean of."""
 ALIKE = 6.0
-"""Pictures in a row that say of the height what one does: a mistake must not make itself certain."""
+"""Successive pictures that count as one independent height: an error must not confirm itself."""
 WALKING, STRIDING = 0.25, 0.6
-"""Speeds at which the course begins to tell the heading, and does so fully, m/s."""
+"""Speeds at which the course begins to determine the heading, and does so fully, m/s."""
 CONCENTRATION = 8.0
-"""Of headings about the course of one who walks."""
+"""Concentration of headings about the course of a walking person."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
     """particles: (N, 6); pose, sigma: (6,), smoothed; velocity: (2,) m/s; stature: m, a mean of `weight`
     pictures; likelihood: of the pose in the last picture (eq. 7); typical: its slow mean; shown: share of the
-    outline that nobody nearer hides.
+    outline that no nearer person hides.
     """
 
     particles: Array
@@ -65,7 +65,7 @@ class Track:
 
     @classmethod
     def initiated(cls, particles: Array) -> Track:
-        """A person of whom only these places are known."""
+        """A new person with these particles."""
         pose = particles.mean(axis=0)
         return cls(particles, pose, particles.std(axis=0), np.zeros(2), float(pose[HEIGHT]))
 
@@ -81,7 +81,7 @@ class Track:
 
     @property
     def habits(self) -> Habits:
-        """What the person's past says of the next pose."""
+        """The prior of the next pose from the person's past."""
         sigma = max(STATURE_FLOOR, STATURE_SIGMA / np.sqrt(1 + self.weight / ALIKE))
         speed = float(np.hypot(*self.velocity))
         walking = float(np.clip((speed - WALKING) / (STRIDING - WALKING), 0, 1))
@@ -99,8 +99,8 @@ def followed(
 ) -> Track:
     """The track after one more picture.
 
-    seconds: since the last one; fitness: of anybody in this picture, its shape and habits are made the
-    person's; bodies: of :func:`girths_of`.
+    seconds: since the last one; fitness: of this picture, to be used with the person's own shape and habits;
+    bodies: of :func:`girths_of`.
     """
     eye = fitness.picture.camera.center
     own = replace(fitness, shape=with_girth(fitness.shape, track.girth.mean), habits=track.habits)
@@ -124,7 +124,7 @@ def followed(
 def _with_stature(pose: Array, stature: float, eye: Array) -> Array:
     """The pose with the person's known height, at the distance where the head's top stays in place.
 
-    Where the head is about as high as the camera its place says nothing of the distance, which then stays.
+    If the head is about as high as the camera, its image does not depend on the distance, which then stays.
     """
     above = pose[HEIGHT] - eye[2]
     above = np.copysign(max(abs(above), 1e-3), above)
@@ -136,7 +136,7 @@ def _with_stature(pose: Array, stature: float, eye: Array) -> Array:
 
 
 def coasted(track: Track, seconds: float) -> Track:
-    """The track after some time in which the person was not seen."""
+    """The track after some time without measurements."""
     pose = track.pose.copy()
     pose[[X, Y]] += track.velocity * seconds
     return replace(track, pose=pose, velocity=track.velocity * np.exp(-seconds), likelihood=0.0)

@@ -1,4 +1,4 @@
-"""What a slow instance says of an earlier picture, carried to the present by what the fast one saw since."""
+"""Results of the slow instance for an earlier picture, carried to the present by the fast one's track."""
 
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ class Trail:
 
 @dataclass(frozen=True, eq=False)
 class Hearing:
-    """What the slow instance told of a person: the pose (6,) at a time, ns."""
+    """A pose (6,) of a person that the slow instance reported for a time, ns."""
 
     time: int
     pose: Array
 
     def forecast(self, before: Hearing | None, seconds: float) -> Array:
-        """The pose some seconds later, if the person goes on as since the hearing before."""
+        """The pose some seconds later, with the velocity since the previous report."""
         apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
         if before is None or apart > LONG_AGO:
             return self.pose

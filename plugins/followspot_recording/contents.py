@@ -1,4 +1,4 @@
-"""What an MCAP file holds: from its index where that is whole, else from its records one after the other."""
+"""The contents of an MCAP file: from its index if that is whole, else from its records in turn."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _MAX_ITEMS = 1 << 22
 
 
 def read_contents(file: IO[bytes], name: str) -> Contents:
-    """What the file holds, as far as it is good. Raises FollowspotError where it is no MCAP file."""
+    """The undamaged contents of the file. Raises FollowspotError if it is no MCAP file."""
     file.seek(0, 2)
     size = file.tell()
     file.seek(0)
@@ -45,7 +45,7 @@ def read_contents(file: IO[bytes], name: str) -> Contents:
 
 
 def _from_index(file: IO[bytes], size: int) -> Contents | None:
-    """From the summary at the end; None where there is none. Raises Damaged."""
+    """From the summary at the end; None if there is none. Raises Damaged."""
     end = size - len(MAGIC) - _FOOTER.length
     if end < len(MAGIC):
         return None
@@ -72,7 +72,7 @@ def _from_index(file: IO[bytes], size: int) -> Contents | None:
 
 @dataclass
 class _Index:
-    """Takes the records of a summary. end: where the data ends, B; messages: how many there should be."""
+    """Reads the records of a summary. end: of the data, B; messages: their expected number."""
 
     contents: Contents
     definitions: Definitions
@@ -106,7 +106,7 @@ class _Index:
 
 
 def _from_records(file: IO[bytes], size: int) -> Contents:
-    """From all records up to the first that is damaged; the contents say where that is."""
+    """The contents from all records up to the first damaged one, whose position they state."""
     scan = _Scan(file, Contents(), Definitions())
     offset = len(MAGIC)
     try:
@@ -133,7 +133,7 @@ def _from_records(file: IO[bytes], size: int) -> Contents:
 
 @dataclass
 class _Scan:
-    """Takes the records of the data section. A chunk is opened only where it may name new channels."""
+    """Reads the records of the data section. It opens a chunk only if that may have new channels."""
 
     file: IO[bytes]
     contents: Contents
@@ -158,7 +158,7 @@ class _Scan:
             raise Damaged(f"record {opcode} does not belong")
 
     def _chunk(self, span: Span) -> None:
-        """Note a chunk with its channels. Raises Damaged, also where it is not whole."""
+        """Add a chunk with its channels. Raises Damaged, also if the chunk is cut off."""
         chunk = read_chunk(self.file, span)
         self.definitions.channels.update(chunk.channels)
         times = [message.time for found in chunk.messages.values() for message in found]

@@ -17,9 +17,9 @@ M = TypeVar("M", bound=Message)
 def decoded(
     recording: Recording, port: str, kind: type[M], start: int = 0, stop: int | None = None
 ) -> Iterator[M]:
-    """Those of a port from `start` up to and with `stop`, ns, in order.
+    """The messages of a port from `start` up to and with `stop`, ns, in order.
 
-    Raises FollowspotError, which names file, port and message, where one is none of this kind.
+    Raises FollowspotError with file, port and message if one is of another type.
     """
     for recorded in recording.messages(port, start, stop):
         try:

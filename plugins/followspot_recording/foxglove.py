@@ -1,4 +1,4 @@
-"""What viewers (Foxglove's schemas in JSON) are shown of frames, points, tracks, poses and log lines."""
+"""Frames, points, tracks, poses and log lines for viewers, in Foxglove's schemas as JSON."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _MARK_SIZE = 4.0
 
 
 def view_of(message: Message, room: Room, pictures: Pictures) -> tuple[Schema, bytes] | None:
-    """Schema and JSON of what a viewer is shown of a message; None where viewers know nothing like it."""
+    """Schema and JSON of a message for viewers; None if they have no schema for it."""
     if isinstance(message, Frame):
         return None if pictures == "none" else _picture(message, pictures)
     if isinstance(message, Tracks):

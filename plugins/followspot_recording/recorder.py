@@ -19,7 +19,7 @@ _MAX_COUNT = 100
 
 @dataclass(frozen=True)
 class Chunking:
-    """How a file is cut into chunks; what a kill loses is the last one.
+    """The division of a file into chunks; a killed process loses the last one.
 
     size: B before compression; seconds: longest time that messages wait for their chunk to be full.
     """
@@ -31,7 +31,7 @@ class Chunking:
 
 @dataclass(frozen=True)
 class Schema:
-    """What the messages of a channel are, as MCAP tells it."""
+    """The type of a channel's messages, as MCAP states it."""
 
     name: str
     encoding: str
@@ -58,7 +58,7 @@ class Recorder:
         self._writer = McapWriter(self._file, chunking.compression, profile=PROFILE)
 
     def describe(self, metadata: Mapping[str, str], attachments: Mapping[str, str]) -> None:
-        """Embed what the recording is of: facts, and files by name. Raises FollowspotError as `add` does."""
+        """Embed facts about the run, and files by name. Raises FollowspotError as `add` does."""
         try:
             self._writer.describe("followspot", dict(metadata))
             for name, text in attachments.items():
@@ -68,9 +68,9 @@ class Recorder:
             self._cut_short(error)
 
     def add(self, topic: str, encoding: str, schema: Schema, time_ns: int, seq: int, data: bytes) -> None:
-        """Append a message. Raises FollowspotError once, where the disk does not take it: the file ends.
+        """Append a message. Raises FollowspotError once if the disk does not take it: the file ends.
 
-        time_ns: capture time; MCAP counts from 0, so what lies before stands at 0.
+        time_ns: capture time; MCAP counts from 0, so earlier times are stored as 0.
         """
         if self._broken:
             return
@@ -117,9 +117,9 @@ _open: dict[Path, Recorder] = {}
 
 
 def join(path: Path, chunking: Chunking) -> Recorder:
-    """The recorder of this file, shared by all that joined and did not leave yet. Raises FollowspotError.
+    """The recorder of this file, shared by all sinks that have joined it. Raises FollowspotError.
 
-    Where the file exists already, the recording goes to a new one beside it, named with a number.
+    If the file exists, the recording goes to a new one beside it, with a number in its name.
     """
     recorder = _open.get(path)
     if recorder is None:

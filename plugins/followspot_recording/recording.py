@@ -1,4 +1,4 @@
-"""A recording to read: its ports, what it is of, and the messages of each port in order."""
+"""A recording to read: its ports, facts about the run, and the messages of each port in order."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _File = tuple[str, int, int]
 
 
 class Recording(Closing):
-    """An open MCAP file. `problem` says why and where it ends early; empty where it is whole."""
+    """An open MCAP file. `problem` states why and at which byte it ends early; empty if it is whole."""
 
     def __init__(self, path: str | Path) -> None:
         """Open the file and find what it holds. Raises FollowspotError."""
@@ -75,17 +75,17 @@ class Recording(Closing):
 
     @property
     def begin(self) -> int:
-        """Earliest capture time, ns; 0 where there is none."""
+        """Earliest capture time, ns; 0 if there is none."""
         return min((chunk.begin for chunk in self._contents.chunks), default=0)
 
     @property
     def end(self) -> int:
-        """Latest capture time, ns; 0 where there is none."""
+        """Latest capture time, ns; 0 if there is none."""
         return max((chunk.end for chunk in self._contents.chunks), default=0)
 
     @cached_property
     def metadata(self) -> Mapping[str, str]:
-        """What is said of the run. Raises Damaged."""
+        """The facts about the run. Raises Damaged."""
         span = self._contents.metadata.get("followspot")
         if span is None:
             return {}
@@ -98,7 +98,7 @@ class Recording(Closing):
         return tuple(self._contents.attachments)
 
     def attachment(self, name: str) -> bytes:
-        """An embedded file. Raises FollowspotError where there is none, or it is damaged."""
+        """An embedded file. Raises FollowspotError if there is none, or it is damaged."""
         span = self._contents.attachments.get(name)
         if span is None:
             raise FollowspotError(f"{self.path} holds no {name}: it was not made by followspot run --record")
@@ -110,7 +110,7 @@ class Recording(Closing):
     def messages(self, port: str, start: int = 0, stop: int | None = None) -> Iterator[Recorded]:
         """The messages of a port from `start` up to and with `stop`, ns, in order.
 
-        They end where the file is damaged; `problem` says so then.
+        They end at the first damage, which `problem` then states.
         """
         channel = self.ports.get(port)
         if channel is None:
@@ -131,7 +131,7 @@ class Recording(Closing):
         all(self._chunk(span) is not None for span in self._contents.chunks)
 
     def _chunk(self, span: ChunkSpan) -> Chunk | None:
-        """The chunk, None where it or one before it is damaged."""
+        """The chunk, None if it or one before it is damaged."""
         contents = self._contents
         if span.offset < contents.good:
             try:
@@ -150,7 +150,7 @@ class Recording(Closing):
 _chunks: OrderedDict[tuple[_File, int], Chunk] = OrderedDict()
 """The chunks that were read last, for all recordings of this process."""
 _known: dict[_File, Contents] = {}
-"""What the recording that was opened last holds; without an index that takes long to find out."""
+"""The contents of the recording that was opened last; they take long to find without an index."""
 
 
 def _cached(key: tuple[_File, int], recording: Recording, span: ChunkSpan) -> Chunk:

@@ -1,4 +1,4 @@
-"""The records of an MCAP file, read with suspicion: whatever does not fit is `Damaged`, never a crash."""
+"""The records of an MCAP file, checked: invalid ones raise `Damaged`."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from followspot.wire import MAX_PACKED
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
-"""Of every record: what it is, and how many bytes follow."""
+"""Head of every record: its type, and the number of bytes that follow."""
 MAX_CHUNK = MAX_PACKED + (64 << 20)
-"""Largest chunk, bytes, before and after compression: the largest message and what stood before it."""
+"""Largest chunk, bytes, before and after compression: the largest message and those before it."""
 MAX_FILE = 1 << 62
 """Beyond the end of any file."""
 MAX_RECORD = 64 << 20
@@ -32,12 +32,12 @@ _MESSAGE = struct.Struct("<HIQQ")
 
 
 class Damaged(FollowspotError):
-    """Bytes that are no record of an MCAP file; the text says what is wrong with them."""
+    """Bytes that are no valid record of an MCAP file; the text says why."""
 
 
 @dataclass(frozen=True)
 class Channel:
-    """What is known of one topic. schema: its name; contract: its text."""
+    """One topic. schema: its name; contract: its text."""
 
     number: int
     topic: str
@@ -48,7 +48,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Span:
-    """Where a record lies, in bytes."""
+    """The position of a record, in bytes."""
 
     offset: int
     length: int
@@ -56,7 +56,7 @@ class Span:
 
 @dataclass(frozen=True)
 class ChunkSpan(Span):
-    """Where a chunk lies; begin, end: capture times in it, ns; channels: those that have messages in it."""
+    """The position of a chunk; begin, end: its capture times, ns; channels: those with messages in it."""
 
     begin: int
     end: int
@@ -65,10 +65,10 @@ class ChunkSpan(Span):
 
 @dataclass
 class Contents:
-    """What a file holds.
+    """The contents of a file.
 
-    problem: why it is not whole, and where it ends; empty where it is; good: byte up to which chunks are
-    good, as far as is known.
+    problem: why and at which byte it ends early, empty if it is whole; good: byte up to which chunks are
+    known to be good.
     """
 
     channels: dict[int, Channel] = field(default_factory=dict)
@@ -147,7 +147,7 @@ def read_chunk(file: IO[bytes], span: Span) -> Chunk:
 
 
 class Definitions:
-    """Gathers channels, whose schemas stand before them."""
+    """Collects channels, whose schemas precede them."""
 
     def __init__(self) -> None:
         self.channels: dict[int, Channel] = {}
@@ -181,7 +181,7 @@ def _walk(data: memoryview) -> Iterator[tuple[int, memoryview]]:
 
 
 def _decompressed(chunk: records.Chunk) -> bytes:
-    """The bytes of a chunk; never more than it says, whatever they expand to. Raises Damaged."""
+    """The decompressed bytes of a chunk, never more than it states. Raises Damaged."""
     size = chunk.uncompressed_size
     try:
         if chunk.compression == "lz4":

@@ -42,7 +42,7 @@ class Replay(Stage):
     recording: Recording | None = None
 
     def setup(self) -> None:
-        """Open the recording. Raises FollowspotError where it has no such port."""
+        """Open the recording. Raises FollowspotError if it has no such port."""
         self.recording = Recording(self.params.path)
         self.port = self.params.port or f"{self.context.name}.out"
         if self.port not in self.recording.ports:
@@ -96,5 +96,5 @@ class Replay(Stage):
 
 
 def _round(start: int, stop: int) -> int:
-    """What capture times advance by with each round, ns: the whole part and a frame's time at 100 Hz."""
+    """Advance of the capture times with each round, ns: the replayed part and a frame interval at 100 Hz."""
     return max(0, stop - start) + 10_000_000

@@ -40,7 +40,7 @@ REPLAYS: Mapping[str, type[Message]] = {
     "poses": Poses,
     "pose_truth": PoseTruth,
 }
-"""What each stage `recording.NAME` replays."""
+"""The message types of the stages `recording.NAME`."""
 
 
 def replay_of(kind: type[Message], description: str) -> type[Replay]:
@@ -80,7 +80,7 @@ class ReplayPort(Replay):
         return replay_of(kind, cls.__doc__ or "")
 
     def setup(self) -> None:
-        """Say what is missing. Raises FollowspotError."""
+        """Raises FollowspotError that names the missing type."""
         raise FollowspotError(f"{self.context.name} has no type; write uses: recording.port[STAGE.PORT]")
 
     def process(self) -> Source[Message]:

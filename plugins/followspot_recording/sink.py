@@ -1,4 +1,4 @@
-"""Any port into a recording: the exact messages, and beside them what viewers know."""
+"""A sink that records any port: the exact messages, and copies for viewers."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class RecordingSink(Stage):
     recorder: Recorder | None = None
 
     def setup(self) -> None:
-        """Open the file or join those that have it open. Raises FollowspotError."""
+        """Open the file, or share it with other sinks. Raises FollowspotError."""
         given = self.params
         self.path = self.context.out / given.path
         chunking = Chunking(int(given.chunk_size * MIB), given.chunk_time, given.compression)
@@ -73,7 +73,7 @@ class RecordingSink(Stage):
             self.recorder.describe(given.metadata, given.attachments)
 
     def process(self, message: Message) -> None:
-        """Write one message. Raises FollowspotError where the disk does not take it, if that is essential."""
+        """Write one message. Raises FollowspotError if the disk does not take it, if that is essential."""
         if self.recorder is None:
             raise FollowspotError(f"{self.context.name} has no file: it was not set up")
         with self._forgiving():
@@ -81,7 +81,7 @@ class RecordingSink(Stage):
 
     @contextmanager
     def _forgiving(self) -> Iterator[None]:
-        """Warn of a disk that takes no more, where the run is to go on. Raises FollowspotError where not."""
+        """Warn of a full disk. Raises FollowspotError if the recording is essential."""
         try:
             yield
         except FollowspotError as error:

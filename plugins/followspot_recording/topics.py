@@ -14,7 +14,7 @@ def exact_topic(port: str) -> str:
 
 
 def view_topic(port: str) -> str:
-    """Topic of what viewers are shown of it: /STAGE, or /STAGE/PORT where the port has a name of its own."""
+    """Topic of the copies for viewers: /STAGE, or /STAGE/PORT if the port has a name of its own."""
     stage, _, name = port.rpartition(".")
     return f"/{stage}" if name == "out" else f"/{stage}/{name}" if stage else f"/{name}"
 

@@ -27,7 +27,7 @@ _FOOTER_FIELDS = 16
 
 
 class McapWriter:
-    """Writes to a file that is open for writing; every method raises OSError where that fails."""
+    """Writes to a file that is open for writing; every method raises OSError if that fails."""
 
     def __init__(self, file: IO[bytes], compression: str, *, profile: str) -> None:
         """compression: "lz4", "zstd" or "none"."""
@@ -73,7 +73,7 @@ class McapWriter:
         return number
 
     def flush(self) -> None:
-        """Write what was gathered as one chunk with its index."""
+        """Write the collected messages as one chunk with its index."""
         chunk, start = self.chunk, self._offset
         if not chunk.count:
             return
@@ -107,7 +107,7 @@ class McapWriter:
         self._file.flush()
 
     def _compressed(self, chunk: ChunkBuilder) -> tuple[str, list[bytes]]:
-        """What becomes of a chunk's content, and with which compression."""
+        """A chunk's content as it is stored, and its compression."""
         compress = _COMPRESS.get(self._compression)
         self._pause = max(0, self._pause - 1)
         if compress is None or self._pause:
@@ -129,7 +129,7 @@ class McapWriter:
             total.channel_message_counts[channel] += len(entries) // 2
 
     def _define(self, record: records.Schema | records.Channel) -> None:
-        """Into the chunk, before what it defines, and into the index."""
+        """Add a definition to the chunk and to the index."""
         data = _packed(record)
         self._definitions.append(data)
         self.chunk.define(data)

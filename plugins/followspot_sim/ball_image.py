@@ -95,7 +95,7 @@ def in_front(eye: Array, balls: Array, radii: Array, ends: Array, thick: Array) 
 
 
 def hide(seen: Stamps, before: Array, polygon: Array) -> None:
-    """Take from the cover of the balls what is behind limbs, and note how much is left.
+    """Remove hidden parts from the cover of the balls, and compute the visible shares.
 
     before: (B, K) bool, limb k is in front of ball b; polygon: (K, P, 2), the outlines of the limbs as
     OpenCV draws them.
@@ -111,9 +111,9 @@ def hide(seen: Stamps, before: Array, polygon: Array) -> None:
 
 
 def color_light(seen: Stamps, color: Array) -> Array:
-    """What is shown of glowing balls: their colour with a glow around it, and a core too bright to show.
+    """The light of glowing balls: their colour, a glow around it, and an overexposed core.
 
-    The core turns white; the glow is as strong as the part of the ball that shows.
+    The core turns white; the glow is proportional to the visible share of the ball.
     color: (T, 3) linear BGR. Returns (B, S, S, 3) uint8, what is added where the ball is.
     """
     if not seen.cover.size:

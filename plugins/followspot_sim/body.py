@@ -16,7 +16,7 @@ PARTS = (
 RADII = np.array([0.08, 0.08, 0.17, 0.13, 0.11, 0.055, 0.055, 0.045, 0.045, 0.02])
 """Radius of each limb, m."""
 LEGS, ARMS, FOREARMS = slice(0, 2), slice(5, 7), slice(7, 9)
-"""Where they stand in PARTS, left before right."""
+"""Their indices in PARTS, left before right."""
 SIDES = np.array([1.0, -1.0])
 ASIDE = np.array([[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]])
 FEET = np.array([[0.1, 0.08], [-0.1, 0.08]])
@@ -56,7 +56,7 @@ class Pose:
         return np.asarray(self.hands[person, hand] + [c * x - s * y, s * x + c * y, z])
 
     def bags(self) -> Array:
-        """Centre of everybody's bag, (P, 3) m; it goes down with a bowing body."""
+        """Centre of each person's bag, (P, 3) m; it is lower if the body bows."""
         local = np.tile(BAG, (len(self.base), 1))
         local[:, 2] -= 0.3 * self.bow
         return self.in_room(local)
@@ -86,7 +86,7 @@ def pose(act: Round, u: float, time: float) -> Pose:
 
 
 def _carry(people: int, time: float) -> Array:
-    """Where hands are when they do nothing: before the body, swaying. (P, 2, 3), local, m."""
+    """Positions of idle hands: in front of the body, swaying. (P, 2, 3), local, m."""
     phase = 1.7 * np.arange(people)[:, None] + 2.9 * np.arange(2)
     local = np.empty((people, 2, 3))
     local[..., 0] = 0.38 + 0.05 * np.sin(3.8 * time + phase)

@@ -17,23 +17,23 @@ from followspot_sim.picture import Picture
 class SimCamera(Stage):
     """Render the simulated room as this camera sees it, frame by frame.
 
-    Every instance plays the same performance by itself, so the pictures fit together wherever the
-    stages run. With `realtime` frames come no earlier than their time; none is ever left out.
+    Every instance computes the same performance, so the pictures are consistent in any placement. With
+    `realtime` frames come no earlier than their time; none is skipped.
     """
 
     per_camera: ClassVar[bool] = True
 
     class Params(CameraParams):
-        """What happens in the room, and when this camera looks."""
+        """The performance, and the clock of this camera."""
 
     params: Params
 
     def setup(self) -> None:
-        """Prepare what stays the same in all pictures. Raises InputError for an unknown target."""
+        """Prepare the constant parts of all pictures. Raises InputError for an unknown target."""
         self._picture = Picture(self.params, self.room, self.camera, self.params.clock_offset)
 
     def length(self) -> int | None:
-        """Number of pictures; None where they never end."""
+        """Number of pictures; None if they never end."""
         return self.params.frames or None
 
     def process(self) -> Source[Frame]:
@@ -45,7 +45,7 @@ class SimCamera(Stage):
 
 
 def schedule(params: SimParams | ActorParams, context: Context) -> Iterator[tuple[int, int]]:
-    """Frame numbers with their capture times in ns, at the pace of the clock where that is wanted."""
+    """Frame numbers with their capture times in ns; with `realtime`, at the pace of the clock."""
     begin = time.monotonic()
     for frame in range(params.frames) if params.frames else itertools.count():
         if params.realtime and not context.pause(max(0.0, begin + frame / params.fps - time.monotonic())):

@@ -1,7 +1,7 @@
-"""Who does what with which ball: one round of the performance is planned from the end of the last.
+"""The choreography: plans one round of the performance from the end of the last one.
 
-A round has two halves. In the first everybody walks to a new station, in the second they stand and
-act: put a ball down, pick one up, pass it from hand to hand, throw it, put it into a bag or show it
+A round has two halves. In the first the people walk to new stations, in the second they stand and act: put a
+ball down, pick one up, pass it from hand to hand, throw it, put it into a bag or show it
 again. Balls on the floor may roll meanwhile. A person does one thing a round.
 """
 
@@ -95,7 +95,7 @@ class Planner:
         return True
 
     def _wander(self, person: int) -> None:
-        """Walk to where nobody else walks, and face the others."""
+        """Walk to a station that is free, and face the others."""
         best, gap = self.start[person], -1.0
         for _ in range(12):
             radius, angle = LAST_RADIUS * np.sqrt(self.rng.random()), self.rng.uniform(-np.pi, np.pi)
@@ -200,7 +200,7 @@ class Planner:
         self.bow[person] = bow
 
     def _hand_over(self, ball: int, after: Place, leave: float = SWITCH, arrive: float = SWITCH) -> None:
-        """Note the move; whoever takes part is busy, and a hand that held or gets a ball is full."""
+        """Add the move: its people are busy, and hands that held or get a ball are full."""
         self.moves[ball] = Move(self.places[ball], after, leave, arrive)
         for place in (self.places[ball], after):
             self.idle.discard(place.person)
@@ -212,7 +212,7 @@ class Planner:
         return free[0] if free else None
 
     def _hand_for_more(self, person: int) -> int | None:
-        """A hand for another ball; who has one in the bag keeps a hand free to show it again."""
+        """A hand for another ball; a person with a ball in the bag keeps one hand free for it."""
         return None if person in self.bags and self._hands_full(person) else self._free_hand(person)
 
     def _hands_full(self, person: int) -> bool:
@@ -220,7 +220,7 @@ class Planner:
 
 
 def _rolling(start: Array, goal: Array) -> Array:
-    """Where a rolling ball is at 40 moments of a round, (40, 2) m."""
+    """Positions of a rolling ball at 40 times of a round, (40, 2) m."""
     u = np.linspace(0, ROUND, 40)[:, None]
     return np.asarray(start + (goal - start) * smoothstep((u - ROLL[0]) / (ROLL[1] - ROLL[0])))
 

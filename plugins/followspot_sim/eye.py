@@ -1,4 +1,4 @@
-"""What stays the same in all looks of one camera at people and balls."""
+"""The constants of one camera for rendering people and balls."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What one camera sees of people and balls at one moment.
+"""The view of one camera of people and balls at one time.
 
 A glance is a function of the camera and the scene alone. Several cameras must not be computed together: the
 windows of all balls would be as large as the largest ball of any camera needs, and OpenCV draws a soft edge
-otherwise where the window cuts it.
+differently if the window cuts it.
 """
 
 from __future__ import annotations

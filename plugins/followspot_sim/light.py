@@ -1,6 +1,6 @@
 """The interfering projections: moving spots in the balls' colours, stripes, flashes, shadows of people.
 
-Colours are BGR, 0 to 255: linear light as given, what colour cameras show of it in `Shapes` and `Splashes`.
+Colours are BGR, 0 to 255: linear light, but the values of colour cameras in `Shapes` and `Splashes`.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ BENDS = 4
 """In how many pieces the stripe is drawn, for lenses bend it."""
 PIECES = np.stack([np.linspace(-1, 1, BENDS + 1)[:-1], np.linspace(-1, 1, BENDS + 1)[1:]], axis=1)[..., None]
 STRIPE_RADIUS, ON_FLOOR = np.full((BENDS, 2), 0.0675), np.zeros(BENDS, int)
-"""Where pieces begin and end, as a share of half its length; half its width, m; and its screen."""
+"""Ends of the pieces, as a share of half its length; half its width, m; and its screen."""
 NO_STROKES = (np.empty((0, 2, 2)), np.empty((0, 2)), np.empty(0, int), np.empty((0, 3)))
 """Ends (N, 2, 2) m along the axes of the screen, radius at each end (N, 2) m, screen (N,), colour (N, 3)."""
 SHADE = 7.0
-"""What colour cameras show of a screen in a shadow."""
+"""Colour of a shadowed screen in colour cameras."""
 Strokes = tuple[Array, Array, Array, Array]
 
 
@@ -68,7 +68,7 @@ NO_SPLASHES = Splashes(np.empty((0, 3)), np.empty((0, 3)), np.empty(0), np.empty
 
 @dataclass(frozen=True)
 class Lighting:
-    """What decides the projections; equal lightings give equal projections in every process.
+    """Parameters of the projections; equal ones give equal projections in every process.
 
     spots: for each ball; brightness: over that of the balls; planes: of the room, in its order;
     colors: of the balls, linear BGR.
@@ -88,7 +88,7 @@ def show_of(lighting: Lighting) -> LightShow:
 
 
 class LightShow:
-    """What the projectors throw, frame by frame; the last frames are kept for the next camera."""
+    """The projected light, frame by frame; the last frames are cached for the next camera."""
 
     def __init__(self, lighting: Lighting) -> None:
         self.world = world_of(lighting.setting)
@@ -123,11 +123,11 @@ class LightShow:
 
     def clouds(self, drift: int) -> Array:
         """The clouds on all screens, an atlas (H, W, 3) uint8."""
-        assert self._scenery is not None  # nobody asks when there is no light
+        assert self._scenery is not None  # not called without light
         return np.asarray(self._scenery[drift : drift + atlas_size(self.screens)[0]])
 
     def _place_spots(self, frame: int) -> Array:
-        """Where every spot is on its screen, (N, 2) m along its axes."""
+        """Position of every spot on its screen, (N, 2) m along its axes."""
         time = self.world.scene(frame).time
         sway = np.sin(self._rate * time * np.pi + self._phase)
         where = self._size[self._screen] / 2 * (1 + 0.62 * sway[0] + 0.3 * sway[1])
@@ -137,7 +137,7 @@ class LightShow:
         return np.asarray(where)
 
     def _draw(self, frame: int) -> Shapes:
-        """All strokes of a frame, cut off where their screen ends."""
+        """All strokes of a frame, clipped to their screens."""
         scene = self.world.scene(frame)
         spots = np.repeat(self._spots(frame)[:, None], 2, axis=1)
         spot_radius = np.repeat(self._radius[:, None], 2, axis=1)
@@ -177,19 +177,19 @@ class LightShow:
         return _together(found)
 
     def _plan_flash(self, screen: int, slot: int) -> tuple[float, Array, float, Array]:
-        """When the flash of a slot begins (s), where (of the screen), radius (m), colour."""
+        """Flash of a slot: start (s), position (on the screen), radius (m), colour."""
         rng = np.random.default_rng([self._seed, 78, screen, slot])
         color = displayed(self._colors[rng.integers(len(self._colors))] * 0.8)
         return rng.uniform(0, SLOT - FLASH), rng.uniform(0.2, 0.8, 2), rng.uniform(0.12, 0.6), color
 
     def _shadows(self, scene: Scene) -> Strokes:
-        """What bodies keep from the screens."""
+        """Shadows of bodies on the screens."""
         solid = SOLID[scene.part]
         ends, radius, found = scene.limbs[solid].reshape(-1, 3), scene.radius[solid][:, None], [NO_STROKES]
         for number, screen in enumerate(self.screens):
             shade, scale = screen.shadow(ends)
             where = screen.place(shade).reshape(-1, 2, 2)
-            near = np.abs(where).max(axis=(1, 2)) < 30.0  # also leaves out what is not a number
+            near = np.abs(where).max(axis=(1, 2)) < 30.0  # also excludes NaN
             thick = radius * scale.reshape(-1, 2)
             count = int(near.sum())
             found.append((where[near], thick[near], np.full(count, number), np.full((count, 3), SHADE)))

@@ -14,11 +14,11 @@ COLORS: dict[str, Colour] = {
     "magenta": (255, 60, 220),
     "cyan": (50, 235, 255),
 }
-"""What a colour camera sees of a ball, RGB, by the name of the target."""
+"""Colours of balls in a colour camera, RGB, by the name of the target."""
 
 
 class SimParams(StageParams):
-    """What happens in the simulated room; equal parameters give equal rooms."""
+    """The performance in the simulated room; equal parameters give equal rooms."""
 
     frames: int = Field(600, ge=0, unit="frames", description="length of the recording; 0: endless")
     fps: float = Field(60.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")
@@ -55,7 +55,7 @@ class SimParams(StageParams):
 
 
 class CameraParams(SimParams):
-    """What happens in the simulated room, and when this camera looks."""
+    """The performance in the simulated room, and the clock of this camera."""
 
     clock_offset: float = Field(
         0.0,

@@ -1,4 +1,4 @@
-"""What one camera sees of a scene: the lit room, people, balls, and then the sensor."""
+"""The picture of one camera of a scene: the lit room, people, balls, and then the sensor."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ INFRARED_BALL, INFRARED_RANGE = 175.0, 5.5
 GRAIN = 2.0
 """How much stronger noise is in colour: gamma lifts it in the dark."""
 FAINT = 50.0
-"""What is darker than this has a hard edge, which nobody can see, in half the time."""
+"""Brightness below which edges are hard: that is invisible, and takes half the time."""
 
 Spot = tuple[list[float], float, list[float]]
 """Centre and radius in px, colour."""
@@ -46,7 +46,7 @@ class Picture:
         """Prepare all that stays: rays, the lookup of the screens, the dark room, the noise.
 
         clock_offset: how much later than the frame's time the pictures are taken, s.
-        Raises InputError where `alone` names no target of the room.
+        Raises InputError if `only_target` names no target of the room.
         """
         self.camera = camera
         self.world: World = world_of(setting(params, room, clock_offset))
@@ -150,7 +150,7 @@ def _dark_room(number: Array, infrared: bool, rng: np.random.Generator) -> Array
 
 
 def _tones(people: int, infrared: bool) -> list[list[float]]:
-    """What the camera shows of every limb of every person, as long as the picture has channels."""
+    """Colours of every limb of every person, one value for each channel of the picture."""
     if infrared:
         return [[GRAY[part] * (1 + 0.15 * (p % 3 - 1))] for p in range(people) for part in PARTS]
     cloth = {"leg": TROUSERS, "bag": BAG_CLOTH, "head": SKIN, "forearm": SKIN}

@@ -31,8 +31,8 @@ COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pai
 def parameters_of(room: Room, *, frames: int | None = None, seed: int | None = None) -> SimParams:
     """The parameters that the room gives to its simulated cameras, with some replaced.
 
-    They differ in their clock offsets alone. Raises InputError where a camera is not simulated, where two
-    cameras differ otherwise, and for a value out of range.
+    They differ in their clock offsets alone. Raises InputError if a camera is not simulated, if two cameras
+    differ otherwise, and for a value out of range.
     """
     given = [(c.source.uses, dict(c.source.params)) for c in room.cameras.values() if c.source]
     shared = [(use, {k: v for k, v in values.items() if k != "clock_offset"}) for use, values in given]
@@ -64,7 +64,7 @@ def clock_offset_of(camera: Camera) -> float:
 
 
 def record(room: Room, params: SimParams, folder: Path) -> None:
-    """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError where it cannot."""
+    """Write `folder`/CAMERA.mkv and `folder`/truth.csv. Raises FollowspotError if it cannot."""
     _progress(f"{len(room.cameras)} videos of {params.frames} frames")
     write_videos(room, params, folder)
     _progress("truth.csv")

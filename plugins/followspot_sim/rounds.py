@@ -1,4 +1,4 @@
-"""One round of the performance: where people stand, which hands move, and what happens to every ball."""
+"""One round of the performance: stations of people, motions of hands and balls."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ MEETING = np.array([0.42, 0.0, 1.12])
 
 @dataclass(frozen=True)
 class Place:
-    """Where a ball is while nobody moves it."""
+    """Place of a resting ball."""
 
     kind: Literal["hand", "bag", "floor"]
     person: int = -1
@@ -77,7 +77,7 @@ def opening(people: int, balls: int, rest_height: Array) -> Round:
 
 
 def in_room(station: Array, local: Array) -> Array:
-    """A point given in the frame of a person who stands at `station` (x, y, heading), in the room; m."""
+    """A point in the frame of a person at `station` (x, y, heading), as a point in the room; m."""
     c, s = np.cos(station[2]), np.sin(station[2])
     return np.array(
         [station[0] + c * local[0] - s * local[1], station[1] + s * local[0] + c * local[1], local[2]]

@@ -1,4 +1,4 @@
-"""The planes that light is projected onto, and where each camera sees them.
+"""The planes that light is projected onto, and their images in each camera.
 
 All screens share one texture, the atlas: screen k fills the rows from its `row` on, one texel each
 1.5 cm, so that a camera looks its projections up in a single remapping.
@@ -35,7 +35,7 @@ class Screen:
     row: int
 
     def place(self, points: Array) -> Array:
-        """Where points of the plane are along the two axes: (..., 3) m -> (..., 2) m."""
+        """Coordinates of points of the plane along the two axes: (..., 3) m -> (..., 2) m."""
         return np.asarray((points - self.corner) @ self.axes.T)
 
     def texel(self, points: Array) -> Array:
@@ -48,9 +48,9 @@ class Screen:
         return self.row, self.row + int(rows), int(columns)
 
     def shadow(self, points: Array) -> tuple[Array, Array]:
-        """Where the projector casts points (N, 3): their shadow (N, 3) m and its magnification (N,).
+        """Shadows of points (N, 3) on the plane, (N, 3) m, and their magnification (N,).
 
-        NaN for points that are not between projector and screen.
+        Both are NaN for points that are not between projector and screen.
         """
         away = points - self.projector
         fall = away @ self.plane[:3]
@@ -92,9 +92,9 @@ def rays_of(camera: Camera) -> Array:
 
 
 def lookup(camera: Camera, rays: Array, screens: tuple[Screen, ...]) -> tuple[Array, Array]:
-    """Where each pixel sees the screens.
+    """The point of the screens that each pixel sees.
 
-    Returns the place in the atlas, (H, W, 2) float32, outside of it where there is no screen; and
+    Returns the place in the atlas, (H, W, 2) float32, outside of it if there is no screen; and
     the number of the screen, (H, W), or -1.
     """
     place = np.full((*rays.shape[:2], 2), -10.0, np.float32)

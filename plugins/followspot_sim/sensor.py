@@ -23,7 +23,7 @@ def linear(color: Array) -> Array:
 
 
 def displayed(light: Array) -> Array:
-    """What a colour camera shows of this light, both 0 to 255; the inverse of :func:`linear`."""
+    """A colour camera's values for this light, both 0 to 255; the inverse of :func:`linear`."""
     return np.asarray(255.0 * (np.asarray(light, float) / 255.0) ** GAMMA)
 
 

@@ -1,8 +1,9 @@
-"""Lines of sight among capsules: what stands between a camera and a ball.
+"""Lines of sight among capsules: occlusion between a camera and a ball.
 
 A capsule is all points within `radius` of a segment; a ball is a capsule whose segment is a point.
 Functions broadcast over leading axes, so that one call serves many cameras, balls and limbs. They
-multiply and add one coordinate after the other: a line of sight has the same bits in any company.
+multiply and add one coordinate after the other: the result of a line of sight does not depend on the others,
+to the last bit.
 """
 
 from __future__ import annotations

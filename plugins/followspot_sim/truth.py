@@ -1,4 +1,4 @@
-"""Stage `sim.truth`: where the balls of the simulated room really are, and who could see them."""
+"""Stage `sim.truth`: true positions of the balls of the simulated room, and their visibility."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from followspot_sim.world import setting, world_of
 
 
 class SimTruth(Stage):
-    """Give the ground truth of each frame; its parameters must equal those of the cameras."""
+    """Give the ground truth of each frame; the parameters must equal those of the cameras."""
 
     class Params(SimParams):
-        """What happens in the room."""
+        """The performance."""
 
     params: Params
 
@@ -28,11 +28,11 @@ class SimTruth(Stage):
         self._color = np.array([c.kind == "color" for c in self._cameras], bool)
 
     def length(self) -> int | None:
-        """One truth for each frame; None where they never end."""
+        """One truth for each frame; None if they never end."""
         return self.params.frames or None
 
     def process(self) -> Source[Truth]:
-        """Centres of all targets shown, with what the cameras of the room could see of them."""
+        """Centres of all shown targets, with their visibility in the cameras of the room."""
         for frame, time_ns in schedule(self.params, self.context):
             yield at(time_ns, self.truth(frame), seq=frame)
 

@@ -1,4 +1,4 @@
-"""How much of each ball every camera sees, and what follows for the ground truth."""
+"""The visible share of each ball in every camera, and the flags of the ground truth."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from followspot_sim.sight import approach, depth_in, disc, unit
 from followspot_sim.world import Scene
 
 SAMPLES = disc(64)
-"""Where the face of a ball is probed, in radii."""
+"""Sampled points of the face of a ball, in radii."""
 HEIGHTS = np.sqrt(1.0 - np.square(SAMPLES).sum(axis=1))
-"""How far those points stand out towards the camera, in radii."""
+"""Offsets of these points towards the camera, in radii."""
 ROUNDING = 1e-6
 """The face lies on its own ball; lines of sight stop that much before it, m."""
 
@@ -46,7 +46,7 @@ def visible_fraction(cameras: Sequence[Camera], scene: Scene, radii: Array) -> A
 def _take_hidden(
     seen: Array, near: tuple[Array, ...], points: Array, eyes: Array, ends: Array, thick: Array
 ) -> None:
-    """Take from `seen` (V, T, 64) what capsules hide; near: camera, ball and capsule to look at, in order."""
+    """Clear points in `seen` (V, T, 64) that capsules hide; near: camera, ball, capsule to test, sorted."""
     camera, ball, other = near
     if len(camera) == 0:
         return
@@ -75,9 +75,9 @@ def faces(centres: Array, radii: Array, forward: Array) -> Array:
 
 
 def _inside(camera: Camera, centres: Array, points: Array, margin: Array) -> Array:
-    """Whether points on balls fall into the picture: centres (T, 3), points (T, S, 3) m -> (T, S) bool.
+    """Whether points on balls are in the picture: centres (T, 3), points (T, S, 3) m -> (T, S) bool.
 
-    A ball whose centre is more than its margin, (T,) px, away from the border is settled by its centre.
+    For a ball that is farther than its margin, (T,) px, from the border its centre decides.
     """
     pixel = project(camera, centres)
     size = np.array(camera.size) - 0.5

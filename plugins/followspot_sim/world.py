@@ -1,4 +1,4 @@
-"""The performance as a function of time: where every ball and every limb is."""
+"""The performance as a function of time: positions of every ball and every limb."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ALONE_SPAN = np.array([1.7, 1.7, 0.8])
 
 @dataclass(frozen=True)
 class Setting:
-    """What decides the performance; equal settings give equal performances in every process."""
+    """Parameters of the performance; equal ones give equal performances in every process."""
 
     seed: int
     fps: float
@@ -42,9 +42,9 @@ class Setting:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """One moment: balls (T, 3) m, NaN for those not shown; limbs (K, 2, 3) m with radius (K,) m, part (K,).
+    """One time: balls (T, 3) m, NaN for those not shown; limbs (K, 2, 3) m with radius (K,) m, part (K,).
 
-    `part` numbers PARTS; limbs stand person by person.
+    `part` indexes PARTS; limbs are ordered by person.
     """
 
     time: float
@@ -57,7 +57,7 @@ class Scene:
 def setting(params: SimParams, room: Room, clock_offset: float = 0.0) -> Setting:
     """The setting of a room, seen `clock_offset` seconds late.
 
-    Raises InputError where `alone` names no target of the room.
+    Raises InputError if `only_target` names no target of the room.
     """
     names = list(room.targets)
     if params.only_target and params.only_target not in names:
@@ -164,7 +164,7 @@ class World:
         return centres
 
     def _alone(self, frame: int) -> Array:
-        """One ball, far from where it was a frame ago (R3 sequence, fills the volume evenly)."""
+        """One ball that jumps from frame to frame (R3 sequence, fills the volume evenly)."""
         step = np.array([0.8191725, 0.6710436, 0.5497005])
         where = 2 * np.mod(0.5 + step * (frame + 1), 1.0) - 1
         centres = np.full((len(self.setting.radii), 3), np.nan)

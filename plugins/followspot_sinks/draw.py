@@ -28,7 +28,7 @@ FARTHEST = 1 << 14
 
 
 class Draw(Stage):
-    """Write what was found into the pictures, a video or a folder of pictures per camera.
+    """Draw poses, boxes and tracks into the pictures: a video or a folder of pictures per camera.
 
     Poses: outline of head and shoulders, arrows where face and chest point, number and confidence; those
     without a camera are drawn in all. Boxes with their score; tracks as circles with the target's name.
@@ -45,7 +45,7 @@ class Draw(Stage):
     params: Params
 
     def setup(self) -> None:
-        """Create the folder. Raises FollowspotError where that is not possible."""
+        """Create the folder. Raises FollowspotError if that is not possible."""
         self.folder = below(self.context.out, self.params.path)
         self.files: dict[str, PictureFile] = {}
         self.names = tuple(self.room.targets)
@@ -78,7 +78,7 @@ class Draw(Stage):
             self.file(frame.camera).write(picture, frame.header.seq, frame.header.time)
 
     def file(self, camera: str) -> PictureFile:
-        """Where the camera's pictures go."""
+        """The file for the camera's pictures."""
         if camera not in self.files:
             form = self.params.format
             video = form == "mp4"
@@ -123,7 +123,7 @@ def draw_poses(picture: Array, camera: Camera, poses: Poses) -> None:
 
 
 def draw_boxes(picture: Array, boxes: Boxes) -> None:
-    """A rectangle and the score; what exceeds a panorama's width goes on at its other end."""
+    """Draw a rectangle and the score; beyond a panorama's width it continues at the other end."""
     width = picture.shape[1]
     for (x0, y0, x1, y1), score in zip(boxes.box.tolist(), boxes.score.tolist(), strict=True):
         for shift in (0, width) if x1 > width else (0,):

@@ -24,7 +24,7 @@ class LineSink(Stage):
     file: FileIO | None = None
 
     def setup(self) -> None:
-        """Create the file, replacing an older one. Raises FollowspotError where that is not possible."""
+        """Create the file, replacing an older one. Raises FollowspotError if that is not possible."""
         path = below(self.context.out, self.params.path)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -35,7 +35,7 @@ class LineSink(Stage):
         self.pending_bytes = len(self.head)
 
     def write(self, lines: Iterable[str]) -> None:
-        """Add lines, each with its line end. Raises FollowspotError where the disk does not take them."""
+        """Add lines, each with its line end. Raises FollowspotError if the disk does not take them."""
         for line in lines:
             self.pending.append(line)
             self.pending_bytes += len(line)
@@ -57,7 +57,7 @@ class LineSink(Stage):
             raise FollowspotError(f"{self.file.name} is cut short: {error.strerror}\n    {remedy}") from None
 
     def close(self) -> None:
-        """Write what is left and close. Raises FollowspotError."""
+        """Write the remaining lines and close. Raises FollowspotError."""
         if self.file is not None:
             try:
                 self.flush()

@@ -49,7 +49,7 @@ class Osc(OscSink):
 
 
 class OscPoses(OscSink):
-    """Send each person in a slot of their own: place of the head's top, speed, heading.
+    """Send each person in a slot of its own: position of the head's top, velocity, heading.
 
     As `sinks.osc`, and `/followspot/1/heading` (rad, counter-clockwise from the room's x axis).
     """

@@ -18,13 +18,13 @@ SLOWEST, FASTEST = 1.0, 240.0
 
 
 class PictureFile(Protocol):
-    """Where the pictures of one camera go."""
+    """A file for the pictures of one camera."""
 
     def write(self, picture: Array, seq: int, time: int) -> None:
         """Add a picture (H, W, 3) BGR, its number and capture time, ns. Raises FollowspotError."""
 
     def close(self) -> None:
-        """Complete what was written."""
+        """Complete the file."""
 
 
 class VideoFile:
@@ -36,7 +36,7 @@ class VideoFile:
         self.writer: cv2.VideoWriter | None = None
 
     def write(self, picture: Array, seq: int, time: int) -> None:
-        """Add a picture; the first waits for the second, which tells the rate. Raises FollowspotError."""
+        """Add a picture; the first waits for the second, which gives the rate. Raises FollowspotError."""
         picture = fitted(picture)
         if self.writer is not None:
             self.writer.write(picture)
@@ -65,7 +65,7 @@ class VideoFile:
 
 
 def fitted(picture: Array) -> Array:
-    """The picture with a black margin at the right and below where the codec needs one."""
+    """The picture with a black margin at the right and below if the codec needs one."""
     missing = [max(SMALLEST, side + side % 2) - side for side in picture.shape[:2]]
     if not any(missing):
         return picture

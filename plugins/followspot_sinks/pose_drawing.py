@@ -1,4 +1,4 @@
-"""Lines that show a person's pose in a picture: the outline of head and shoulders, and where both face."""
+"""Lines that show a person's pose in a picture: the outline and headings of head and shoulders."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def outline(xy: Array, height: float, heading: float, center: Array) -> Array:
 
 
 def arrows(xy: Array, height: float, heading: float, pan: float, tilt: float) -> tuple[Array, Array]:
-    """From head and from chest to where they face, each (2, 3) m."""
+    """Arrows from head and chest along their headings, each (2, 3) m."""
     scale = height / TALL
     gaze, level = heading + pan, np.cos(tilt)
     face = np.array([level * np.cos(gaze), level * np.sin(gaze), np.sin(tilt)])
@@ -61,7 +61,7 @@ def arrows(xy: Array, height: float, heading: float, pan: float, tilt: float) ->
 def images(camera: Camera, points: Array) -> Iterator[Array]:
     """The polyline (N, 3) m in the picture, as runs (K, 2) px of at least two points.
 
-    It is broken where a point has no image and at the seam of a panorama.
+    It is broken at points without an image and at the seam of a panorama.
     """
     pixel = project(camera, points)
     known = np.asarray(np.isfinite(pixel).all(axis=1))

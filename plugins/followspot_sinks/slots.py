@@ -1,7 +1,7 @@
-"""What a show sees: numbered slots, each with a place, a speed and whether its object is known now.
+"""Numbered slots for shows, each with a position, a velocity and whether its object is tracked now.
 
-Lights, sound and pictures are patched to numbers before the show, so an object keeps its slot: a target
-the one of its place in the room file, a person the lowest that was free when they came, until they are gone.
+Lights, sound and pictures are patched to numbers before the show, so an object keeps its slot. The order of
+the room file gives a target its slot; a person gets the lowest free slot, and keeps it until deleted.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from followspot.tracking import Tracks
 
 SECOND = 1_000_000_000
 FARTHEST = 1e6
-"""Largest number (m, m/s, rad) that is sent: whatever is beyond would not fit into what receivers take."""
+"""Largest number (m, m/s, rad) that is sent; larger ones exceed the range of receivers."""
 
 
 @dataclass(frozen=True)
 class Slots:
-    """N slots, 1 to N in rows 0 to N - 1; of an object that is not known now, the last that was known.
+    """N slots, 1 to N in rows 0 to N - 1; an object that is not tracked now keeps its last values.
 
-    names: (N,), "" for a slot that nobody has; known: (N,) bool; position: (N, 3) m, velocity: (N, 3) m/s;
+    names: (N,), "" for a free slot; known: (N,) bool; position: (N, 3) m, velocity: (N, 3) m/s;
     heading: (N,) rad counter-clockwise from the room's x axis, 0 for objects without one.
     """
 
@@ -36,13 +36,15 @@ class Slots:
 
     @staticmethod
     def free(count: int) -> Slots:
-        """Slots that nobody has."""
+        """Free slots."""
         zeros = np.zeros((count, 3))
         return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count))
 
 
 def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
-    """The slots after one frame of targets; target t has row t. Who has no number is not known."""
+    """The slots after one frame of targets; target t has row t. A target with values beyond `FARTHEST` is not
+    known.
+    """
     known = np.zeros_like(slots.known)
     position, velocity = slots.position.copy(), slots.velocity.copy()
     tracks = tracks.where(_meant(np.hstack([tracks.xyz, tracks.velocity])))
@@ -67,10 +69,10 @@ class PersonSlotParams(StageParams):
 
 
 class PersonSlots:
-    """Gives persons slots and takes them back.
+    """Assigns slots to persons.
 
-    count: of slots; who comes when all are taken is not shown. hold: s that a slot waits for a person who
-    is not seen.
+    count: of slots; persons beyond it are not shown. hold: time that a slot is kept for a person that is not
+    seen, s.
     """
 
     def __init__(self, count: int, hold: float) -> None:

@@ -1,4 +1,4 @@
-"""Which blob shows which target: votes for where to start, then at most one target for a blob."""
+"""Assignment of blobs to targets: at most one target for each blob."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ RESERVED = 9.0
 
 
 class Claims(NamedTuple):
-    """Blobs of C cameras, K slots in each, and what M targets make of them."""
+    """Blobs of C cameras, K slots each, that M targets compete for."""
 
     xy: Array
     """(C, K, 2) px, undistorted."""
@@ -40,7 +40,7 @@ def shares(claims: Claims, depth: Array, row: Array, slot: Array | None = None) 
 
 
 def squared_errors(xy: Array, seen: Images, possible: Array) -> Array:
-    """Squared distances of blobs from images, px^2: (C, K, 2) -> (H, C, K); inf where not `possible`."""
+    """Squared distances of blobs from images, px^2: (C, K, 2) -> (H, C, K); inf if not `possible`."""
     across, down = xy[..., 0] - seen.xy[..., 0, None], xy[..., 1] - seen.xy[..., 1, None]
     squares = across * across + down * down
     return np.where(possible & (seen.depth > BEHIND)[..., None], squares, np.inf)
@@ -49,7 +49,7 @@ def squared_errors(xy: Array, seen: Images, possible: Array) -> Array:
 def assigned(claims: Claims, seen: Images) -> tuple[Array, Array]:
     """The nearest blob of each target in each view that is nearer to no other target.
 
-    Targets that are tracked go first: a lost one gets what is far from all of them.
+    Tracked targets take precedence: a lost one gets only blobs that are far from all of them.
     seen: of the M targets. Returns slots (M, C) and whether there is such a blob, (M, C) bool.
     """
     squares = squared_errors(claims.xy, seen, claims.possible)

@@ -1,7 +1,7 @@
-"""The light that a glowing ball throws on what it lies on draws its centre there, in colour cameras only.
+"""The glow of a ball: its light on a nearby plane shifts its centre towards the plane in colour cameras.
 
-Near a plane it is by up to 2 cm and the same for all colour cameras, so they agree on a wrong place.
-Infrared cameras do not see the light: with the offset as an unknown, they settle the place.
+The shift is up to 2 cm and equal in all colour cameras, so they agree on a wrong position.
+Infrared cameras do not see the light: with the shift as an unknown they determine the position.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ def nearest_planes(planes: Array, xyz: Array, radius: Array) -> tuple[Array, Arr
 
 
 def glow_sigma(clearance: Array, touching: float, reach: float) -> Array:
-    """One sigma of the offset, m: `touching` for a ball that touches the plane, none at the `reach`, m.
+    """Sigma of the shift, m: `touching` for a ball that touches the plane, 0 at the clearance `reach`, m.
 
-    The quadratic fall follows what ray-traced balls show, 2 cm at the floor and 1 cm at a hand's breadth.
+    The quadratic decay fits ray-traced balls: 2 cm at the floor and 1 cm at a clearance of 10 cm.
     """
     return np.asarray(touching * np.square(np.maximum(1 - clearance / reach, 0.0)))

@@ -18,7 +18,7 @@ BEHIND = 1e-6
 
 
 class Images(NamedTuple):
-    """Where points appear."""
+    """Images of points."""
 
     xy: Array
     """(M, C, 2) px, undistorted."""
@@ -36,12 +36,12 @@ class Model(NamedTuple):
 
 
 class Belief(NamedTuple):
-    """What is known of parameters beside the views: a Gaussian in canonical form, so beliefs add up."""
+    """Prior knowledge of the parameters: Gaussians in canonical form, so that independent ones add up."""
 
     vector: Array
     """(M, 4), information times mean."""
     information: Array
-    """(M, 4, 4), the inverse of the covariance; 0 where nothing is known."""
+    """(M, 4, 4), the inverse of the covariance; 0 if nothing is known."""
 
     def and_also(self, other: Belief) -> Belief:
         """Both of two independent beliefs."""
@@ -61,9 +61,9 @@ class Views(NamedTuple):
     """One blob for each point and view."""
 
     xy: Array
-    """(M, C, 2) px; any number where there is none."""
+    """(M, C, 2) px; any number if there is none."""
     precision: Array
-    """(M, C) 1/px^2, inverse variance along each axis; 0 where there is none."""
+    """(M, C) 1/px^2, inverse variance along each axis; 0 if there is none."""
     cutoff2: Array
     """(M, C) px^2, square of the error at which a view keeps a quarter of its weight."""
 
@@ -76,13 +76,13 @@ class Equations(NamedTuple):
     right: Array
     """(M, 4)."""
     trust: Array
-    """(M, C) robust weight of each view, 1 for one that fits, 0 where there is none."""
+    """(M, C) robust weight of each view, 1 for one that fits, 0 if there is none."""
     cost: Array
     """(M,) sum of weighted squared errors."""
 
 
 def glowing_model(P: Array, normal: Array, color: Array) -> Model:
-    """The model of points whose colour images lie off by their glow along a normal.
+    """The model of points whose images in colour cameras are shifted by their glow along a normal.
 
     P: (C, 3, 4); normal: (M, 3); color: (C,) bool.
     """
@@ -143,8 +143,8 @@ def solved(equations: Equations, belief: Belief) -> Array:
 def estimated(equations: Equations, belief: Belief, certainty: float) -> tuple[Array, Array]:
     """The step (M, 4) to the maximum, and the covariance of the places, (M, 3, 3) m^2.
 
-    It is s^2 (J^T W J)^-1 with s^2 from the errors themselves (H&Z, eq. 5.8). A few errors tell little
-    of s^2, so 1 is taken for it as if `certainty` more of them had said so.
+    It is s^2 (J^T W J)^-1 with s^2 from the errors themselves (H&Z, eq. 5.8). The prior of s^2 is 1 and
+    counts as much as `certainty` errors, because a few errors determine s^2 poorly.
     """
     inverse = np.linalg.inv(equations.normal + belief.information)
     step = (inverse @ (equations.right + belief.vector)[..., None])[..., 0]

@@ -1,4 +1,4 @@
-"""Robust maximum-likelihood fusion over all views, with its covariance: better than pairs and their mode."""
+"""Robust maximum-likelihood fusion over all views, with its covariance."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ STEPS = 3
 
 
 class Fit(NamedTuple):
-    """Places of M targets and what they rest on."""
+    """Fitted positions of M targets, with the views that support them."""
 
     xyz: Array
     """(M, 3) m."""
     covariance: Array
     """(M, 3, 3) m^2."""
     trust: Array
-    """(M, C) robust weight of each view, 0 where there is none."""
+    """(M, C) robust weight of each view, 0 if there is none."""
     slot: Array
     """(M, C) blob of each target in each view."""
 
@@ -205,12 +205,12 @@ class Bundle(Stage):
         return votes
 
     def variance(self, share: Array) -> Array:
-        """Of centres whose blobs show these shares of their outlines, px^2."""
+        """Variance of the centres of blobs that show these shares of their outlines, px^2."""
         p = self.params
         return variance(share, p.blob_sigma, p.hidden_inflation, p.merged_inflation)
 
     def cutoff(self, candidates: Candidates, target: Array, lost: Array) -> Array | float:
-        """Sigmas, of all targets' views, or (M, 1) where one has no forecast. lost: (T,) bool."""
+        """The outlier cutoff in sigmas: of all targets, or (M, 1) if one has no forecast. lost: (T,) bool."""
         p = self.params
         if not lost.any():
             return p.outlier_cutoff
@@ -232,7 +232,7 @@ class Bundle(Stage):
         return Belief(vector, information)
 
     def glow(self, xyz: Array, radius: Array) -> tuple[Model, Belief]:
-        """The model of glowing balls near these places (M, 3) m, and what is known of the glow."""
+        """The model of glowing balls near these positions (M, 3) m, and the prior of their glow."""
         normal, clearance = nearest_planes(self.planes, xyz, radius)
         sigma = glow_sigma(clearance, self.params.glow_sigma, self.params.glow_range)
         vector, information = empty_belief(len(xyz))

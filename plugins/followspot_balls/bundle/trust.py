@@ -1,4 +1,4 @@
-"""How exact a blob's centre is, as its size tells: hidden in part, whole, or merged with other light."""
+"""Precision of a blob's centre from its area: partly hidden, whole, or merged with other light."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WHOLE = 1.2
 
 
 class Outlines:
-    """What part of a target's outline each blob shows, by its size and the target's depth."""
+    """The share of a target's outline that each blob shows, from its area and the target's depth."""
 
     def __init__(self, room: Room) -> None:
         cameras = list(room.cameras.values())

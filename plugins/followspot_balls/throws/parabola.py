@@ -16,7 +16,7 @@ STEPS = 3
 
 
 def residual(time: Array, xy: Array) -> float:
-    """RMS distance of a path from the best image of a parabola, px; infinite where that passes the camera.
+    """RMS distance of a path from the best image of a parabola, px; infinite if that passes the camera.
 
     time: (N,) s; xy: (N, 2) px without distortion; N at least 5. The quotients are fitted as linear
     equations divided by the last depths (the weights of Hartley & Zisserman, section 4.7), in normalised
@@ -43,7 +43,7 @@ def residual(time: Array, xy: Array) -> float:
 def bend(time: Array, v: Array) -> float:
     """How far the path rises above the straight line between its ends, px: the sagitta of its parabola.
 
-    time: (N,) s; v: (N,) px, downwards; N at least 3. Negative where the path hangs down.
+    time: (N,) s; v: (N,) px, downwards; N at least 3. Negative if the path is convex.
     """
     return float(np.polyfit(centred(time), v, 2)[0])
 

@@ -19,11 +19,11 @@ NO_PATHS = initiated(0, np.empty(0, int), np.empty((0, 2)), (0.0, 0.0, 0.0))
 
 
 class Throws(Stage):
-    """Track balls in free flight in one picture; what rests, drifts or jumps is followed but not reported.
+    """Track balls in free flight in one picture; paths that rest, drift or jump are not reported.
 
-    A track appears once its path is long and bent enough, and carries on while it fits. Blobs cut by
-    the edge of the picture are ignored, for their centroid is not the ball's. A ball that is caught, or
-    bounces, leaves its path's gate and begins another.
+    A path becomes a track once it is long and curved enough, and stays one while a parabola fits. Blobs cut
+    by the edge of the picture are ignored, because their centroid is not the ball's. A ball that bounces or
+    is caught leaves the gate and initiates another path.
     """
 
     per_camera = True

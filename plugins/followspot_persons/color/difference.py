@@ -1,4 +1,4 @@
-"""The colour-difference model: what unseen sides of a person look like, told from those that were seen.
+"""The colour-difference model: predicts the colours of a person's unseen sides from the seen ones.
 
 The paper planned it (section 3.3) and did not build it. Colours of the features of many people are a
 Gaussian: features that differ little from each other in most people (front and back of a shirt) are strongly
@@ -21,7 +21,7 @@ from followspot_persons.hsi import from_plane, plane
 
 SHIPPED = Path(__file__).with_name("color_relations.yaml")
 OBSERVATION = 0.0004
-"""Variance of a mean colour that no number of observations goes below: light differs from place to place."""
+"""Smallest variance of a mean colour, however many observations there are: light varies over the room."""
 WIDEST_HUE = 1 / 12
 """Variance of a hue that may be any."""
 
@@ -59,7 +59,7 @@ def read_relations(path: Path = SHIPPED) -> ColorRelations:
 
 
 def completed(model: ColorModel, relations: ColorRelations) -> ColorModel:
-    """The model with every feature: what was seen, corrected a little, and what it tells of the unseen ones.
+    """The model of every feature: slightly corrected observations, and predictions of unseen features.
 
     The variance of a feature is that of its pixels plus that of its mean. Evidence stays as it was.
     """

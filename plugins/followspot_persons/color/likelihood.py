@@ -1,4 +1,4 @@
-"""How well colours of a picture agree with what a person looks like (Weinrich et al. 2010, section 3.3)."""
+"""The likelihood of a picture's colours given a person's colours (Weinrich et al. 2010, section 3.3)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def intensity_share(intensity: Array) -> Array:
 def channel_responses(colors: Array, mean: Array, variance: Array) -> Array:
     """w_H, w_S, w_I: Gaussians of the colours, relative to the peak of the narrowest one.
 
-    A wide Gaussian has a low peak, as a density has: what is not known does not fit well.
+    A wide Gaussian has a low peak, as a density: an uncertain colour does not fit well.
     colors: (P, F, 3); mean, variance: (F, 3). Returns (P, F, 3).
     """
     wide = np.maximum(variance, NARROWEST**2)

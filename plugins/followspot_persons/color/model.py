@@ -1,4 +1,4 @@
-"""What one person looks like: colours of the surface features, learnt as they are seen (section 3.3)."""
+"""The appearance of one person: colours of the surface features, learnt while visible (section 3.3)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class ColorModel:
 
     @classmethod
     def unseen(cls, features: int) -> ColorModel:
-        """A person of whom nothing is known."""
+        """A person without observations."""
         return cls(np.zeros((features, 3)), np.tile(FIRST_VARIANCE, (features, 1)), np.zeros(features))
 
 

@@ -1,4 +1,4 @@
-"""What the network looks at in a window: gradients, brightness and skin, in cells.
+"""Features of a window for the network: gradients, brightness and skin, in cells.
 
 Coarse cells of 8 px cover the window, fine ones of 4 px the head, where front and back differ. Hue takes no
 part but for the likeness to skin, for clothes and hair have any colour.

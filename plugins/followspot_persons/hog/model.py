@@ -18,7 +18,7 @@ from followspot_persons.hog.window import FEATURES
 
 SHIPPED = Path(__file__).with_name("hog_weights.npz")
 DIRECTIONS = 16
-"""Number of headings whose likelihood is given; direction i is 2 pi i / 16, 0 faces the camera."""
+"""Number of headings with a likelihood; direction i is 2 pi i / 16, 0 faces the camera."""
 OUTPUTS = 1 + 2 * DIRECTIONS
 
 
@@ -42,7 +42,7 @@ class HogModel:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """What the network says of N windows."""
+    """The network's output for N windows."""
 
     score: Array
     """(N,) log-odds of an upper body, 0 at the threshold."""
@@ -60,10 +60,10 @@ def judge(model: HogModel, looks: Array) -> Judgement:
 
 
 def trusted(logits: Array, factor: float, mistaken: float) -> Array:
-    """Log-likelihoods of directions that are right as often as they say, (N, DIRECTIONS).
+    """Calibrated log-likelihoods of directions, (N, DIRECTIONS).
 
-    factor: of the logits, below 1 where the network is too sure of strangers; mistaken: share of windows
-    whose direction is anybody's guess.
+    factor: of the logits, below 1 if the network is too sure of unknown people; mistaken: share of windows
+    with a random direction.
     """
     scaled = factor * logits
     scaled -= scaled.max(axis=1, keepdims=True, initial=-np.inf)
@@ -74,7 +74,7 @@ def trusted(logits: Array, factor: float, mistaken: float) -> Array:
 
 @cache
 def load(path: Path = SHIPPED) -> HogModel:
-    """Read a weights file. Raises InputError where it is none."""
+    """Read a weights file. Raises InputError if it is invalid."""
     try:
         model = HogModel(**_arrays(path))
         _check(model)
@@ -101,7 +101,7 @@ def save(model: HogModel, path: Path) -> None:
 
 
 def _check(model: HogModel) -> None:
-    """Raises ValueError where a shape is not what it must be, or a number is not finite."""
+    """Raises ValueError if a shape is wrong or a number is not finite."""
     units = model.hidden_bias.size
     shapes = {
         "linear": (FEATURES + 1,),

@@ -1,4 +1,4 @@
-"""Where and in which sizes upper bodies are looked for, and what the linear detector proposes there."""
+"""The search for upper bodies: positions, sizes and the linear detector's proposals."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def _level(camera: Camera, scale: float, heights: tuple[float, float]) -> Level 
 
 
 def plausible(camera: Camera, box: Array, heights: tuple[float, float]) -> Array:
-    """Which upper bodies belong to people of these heights, m, who stand on the floor: (N, 4) px -> (N,)."""
+    """Which boxes fit people of these heights, m, on the floor: (N, 4) px -> (N,)."""
     if not knows_floor(camera):
         return np.ones(len(box), bool)
     _, height = standing(camera, box)
@@ -107,7 +107,7 @@ def overlap(box: Array, others: Array, turn: float) -> Array:
 
 
 def nesting(box: Array, others: Array, turn: float) -> Array:
-    """Intersection over the smaller of a box (4,) and each other (N, 4): 1 where one holds the other."""
+    """Intersection over the smaller of a box (4,) and each other (N, 4): 1 if one holds the other."""
     shared, area, areas = _shared(box, others, turn)
     return np.asarray(shared / np.minimum(area, areas))
 
@@ -125,9 +125,10 @@ def _shared(box: Array, others: Array, turn: float) -> tuple[Array, float, Array
 
 
 def groups(box: Array, score: Array, least: float, turn: float) -> list[Array]:
-    """Rows that show the same body: each best one with what overlaps it by `least`; best first.
+    """Groups of rows that show the same body: each best one with those that overlap it by `least`; best
+    first.
 
-    What overlaps with a better one is never the head of a group: non-maximum suppression.
+    A row that overlaps a better one never heads a group: non-maximum suppression.
     """
     found, open_rows = [], np.argsort(-score, kind="stable")
     while len(open_rows):

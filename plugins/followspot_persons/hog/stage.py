@@ -19,15 +19,15 @@ SAME = 0.45
 NESTED = 0.75
 """Part of the smaller box within the larger one from which both show the same body."""
 CROWD = 4.0
-"""Windows that show a body in a usual search; what is no body shows in fewer."""
+"""Usual number of windows that show a body; false bodies show in fewer."""
 FAINT = -2.5
 """Log-odds from which a window counts as one of them."""
 
 
 class Hog(Stage):
-    """Find upper bodies of any orientation where people may stand, and tell where torso and head point to.
+    """Find upper bodies of any orientation where people may stand, with the headings of torso and head.
 
-    A linear detector proposes windows, a small network judges them. Slow by nature: run it every few frames.
+    A linear detector proposes windows, a small network judges them. It is slow: run it every few frames.
     """
 
     per_camera = True
@@ -81,7 +81,7 @@ class Hog(Stage):
     params: Params
 
     def setup(self) -> None:
-        """Read the weights and plan the search. Raises InputError where the weights are none."""
+        """Read the weights and plan the search. Raises InputError if the weights are invalid."""
         p = self.params
         self.model = load(p.weights)
         self.detector = detector(self.model.linear)
@@ -105,14 +105,14 @@ class Hog(Stage):
         return self.boxes(box, judgement)
 
     def proposed(self, pixels: Array) -> Array:
-        """Boxes worth a look, (N, 4) px."""
+        """Proposed boxes, (N, 4) px."""
         box, score = proposals(pixels, self.camera, self.levels, self.detector)
         best = np.argsort(-score, kind="stable")
         best = best[plausible(self.camera, box[best], self.heights)]
         return np.asarray(box[best[: self.params.maximum_proposals]])
 
     def windows(self, pixels: Array, box: Array) -> Array:
-        """What the boxes show, (N, HEIGHT, WIDTH, 3) u8."""
+        """The contents of the boxes, (N, HEIGHT, WIDTH, 3) u8."""
         if self.turn and len(box):
             beyond = max(0.0, box[:, 2].max() - self.turn) + (box[:, 3] - box[:, 1]).max()
             margin = int(np.ceil(beyond))
@@ -123,7 +123,7 @@ class Hog(Stage):
     def boxes(self, box: Array, judgement: Judgement) -> Boxes:
         """One box for each body: the mean of the windows that show it, weighted by their odds.
 
-        Its odds are the sum of theirs over what a usual body gathers.
+        Its odds are the sum of theirs over the usual number of windows.
         """
         shown = judgement.score > FAINT
         box, odds = box[shown], np.exp(judgement.score[shown])
@@ -146,7 +146,7 @@ class Hog(Stage):
         )
 
     def beside(self, box: Array) -> Array:
-        """Boxes (N, 4) with those that are a turn away from the first moved next to it."""
+        """Boxes (N, 4), moved by full turns next to the first."""
         if not self.turn:
             return box
         turns = np.rint((box[:, :1] - box[0, 0]) / self.turn)

@@ -1,1 +1,1 @@
-"""Persons in a simulated room: bodies, clothes, furniture, and what cameras see of them."""
+"""Persons in a simulated room: bodies, clothes, furniture, and their pictures."""

@@ -20,7 +20,7 @@ PARALLEL = 1e-9
 class Backdrop:
     """The empty room: picture (H, W, 3) uint8; away: (H, W) float32, level distance of furniture, m.
 
-    Where there is none, `away` is infinite.
+    Without furniture, `away` is infinite.
     """
 
     picture: Array
@@ -28,7 +28,7 @@ class Backdrop:
 
 
 def lamp_of(params: ActorParams) -> Array:
-    """Where the lamp hangs, (3,) m."""
+    """Position of the lamp, (3,) m."""
     return np.array([0.0, 0.0, params.room_size[2] - 0.05])
 
 
@@ -55,7 +55,7 @@ def backdrop(params: ActorParams, camera: Camera) -> Backdrop:
 
 
 def _shell(params: ActorParams, centre: Array, ray: Array) -> tuple[Array, Array, Array]:
-    """Where rays meet walls, floor and ceiling: place (N, 3) m, colour (N, 3), inward normal (N, 3)."""
+    """Intersections of rays with walls, floor and ceiling: (N, 3) m, colour (N, 3), inward normal (N, 3)."""
     half = np.array([params.room_size[0] / 2, params.room_size[1] / 2, params.room_size[2]])
     low, high = np.array([-half[0], -half[1], 0.0]), half
     ray = np.where(np.abs(ray) < PARALLEL, PARALLEL, ray)
@@ -78,7 +78,7 @@ def _shell(params: ActorParams, centre: Array, ray: Array) -> tuple[Array, Array
 
 
 def _meet(box: Box, centre: Array, ray: Array) -> tuple[Array, Array]:
-    """Distance at which rays enter a box, (N,) m, infinite where they miss, and through which of its axes."""
+    """Distance at which rays enter a box, (N,) m, infinite if they miss, and through which of its axes."""
     axes, half = box.axes(), np.array(box.size) / 2
     start, local = (centre - box.middle()) @ axes.T, ray @ axes.T
     local = np.where(np.abs(local) < PARALLEL, PARALLEL, local)
@@ -90,7 +90,7 @@ def _meet(box: Box, centre: Array, ray: Array) -> tuple[Array, Array]:
 
 
 def _on_box(box: Box, point: Array, axis: Array) -> tuple[Array, Array]:
-    """Colour and outward normal of points on a box, through whose `axis` they were met."""
+    """Colour and outward normal of points on a box; axis: of the side that each point is on."""
     local = (point - box.middle()) @ box.axes().T
     half = np.array(box.size) / 2
     sign = np.sign(np.take_along_axis(local, axis[:, None], axis=1))

@@ -24,7 +24,7 @@ PIVOT = np.array(
         *([0.0, HIP, 0.92], [0.0, -HIP, 0.92], [0.0, 0.095, 0.50], [0.0, -0.095, 0.50]),
     ]
 )
-"""Where bones turn in the rest pose, (11, 3) m."""
+"""Joints in the rest pose, (11, 3) m."""
 TORSO, NECK, SKULL, HAIR, ARM, LEG, FOOT = range(7)
 """Regions of the surface."""
 WAIST, ELBOW = 1.0, 1.1
@@ -141,7 +141,7 @@ def _ear(side: int) -> Mesh:
 
 
 def _hair(style: str) -> list[Mesh]:
-    """A cap over the skull, and what hangs or is tied behind it."""
+    """Hair: a cap over the skull, with a tail or a bun."""
     cap = [(z, x - 0.004, y, w + 0.013, f + 0.004, b + 0.017) for z, x, y, w, f, b in SKULL_KEYS[3:]]
     cap.append((1.75, 0.038, 0, 0.022, 0.026, 0.032))
     found = [_open_face(wrap(tube(cap, (HEAD,), (), 14), 28))]

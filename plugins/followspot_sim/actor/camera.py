@@ -14,14 +14,14 @@ from followspot_sim.camera import schedule
 class PersonCamera(Stage):
     """Render people who walk, turn and look around in a furnished room, as this camera sees them.
 
-    Every instance plays the same performance by itself, so the pictures fit together wherever the
-    stages run. With `realtime` frames come no earlier than their time; none is ever left out.
+    Every instance computes the same performance, so the pictures are consistent in any placement. With
+    `realtime` frames come no earlier than their time; none is skipped.
     """
 
     per_camera: ClassVar[bool] = True
 
     class Params(ActorParams):
-        """Who walks in the room, and where."""
+        """The people and the room."""
 
     params: Params
 
@@ -30,7 +30,7 @@ class PersonCamera(Stage):
         self._picture = ActorPicture(self.params, self.camera)
 
     def length(self) -> int | None:
-        """Number of pictures; None where they never end."""
+        """Number of pictures; None if they never end."""
         return self.params.frames or None
 
     def process(self) -> Source[Frame]:

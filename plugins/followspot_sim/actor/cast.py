@@ -1,4 +1,4 @@
-"""Who the actors are: shape and clothes of each, drawn from a seed."""
+"""The actors: shape and clothes of each, drawn from a seed."""
 
 from __future__ import annotations
 

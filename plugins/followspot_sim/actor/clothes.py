@@ -1,4 +1,4 @@
-"""What actors wear: the colour of every face of the surface, whose front differs from its back."""
+"""The clothes of actors: the colour of every face of the surface; front and back differ."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Colour = tuple[int, int, int]
 
 
 HEM = 0.88
-"""Where shirts end and trousers begin in the rest pose, m."""
+"""Height between shirt and trousers in the rest pose, m."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ def _plain(centre: Array, colour: Colour) -> Array:
 
 
 def _chosen(centre: Array, first: Colour, *layers: tuple[Array, Colour]) -> Array:
-    """The first colour, with others laid over it where their mask says."""
+    """The first colour, overlaid with others by their masks."""
     color = _plain(centre, first)
     for mask, other in layers:
         color[mask] = other
@@ -61,7 +61,7 @@ def _chosen(centre: Array, first: Colour, *layers: tuple[Array, Colour]) -> Arra
 
 
 def _face(centre: Array, wears: Outfit) -> Array:
-    """Skin with eyes, brows and a mouth in front; hair where the skull has some."""
+    """Skin with eyes, brows and a mouth in front; hair on the skull."""
     x, y, z = centre.T
     front, aside = x > 0.09, np.abs(y)
     eyes = front & (np.abs(aside - 0.031) < 0.011) & (np.abs(z - 1.632) < 0.007)

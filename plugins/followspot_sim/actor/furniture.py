@@ -1,4 +1,4 @@
-"""What stands in the room and hangs on its walls, as boxes, drawn from a seed."""
+"""Furniture and wall decoration as boxes, drawn from a seed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from followspot_sim.actor.parameters import ActorParams
 CUPBOARD = (0.45, 1.2, 2.1)
 """Depth, width and height, m."""
 FLAT = 0.03
-"""Depth of what hangs on a wall, m."""
+"""Depth of wall decoration, m."""
 CORNER = 0.5
 """Distance of furniture from the corners of the room, m."""
 
@@ -21,7 +21,7 @@ CORNER = 0.5
 class Box:
     """An upright box.
 
-    kind: its texture; x, y, z: middle of its bottom, m; yaw: where its front looks, rad; size: depth, width
+    kind: its texture; x, y, z: middle of its bottom, m; yaw: heading of its front, rad; size: depth, width
     and height, m; seed: of its texture.
     """
 
@@ -49,18 +49,18 @@ HANGING: tuple[tuple[str, float, tuple[float, float]], ...] = (
     ("door", 0.0, (0.95, 2.05)),
     ("board", 1.0, (1.5, 0.9)),
 )
-"""What hangs on walls: kind, height of the lower edge, width and height, m."""
+"""Wall decoration: kind, height of the lower edge, width and height, m."""
 STANDING: tuple[tuple[str, tuple[float, float, float]], ...] = (
     ("books", (0.32, 1.0, 1.9)),
     ("drawers", (0.45, 0.9, 0.85)),
     ("sofa", (0.8, 1.7, 0.75)),
     ("table", (0.6, 1.2, 0.74)),
 )
-"""What stands at walls: kind, depth, width and height, m."""
+"""Furniture at walls: kind, depth, width and height, m."""
 
 
 def furniture_of(params: ActorParams) -> tuple[Box, ...]:
-    """Two things on, and two at, each wall, and the cupboard where there is one."""
+    """Two decorations and two pieces of furniture for each wall, and the cupboard if there is one."""
     rng = np.random.default_rng([params.seed, 59])
     found: list[Box] = []
     for wall, yaw in enumerate(np.pi / 2 * np.arange(4) + np.pi):

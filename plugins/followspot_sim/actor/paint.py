@@ -86,7 +86,7 @@ def clipped(window: tuple[int, int, int, int], shape: tuple[int, ...]) -> tuple[
 
 
 def shade(quad: Array, color: Array, lamp: Array) -> Array:
-    """What faces show of their colours in the light of the room, (F, 3), 0 to 255.
+    """The shaded colours of faces in the light of the room, (F, 3), 0 to 255.
 
     quad: (F, 4, 3) m; color: (F, 3); lamp: (3,) m.
     """

@@ -8,7 +8,7 @@ from followspot import Field, StageParams
 
 
 class ActorParams(StageParams):
-    """Who walks in the simulated room, and where; equal parameters give equal rooms."""
+    """The people of the simulated room; equal parameters give equal rooms."""
 
     frames: int = Field(600, ge=0, unit="frames", description="length of the recording; 0: endless")
     fps: float = Field(15.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")

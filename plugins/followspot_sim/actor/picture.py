@@ -1,4 +1,4 @@
-"""What one camera sees of the actors in their room."""
+"""The picture of one camera of the actors in their room."""
 
 from __future__ import annotations
 

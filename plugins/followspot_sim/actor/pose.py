@@ -1,4 +1,4 @@
-"""How an actor stands, walks and looks, and where that moves the surface of the body."""
+"""The pose of an actor, and the surface of the body in that pose."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ CYCLE = 1.35
 REACH, KNEE, SWING, TWIST = 0.42, 0.75, 0.32, 0.07
 """Swing of the thighs, of the knees, of the arms, and of the chest against the hips in a full stride, rad."""
 ELBOW = (0.2, 0.2)
-"""Bend of the elbows at rest, and what walking adds, rad."""
+"""Bend of the elbows at rest, and its increase when walking, rad."""
 ASIDE = 0.03
 """By how much arms hang away from the body, rad."""
 
 
 @dataclass(frozen=True)
 class Stance:
-    """What an actor does at one moment; angles in rad as in `followspot.people`.
+    """The pose of an actor at one time; angles in rad as in `followspot.people`.
 
     x, y: m; heading: of the chest; pan, tilt: of the head; stride: 0 standing to 1 walking; phase: of the
     steps, rad.

@@ -32,7 +32,7 @@ def has_people(room: Room) -> bool:
 def actor_parameters_of(room: Room, *, frames: int | None = None, seed: int | None = None) -> ActorParams:
     """The parameters that the room gives to its simulated cameras, with some replaced.
 
-    Raises InputError where a camera is not simulated, where two cameras differ, and for a value out of range.
+    Raises InputError if a camera is not simulated, if two cameras differ, and for a value out of range.
     """
     given = [(c.source.uses, dict(c.source.params)) for c in room.cameras.values() if c.source]
     if len(given) < len(room.cameras) or any(use != given[0] or use[0] != STAGE for use in given):
@@ -43,7 +43,7 @@ def actor_parameters_of(room: Room, *, frames: int | None = None, seed: int | No
 
 
 def record_people(room: Room, params: ActorParams, folder: Path) -> None:
-    """Write `folder`/CAMERA.mkv and `folder`/CAMERA_gt.csv. Raises FollowspotError where it cannot."""
+    """Write `folder`/CAMERA.mkv and `folder`/CAMERA_gt.csv. Raises FollowspotError if it cannot."""
     print(f"simulate: {len(room.cameras)} videos of {params.frames} frames", file=sys.stderr)  # noqa: T201
     folder.mkdir(parents=True, exist_ok=True)
     for camera in room.cameras.values():

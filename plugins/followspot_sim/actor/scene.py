@@ -1,4 +1,4 @@
-"""The performance of actors: at each frame, the surface of everybody in the room."""
+"""The performance of actors: the surfaces of all of them at each frame."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from followspot_sim.recent import Recent
 
 @dataclass(frozen=True, eq=False)
 class Play:
-    """One moment: what everybody does, surfaces (V, 3) m each, heights (P,) m of the tops of the heads."""
+    """One time: the poses, surfaces (V, 3) m each, heights (P,) m of the tops of the heads."""
 
     stances: list[Stance]
     surfaces: list[Array]

@@ -13,24 +13,24 @@ from followspot_sim.camera import schedule
 
 
 class PoseTruthOfActors(Stage):
-    """Give the true poses of each frame; its parameters must equal those of the cameras."""
+    """Give the true poses of each frame; the parameters must equal those of the cameras."""
 
     class Params(ActorParams):
-        """Who walks in the room, and where."""
+        """The people and the room."""
 
     params: Params
 
     def setup(self) -> None:
-        """Prepare the performance and what each camera of the room can see."""
+        """Prepare the performance and the visibility for each camera of the room."""
         self._stage = stage_of(self.params)
         self._onlookers = [Onlooker(self.params, camera) for camera in self.room.cameras.values()]
 
     def length(self) -> int | None:
-        """One truth for each frame; None where they never end."""
+        """One truth for each frame; None if they never end."""
         return self.params.frames or None
 
     def process(self) -> Source[PoseTruth]:
-        """Everybody's pose, with the visible share in the camera that sees most."""
+        """The poses of all people, with the visible share in the camera that sees most."""
         for frame, time_ns in schedule(self.params, self.context):
             yield at(time_ns, self.truth(frame), seq=frame)
 

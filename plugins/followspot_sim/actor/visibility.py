@@ -29,9 +29,9 @@ class Onlooker:
         self._away = backdrop(params, self._camera).away
 
     def visible(self, play: Play) -> Array:
-        """Visible share of everybody's upper body, (P,): of the sides that the camera faces, counted by area.
+        """Visible share of each upper body, (P,): of the area that faces the camera.
 
-        The picture's edge, furniture and other people hide; one's own arms do not.
+        The picture's edge, furniture and other people hide it; the person's own arms do not.
         """
         center = self._camera.center[:2]
         level = np.array([np.hypot(*(center - (s.x, s.y))) for s in play.stances])

@@ -1,4 +1,4 @@
-"""The ways of actors: where each walks, turns and looks, as a function of time alone."""
+"""The ways of actors: their positions and headings as functions of time alone."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ PACE, TURN_RATE = 0.75, 1.9
 APART, ROUND_CUPBOARD = 0.75, 0.75
 """Distance that people keep from each other and from the middle of the cupboard, m."""
 SHORT = 1.0
-"""Shorter walks are taken where no other way is clear, m."""
+"""Smallest length of a walk, m; walks are shorter only if no other way is clear."""
 HIDE_EVERY = 4
 """Of so many walks, one leads behind the cupboard."""
 STAY = (0.3, 1.6)
-"""How long people stay where they arrive, s."""
+"""Time between two walks, s."""
 HIDDEN = 1.5
 """How long they stay behind the cupboard, s."""
 ATTEMPTS, MOMENTS = 24, 24
 GLANCES = np.array([[0.45, 0.23], [0.30, 0.61]])
 """Head pan: amplitude in rad and frequency in Hz of its waves."""
 NODS = np.array([[0.12, 0.19], [0.07, 0.47]])
-"""Head tilt, likewise."""
+"""The same of the head's tilt."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Ways:
             self._walks.append([self._opening()])
 
     def stances(self, time: float) -> list[Stance]:
-        """What everybody does at a time, s."""
+        """The poses of all people at a time, s."""
         with self._lock:
             while self._walks and min(walks[-1].end for walks in self._walks) < time:
                 self._plan_next()
@@ -113,7 +113,7 @@ class Ways:
         return Walk(0.0, 0.1, 0.2, 0.3 + end, place, place, heading, heading, heading, 0.0)
 
     def _plan_next(self) -> None:
-        """The next walk of whoever is free first: the first of several whose way is clear enough."""
+        """The next walk of the first person that is free: one of several candidates with a clear way."""
         person = min(range(len(self._walks)), key=lambda p: self._walks[p][-1].end)
         last, plan = self._walks[person][-1], self._plans[person]
         if not any(self._plans) and (len(self._walks[person]) + 2 * person) % HIDE_EVERY == 0:
@@ -182,7 +182,7 @@ class Ways:
         )
 
     def _clearance(self, walk: Walk) -> float:
-        """Distance of a way from the middle of the floor and from the cupboard over what it should be."""
+        """Distance of a way from the middle of the floor and from the cupboard over the required distance."""
         keep = [((0.0, 0.0), self._params.clear_radius), (self._params.cupboard, ROUND_CUPBOARD)]
         path = np.linspace(walk.start, walk.goal, MOMENTS)
         found = [

@@ -20,7 +20,7 @@ class CsvBlobs(LineSink):
     params: Params
 
     def setup(self) -> None:
-        """Create the file. Raises FollowspotError where that is not possible."""
+        """Create the file. Raises FollowspotError if that is not possible."""
         super().setup()
         self.names = tuple(self.room.targets)
 

@@ -25,7 +25,7 @@ class CsvTracks(LineSink):
     params: Params
 
     def setup(self) -> None:
-        """Create the file. Raises FollowspotError where that is not possible."""
+        """Create the file. Raises FollowspotError if that is not possible."""
         super().setup()
         self.names = tuple(self.room.targets)
 

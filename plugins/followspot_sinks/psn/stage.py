@@ -70,7 +70,7 @@ class Psn(PsnSink):
 
 
 class PsnPoses(PsnSink):
-    """Send each person as a tracker of their own: the head's top, and where they face."""
+    """Send each person as a tracker of its own: the head's top, and the heading."""
 
     class Params(PsnSink.Params, PersonSlotParams):
         """The receiver and the slots."""

@@ -1,4 +1,4 @@
-"""What the Rerun viewer is shown of a message. `rerun` is imported by who calls: it is an optional extra."""
+"""Messages as the Rerun viewer shows them. The caller imports `rerun`, which is an optional extra."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from followspot.tracking import STATES, Frame, Tracks, Truth
 ROOT = "room"
 _JPEG_QUALITY = 85
 _RADIUS = 0.02
-"""Of points in the room whose size is not known, m."""
+"""Radius of points in the room whose size is unknown, m."""
 _HEADING = 0.4
-"""Length of the arrow that shows where a chest points, m."""
+"""Length of the arrow of a chest's heading, m."""
 
 
 def entity_of(message: Message, name: str) -> str:
-    """Where it stands in the viewer's tree: what a camera saw stands below the camera."""
+    """The entity in the viewer's tree: messages of a camera are below the camera."""
     camera = getattr(message, "camera", "")
     if not camera or isinstance(message, Poses):
         return f"{ROOT}/{name}"
@@ -29,7 +29,7 @@ def entity_of(message: Message, name: str) -> str:
 
 
 def shape_of(rerun: Any, message: Message, room: Room) -> Any:
-    """The message as an archetype of the `rerun` module; None where there is none for its type."""
+    """The message as an archetype of the `rerun` module; None if there is none for its type."""
     if isinstance(message, Frame):
         return _picture(rerun, message)
     if isinstance(message, Poses | PoseTruth):
@@ -47,7 +47,7 @@ def shape_of(rerun: Any, message: Message, room: Room) -> Any:
 
 
 def log_cameras(rerun: Any, stream: Any, room: Room) -> None:
-    """Where the room's cameras stand and what they see, once for the whole recording."""
+    """Poses and fields of view of the room's cameras, once for the whole recording."""
     stream.log(ROOT, rerun.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     for camera in room.cameras.values():
         place = rerun.Transform3D(translation=camera.center, mat3x3=camera.rotation.T)

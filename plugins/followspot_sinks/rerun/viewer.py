@@ -17,8 +17,8 @@ TIMELINE = "capture"
 class Rerun(Stage):
     """Show pictures, blobs, points, tracks and poses in the Rerun viewer, with the room's cameras.
 
-    One for each port; those that name the same viewer share a recording there. Each file is one of its own:
-    open several together.
+    Use one sink per port. Sinks with the same viewer share a recording there; each file is a recording of its
+    own: open several together.
     """
 
     class Params(StageParams):
@@ -32,7 +32,7 @@ class Rerun(Stage):
     stream: Any = None
 
     def setup(self) -> None:
-        """Open the file or connect. Raises FollowspotError where rerun-sdk is missing."""
+        """Open the file or connect. Raises FollowspotError if rerun-sdk is missing."""
         try:
             self.rerun = importlib.import_module("rerun")
         except ImportError as error:
@@ -50,7 +50,7 @@ class Rerun(Stage):
         self.shown = True
 
     def process(self, message: Message) -> None:
-        """Log it at its capture time; a type that the viewer knows nothing like is told once."""
+        """Log the message at its capture time; warn once of a type that the viewer cannot show."""
         if self.stream is None:
             raise FollowspotError(f"{self.context.name} has no stream: it was not set up")
         shape = shape_of(self.rerun, message, self.room)
@@ -62,7 +62,7 @@ class Rerun(Stage):
             self.context.warn(f"Rerun shows nothing like {type(message).__name__}")
 
     def close(self) -> None:
-        """Write what is left."""
+        """Write the remaining data."""
         if self.stream is not None:
             stream, self.stream = self.stream, None
             stream.flush()
