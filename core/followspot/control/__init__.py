@@ -1,1 +1,1 @@
-"""What operator, host and worker say to each other: messages, and the carriers that move them."""
+"""Control messages between operator, hosts and workers, their dispatch, and the carriers that move them."""

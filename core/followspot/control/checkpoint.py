@@ -1,4 +1,4 @@
-"""The state of a stage as JSON types: numbers, text, arrays, lists and dicts, every bit of them."""
+"""Checkpoints: the state of a stage in JSON types, without loss of precision."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ import numpy as np
 from followspot.messages import MAX_BYTES
 
 _ARRAY = "\0array"
-"""Key that marks an array; no stage has such a name for anything."""
+"""Key that marks an array; it begins with a null so that no key of a stage equals it."""
 
 
 def state_to_data(state: Any) -> Any:
-    """Raises TypeError where the state holds something else."""
+    """The state in JSON types: numbers, text, None, arrays, lists, tuples, and mappings with text as keys.
+
+    Raises TypeError if the state contains anything else.
+    """
     if isinstance(state, np.generic):
         state = np.asarray(state)
     if isinstance(state, np.ndarray):
@@ -33,7 +36,7 @@ def state_to_data(state: Any) -> Any:
 
 
 def state_from_data(data: Any) -> Any:
-    """What `state_to_data` was given; tuples are lists now. Raises ValueError, TypeError, KeyError."""
+    """The inverse of `state_to_data`; tuples become lists. Raises ValueError, TypeError, KeyError."""
     if isinstance(data, dict) and _ARRAY in data:
         dtype = np.dtype(str(data["dtype"]))
         if dtype.kind not in "biufc":

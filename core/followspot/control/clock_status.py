@@ -1,4 +1,4 @@
-"""How the clock of a host differs from the one by which its run goes, as people want to know it."""
+"""The offset of a host's clock from the run's reference clock, in ms, and the warnings about it."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from dataclasses import dataclass
 from followspot.ranges import Count, Figure
 
 LIMIT_MS = 5.0
-"""Offset, ms, from which on users are told to set their clocks."""
+"""Offset, ms, from which users are told to set their clocks."""
 
 
 @dataclass(frozen=True)
 class ClockStatus:
-    """reference: the host by whose clock the run goes, "" where it is this one, or the only one.
+    """The status of a host's clock.
 
-    offset_ms: what is added to capture times here; round_trip_ms: of the slowest question that counts; half
-    of it bounds the error; exchanges: questions that count, 0 where nothing is known.
+    reference: the run's reference host, "" if it is this host or there is only one; offset_ms: added to
+    capture times on this host; round_trip_ms: of the slowest exchange used, half of which bounds the error;
+    exchanges: number of exchanges used, 0 if the offset is unknown.
     """
 
     reference: str = ""
@@ -25,7 +26,7 @@ class ClockStatus:
 
     @property
     def warning(self) -> str:
-        """What to tell the user; empty where all is well."""
+        """A warning for the user, "" if the clock is right."""
         if self.reference and not self.exchanges:
             return f"its clock could not be compared with that of {self.reference}; times are as they are"
         if abs(self.offset_ms) < LIMIT_MS:
@@ -38,24 +39,24 @@ class ClockStatus:
 
 
 class ClockWarnings:
-    """Says each time that a clock is found to be off what it has not said before."""
+    """Gives each new warning about a clock once."""
 
     def __init__(self) -> None:
-        self._told: ClockStatus | None = None
+        self._last: ClockStatus | None = None
 
     def news(self, status: ClockStatus) -> str:
-        """What to tell the user now; empty where there is nothing new."""
+        """The warning to log now, "" if there is none or it was logged before."""
         if not status.warning:
-            if abs(status.offset_ms) < LIMIT_MS / 2:  # one that is nearly off is not off again and again
-                self._told = None
+            if abs(status.offset_ms) < LIMIT_MS / 2:  # hysteresis around the limit
+                self._last = None
             return ""
-        if self._told is not None and _alike(self._told, status):
+        if self._last is not None and _alike(self._last, status):
             return ""
-        self._told = status
+        self._last = status
         return status.warning
 
 
-def _alike(told: ClockStatus, status: ClockStatus) -> bool:
-    """Whether a warning says again what one has said."""
-    compared = bool(told.exchanges) == bool(status.exchanges)
-    return compared and abs(status.offset_ms - told.offset_ms) < LIMIT_MS
+def _alike(earlier: ClockStatus, status: ClockStatus) -> bool:
+    """True if the warnings of two statuses say the same."""
+    compared = bool(earlier.exchanges) == bool(status.exchanges)
+    return compared and abs(status.offset_ms - earlier.offset_ms) < LIMIT_MS

@@ -19,11 +19,11 @@ Role = Literal["operator", "host", "worker"]
 
 
 class Request(pydantic.BaseModel):
-    """Base of all requests: immutable, unknown fields are errors; checked when the first one is made.
+    """Base of all requests: immutable; unknown fields are errors. Validators are built at first use.
 
-    roles: which processes handle it; answer: type of what the handler returns, None for nothing;
-    open_to_hosts: whether other hosts may ask an agent, not operators alone; long_answer: whether the answer
-    travels back in a request, and so may be as long as one.
+    roles: roles whose processes handle it; answer: type of the answer, None for no answer; open_to_hosts:
+    True if other hosts may ask it of an agent, not only operators; long_answer: True if later requests carry
+    the answer, so that it may be as long as a request.
     """
 
     model_config = pydantic.ConfigDict(
@@ -42,7 +42,7 @@ class RunRequest(Request):
 
 
 class UnknownRequest(FollowspotError, ValueError):
-    """No request of this name is understood here."""
+    """The process handles no request of this name."""
 
 
 def verb(kind: type[Request]) -> str:
@@ -61,9 +61,9 @@ def fields(request: Request) -> dict[str, Any]:
 
 
 def from_wire(kinds: Mapping[str, type[Request]], data: Any) -> Request:
-    """The request from JSON types. kinds: types that are understood, by verb.
+    """The request from JSON types. kinds: the types that this process handles, by verb.
 
-    Raises UnknownRequest, ValueError.
+    Raises UnknownRequest for any other verb, ValueError for invalid fields.
     """
     if not isinstance(data, Mapping):
         raise ValueError("a request is a JSON object")
@@ -89,11 +89,11 @@ def answer_to_wire(kind: type[Request], answer: Any) -> Any:
 
 
 Handlers = Mapping[type[Request], Callable[..., Any]]
-"""By type: get the request, return its answer, raise FollowspotError to refuse it."""
+"""Handlers by type: each gets the request and returns its answer, or raises FollowspotError to refuse it."""
 
 
 class Dispatcher:
-    """Hands each request to the handler of its type.
+    """Passes each request to the handler of its type.
 
     role: of this process.
     """
@@ -104,12 +104,12 @@ class Dispatcher:
             raise TypeError(f"requests that no {role} handles: {', '.join(foreign)}")
         self._handlers = dict(handlers)
         self.kinds = by_verb(handlers)
-        """Types of the requests that are handled, by their names on the wire."""
+        """The types of the handled requests, by their names on the wire."""
 
     def dispatch(self, request: Request, *beside: Any) -> Any:
-        """The answer, or what the handler raises. Raises UnknownRequest.
+        """The handler's answer. Raises UnknownRequest, and the errors of the handler.
 
-        beside: what travelled beside the request, for its handler.
+        beside: further arguments for the handler, such as file descriptors that came with the request.
         """
         handler = self._handlers.get(type(request))
         if handler is None:
@@ -117,7 +117,7 @@ class Dispatcher:
         return handler(request, *beside)
 
     def dispatch_wire(self, data: Any) -> Any:
-        """The same for a request in JSON types, and the answer in JSON types. Raises ValueError as well."""
+        """As `dispatch`, with request and answer in JSON types. Raises ValueError for an invalid request."""
         request = from_wire(self.kinds, data)
         return answer_to_wire(type(request), self.dispatch(request))
 
@@ -134,5 +134,5 @@ class _Answer(pydantic.RootModel[Any]):
 
 @cache
 def _answer(kind: type[Request]) -> type[_Answer]:
-    """Built when the first answer travels, for a process that only asks in person needs none."""
+    """The validator of an answer; built at first use, because in-process calls do not need it."""
     return pydantic.create_model("Answer", __base__=_Answer, root=(kind.answer, ...))

@@ -1,7 +1,7 @@
-"""What the operator's side and a host say to each other about a run: orders one way, a status the other.
+"""The interface of a host for the operator: the order of a run, and the status of its workers.
 
-All of it is plain data. The status is a picture of the whole, not a stream of events: whoever missed one,
-or comes later, has nothing to catch up on.
+Both are plain data. A status is complete, not a difference: an operator that missed one, or joined late,
+needs no other.
 """
 
 from __future__ import annotations
@@ -22,19 +22,18 @@ from followspot.log.run_log import RunLog
 from followspot.ranges import Age, Count, Incarnation, Last, Nanoseconds
 
 WorkerPhase = Literal["starting", "ready", "running", "absent", "over"]
-"""absent: it died and will be started again, or its host does not answer; over: it has ended."""
+"""absent: the worker died and will be restarted, or its host does not answer; over: it has ended for good."""
 
 
 @dataclass(frozen=True)
 class RunOrder:
-    """Everything that a host must know to prepare its part of a run.
+    """Everything that a host needs to prepare a run.
 
-    run: a name that keeps runs apart; plan: as `plan_to_data` gives it; frames: messages per source, None for
-    all; out: folder for outputs, None where the host is to choose one; restart: whether workers that die are
-    started again; detached: whether it goes on without an operator; incarnations: of workers that were
-    started before, under an agent that is gone; over: workers, here or elsewhere, that have ended for good;
-    reference: host by whose clock the run goes, whoever joins or leaves later, "" where it began without any
-    that has an agent; origin: the process that operates it.
+    run: unique name; plan: as `plan_to_data` gives it; frames: messages per source, None for all; out: folder
+    for outputs, None if the host chooses one; restart: whether hosts restart workers that die; detached:
+    whether the run goes on without an operator; incarnations: of workers that ran under an earlier agent;
+    over: workers of any host that have ended for good; reference: the run's reference host, which stays the
+    same when hosts join or leave, "" if the run began without agents; origin: the operator's process.
     """
 
     run: str
@@ -55,9 +54,11 @@ class RunOrder:
 
 @dataclass(frozen=True)
 class WorkerStatus:
-    """One worker: how far it is, how often it was started again, and in the end its report.
+    """The status of one worker.
 
-    age_s: None where it was never heard; host: name of its host, "" for the operator's own.
+    phase: see `WorkerPhase`; fired: frames done; expected: frames to be done, None if unknown; restarts: how
+    often the worker was restarted; report: None until it has ended; stages, paths: their newest statuses;
+    age_s: time since its last message, s, None if there was none; host: its host, "" for the operator's own.
     """
 
     name: str
@@ -76,12 +77,12 @@ class WorkerStatus:
 
 @dataclass(frozen=True)
 class HostStatus:
-    """A host's part of a run.
+    """The status of a run on one host.
 
-    counts: the words of its ledger, of all edges of the plan; news: what went wrong and what was done about
-    it, oldest first; out: where its outputs are; change: the newest one to its stages;
-    clock: how it differs from that of the others; logged: number of its newest log record; age_s: None
-    before the host was heard for the first time.
+    workers: of this host; counts: the ledger's columns of all edges of the plan, one edge after the other;
+    news: faults and their repairs, a line each, oldest first; out: folder of outputs; change: status of the
+    newest hot swap; clock: offset from the reference clock; logged: number of the newest log record; age_s:
+    time since the host gave this status, s, None before its first.
     """
 
     workers: tuple[WorkerStatus, ...]
@@ -94,7 +95,7 @@ class HostStatus:
     age_s: Age | None = None
 
     def all(self, *phases: WorkerPhase) -> bool:
-        """Whether every worker is in one of these phases."""
+        """True if every worker is in one of these phases."""
         return all(worker.phase in phases for worker in self.workers)
 
 
@@ -103,55 +104,55 @@ class HostLost(FollowspotError):
 
 
 class HostRefused(FollowspotError):
-    """The host answers that it does not do what it was asked; the text says which host, and why."""
+    """The host refuses a request; the text names the host and the reason."""
 
 
 class Host(Protocol):
-    """One host's part of one run, near or far."""
+    """One host in one run, local or remote."""
 
     name: str
     log: RunLog
-    """What workers there say, and what becomes of them."""
+    """The log of the workers on the host."""
 
     def prepare(self, order: RunOrder) -> None:
-        """Start the workers, to wait for each other and for `start`. Raises FollowspotError."""
+        """Start the workers, which wait for `start`. Raises FollowspotError."""
 
     def start(self) -> None:
-        """All hosts are ready: begin."""
+        """Start the stages: all hosts are ready."""
 
     def stop(self) -> None:
-        """End the sources; what is in flight is finished."""
+        """End the sources; workers finish the messages in flight."""
 
     def ended(self, workers: Sequence[str]) -> None:
-        """These workers, here or elsewhere, have come to their end: nobody need wait for them."""
+        """Announce workers of any host that have ended, so that no worker waits for them."""
 
     def change(self, order: ChangeOrder) -> None:
-        """One step of a change; what becomes of it stands in the status. Raises FollowspotError."""
+        """Do one step of a hot swap; the status has its outcome. Raises FollowspotError."""
 
     def move(self, order: MoveOrder) -> None:
-        """One step of a move. Raises FollowspotError."""
+        """Do one step of a move. Raises FollowspotError."""
 
     def states(self) -> dict[str, Any]:
-        """What the stages here last told of their state, by stage. Raises FollowspotError."""
+        """The newest checkpoint of each stage on the host, by stage. Raises FollowspotError."""
 
     def relay(self, order: Relayed) -> None:
-        """Tell the workers that are there, and those that begin later."""
+        """Send an order to all workers of the host, also to those that start later."""
 
     def attend(self, timeout: float) -> None:
-        """Look after the workers for up to `timeout`, s, or wait for news of them. Raises HostLost."""
+        """Supervise the workers for up to `timeout`, s, or wait for a status. Raises HostLost."""
 
     def status(self) -> HostStatus:
-        """The newest picture there is."""
+        """The newest status."""
 
     def close(self) -> bool:
-        """Leave nothing behind: what still lives is killed. False where the host does not answer."""
+        """End the run on the host and kill its workers that are still alive; False if the host is silent."""
 
 
 class Others(Protocol):
-    """Hosts in reach of a run that have no part in it yet."""
+    """Hosts that a run can reach and that are not part of it yet."""
 
     def names(self) -> Collection[str]:
-        """Of all hosts whose agents are there."""
+        """Names of all hosts whose agents are alive."""
 
     def host(self, name: str) -> Host:
-        """One of them, to be prepared."""
+        """The host of this name, still to be prepared."""

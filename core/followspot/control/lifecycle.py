@@ -1,4 +1,4 @@
-"""Requests from the operator to hosts about the life of a run there: prepare, start, stop, find, close."""
+"""Requests about the life cycle of a run: prepare, start, stop, find, list, close."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from followspot.control.origin import Origin
 from followspot.ranges import Age
 
 Known = Literal["here", "timed out", "unknown"]
-"""How an agent knows a run; timed out: the agent ended it because its operator was silent for too long."""
+"""How an agent knows a run; timed out: the agent ended it because its operator was silent."""
 _Name = Annotated[str, pydantic.Field(max_length=1000)]
 
 
 @dataclass(frozen=True)
 class ListedRun:
-    """A run that an agent has a part of.
+    """A run under an agent.
 
-    detached: whether it goes on without an operator; silent_s: time since an operator last asked for it, s.
+    over: it has ended on this host; detached: it goes on without an operator; silent_s: time since the last
+    request of an operator for it, s; origin: the operator's process.
     """
 
     run: _Name
@@ -33,53 +34,53 @@ class ListedRun:
 
 
 class PrepareRun(Request):
-    """Start the workers of a host; they wait for `StartRun`."""
+    """Start the workers of a run on a host; they wait for `StartRun`."""
 
     order: RunOrder
     roles: ClassVar[tuple[Role, ...]] = ("host",)
 
 
 class StartRun(RunRequest):
-    """All hosts are ready: begin."""
+    """Start the stages: all hosts are ready."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 class StopRun(RunRequest):
-    """End the sources; what is in flight is finished."""
+    """End the sources; workers finish the messages in flight."""
 
     roles: ClassVar[tuple[Role, ...]] = ("operator", "host", "worker")
 
 
 class EndWorkers(RunRequest):
-    """These workers, on whichever host, have ended: no worker waits for them any more."""
+    """Announce workers of any host that have ended, so that no worker waits for them."""
 
     workers: tuple[str, ...]
     roles: ClassVar[tuple[Role, ...]] = ("host", "worker")
 
 
 class CloseRun(RunRequest):
-    """Forget the run; workers that still live are killed."""
+    """Forget the run; kill its workers that are still alive."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
 
 
 class FindRun(RunRequest):
-    """How the agent knows the run."""
+    """Ask whether the agent has the run, or had it; see `Known`."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = Known
 
 
 class ListRuns(Request):
-    """All runs that the agent has a part of."""
+    """List all runs of the agent."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = list[ListedRun]
 
 
 class GetOrder(RunRequest):
-    """What the host was told to prepare, as it is after changes and moves."""
+    """Get the order that the host prepared, with later changes and moves applied."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = RunOrder

@@ -1,4 +1,4 @@
-"""The request that moves stages: workers whose edges or stages change leave, then all take their places."""
+"""The request that moves stages: workers whose edges or stages change leave, then start at new places."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from followspot.control.dispatch import Role, RunRequest
 
 
 class MoveOrder(RunRequest):
-    """One step on a host.
+    """One step of a move on a host.
 
-    leaving: workers, on whichever host, that tell the state of their stages and exit; plan: what the run is
-    to be afterwards, in JSON types, None while workers only leave; states: what moved stages told, by stage;
-    trial: only say whether the host could take the plan.
+    leaving: workers of any host that send checkpoints of their stages and exit; plan: the new plan in JSON
+    types, None while workers only leave; states: checkpoints of the moved stages, by stage; trial: only check
+    whether the host would accept the plan.
     """
 
     leaving: tuple[str, ...] = ()

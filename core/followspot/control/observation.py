@@ -1,4 +1,4 @@
-"""Requests that read how a run is: status, log, states of stages, clocks."""
+"""Requests that read a run: its status, log, checkpoints and clocks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from followspot.log.record import LogPage
 from followspot.messages import MAX_TIME
 
 _LATEST = MAX_TIME - (1 << 55)
-"""Latest reading of a clock that is believed, ns: a year below the end of the range of capture times."""
+"""Latest valid reading of a clock, ns: a year before the end of the range of capture times."""
 _Reading = Annotated[int, pydantic.Field(strict=True, ge=0, le=_LATEST)]
 
 
@@ -26,14 +26,14 @@ class ClockReading:
 
 
 class GetHostStatus(RunRequest):
-    """How the run is on a host."""
+    """Get the status of the run on a host."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = HostStatus
 
 
 class GetLog(RunRequest):
-    """The log records after the one of this number."""
+    """Get the log records after the record of this number."""
 
     after: int = -1
     roles: ClassVar[tuple[Role, ...]] = ("operator", "host")
@@ -41,7 +41,7 @@ class GetLog(RunRequest):
 
 
 class GetStates(RunRequest):
-    """The newest checkpoint of each stage on a host, as `state_to_data` gives it, by stage."""
+    """Get the newest checkpoint of each stage on a host, as `state_to_data` gives it, by stage."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = dict[str, Any]
@@ -49,7 +49,7 @@ class GetStates(RunRequest):
 
 
 class ReadClock(Request):
-    """What the clocks of a host read now; every host compares its own with them."""
+    """Read the clocks of a host; any host may ask, to compare them with its own."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
     answer: ClassVar[Any] = ClockReading

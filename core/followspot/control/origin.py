@@ -1,6 +1,6 @@
-"""Which process of which machine operates a run, and whether it is certain that it has died.
+"""The process that operates a run, and whether it has certainly died.
 
-Hosts cannot tell a dead operator from one whose cable is out. The next operator on the same machine can.
+A host cannot tell a dead operator from one with an unplugged cable. An operator on the same machine can.
 """
 
 from __future__ import annotations
@@ -13,17 +13,16 @@ from pathlib import Path
 _PROC = Path("/proc")
 _MACHINE = Path("/etc/machine-id")
 _BOOT = _PROC / "sys/kernel/random/boot_id"
-_STARTED = 19
-"""Where the start of a process stands in its `stat`, after the name."""
+_START_FIELD = 19
+"""Index of the start time in `/proc/PID/stat`, counted after the name of the process."""
 
 
 @dataclass(frozen=True)
 class Origin:
-    """A process; what could not be found out is "" or -1, and proves nothing.
+    """The identity of a process; an unknown field is "" or -1 and proves nothing.
 
-    name: of the host, as certified, "" without a certificate; machine: id of its installation; boot: of the
-    start of its kernel; space: of the numbers of its processes; pid: number there; started: when, in ticks
-    since the boot.
+    name: of the host in its certificate, "" without one; machine: machine id; boot: boot id; space: id of the
+    PID namespace; pid: process id there; started: start time, ticks since the boot.
     """
 
     name: str = ""
@@ -34,15 +33,15 @@ class Origin:
     started: int = -1
 
     def dead(self, here: Origin) -> bool:
-        """Whether this process is known to have died; here: the one that asks."""
+        """True if this process has certainly died; here: the process that asks."""
         if self.boot and self.boot == here.boot:
             return self.space == here.space != "" and _started(self.pid) != self.started
-        again = self.boot and self.machine and self.machine == here.machine
-        return bool(again and self.name and self.name == here.name)  # disks are copied, certificates are not
+        rebooted = self.boot and self.machine and self.machine == here.machine
+        return bool(rebooted and self.name and self.name == here.name)  # a copied disk has the same id
 
 
 def own_origin(name: str) -> Origin:
-    """That of this very process; name: as certified."""
+    """The identity of this process; name: of the host in its certificate."""
     space = ""
     with suppress(OSError):
         space = str((_PROC / "self/ns/pid").readlink())
@@ -51,9 +50,9 @@ def own_origin(name: str) -> Origin:
 
 
 def _started(pid: int) -> int:
-    """When a process of this machine was started, -1 where there is none of this number, or it has ended."""
+    """Start time of a process of this machine, ticks since the boot; -1 if it does not exist or has ended."""
     words = _text(_PROC / str(pid) / "stat").rpartition(")")[2].split()
-    return -1 if not words or words[0] in "ZX" else int(words[_STARTED])
+    return -1 if not words or words[0] in "ZX" else int(words[_START_FIELD])
 
 
 def _text(path: Path) -> str:

@@ -1,4 +1,4 @@
-"""Latency from a source to a sink."""
+"""Latency of the path from a source to a sink."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from followspot.ranges import Count, Figure
 
 @dataclass(frozen=True)
 class PathLatency:
-    """Latency of one path, ms; the worst with the number of its frame."""
+    """Latency of one path, ms. worst_id: the frame with the worst latency."""
 
     origin: str
     sink: str

@@ -1,6 +1,6 @@
-"""Carrier between a host and a worker: requests as JSON lines over a socket pair, and file descriptors.
+"""The carrier between a host and a worker: JSON lines and file descriptors over a socket pair.
 
-The channel has no name and no port; only the two processes that were given its ends can speak on it.
+The pair has no name and no port, so only the two processes that have its ends can use it.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from typing import NamedTuple
 from followspot.control.dispatch import Request, from_wire, to_wire
 
 MAX_LINE = 64 << 20
-"""Longest message, bytes; a plan with a room of a thousand cameras is smaller."""
+"""Longest message, bytes; the plan of a room with a thousand cameras is shorter."""
 MAX_DESCRIPTORS = 8
 """Most file descriptors that travel with one message."""
 MAX_WAITING = 1024
-"""Most that wait for the messages that they came with: ends of all the rings of a worker."""
+"""Most descriptors that wait for their messages: enough for all rings of a worker."""
 
 
 class ChannelClosed(ConnectionError):
@@ -30,29 +30,29 @@ class ChannelClosed(ConnectionError):
 
 
 class Received(NamedTuple):
-    """A request, and the descriptors that came beside it, in their order."""
+    """A request, and the descriptors that came with it, in their order."""
 
     request: Request
     descriptors: Sequence[int]
 
 
 class Channel:
-    """One end. Sending is safe from any thread; receiving is for one."""
+    """One end of the pair. Any thread may send; only one thread may receive."""
 
     def __init__(
         self, end: socket.socket, kinds: Mapping[str, type[Request]], *, takes_descriptors: bool = True
     ) -> None:
-        """kinds: types of what the other process may send, by verb.
+        """kinds: types of requests that the other process may send, by verb.
 
-        takes_descriptors: whether it may send descriptors beside them; else they are closed unseen.
+        takes_descriptors: whether it may send descriptors; if not, the kernel discards them.
         """
         self.socket = end
         self._kinds = kinds
         self._most = MAX_DESCRIPTORS if takes_descriptors else 0
         self._lock = threading.Lock()
         self._pending = bytearray()
-        self._searched = 0
-        """Bytes of what is pending in which there is no end of a line."""
+        self._newline_free = 0
+        """Number of pending bytes that are known to contain no newline."""
         self._descriptors: deque[int] = deque()
 
     def fileno(self) -> int:
@@ -60,7 +60,7 @@ class Channel:
         return self.socket.fileno()
 
     def send(self, request: Request, descriptors: Sequence[int] = ()) -> None:
-        """Send one request; copies of the descriptors belong to the other process. Raises ChannelClosed."""
+        """Send one request; the other process gets copies of the descriptors. Raises ChannelClosed."""
         line = json.dumps({"descriptors": len(descriptors), **to_wire(request)}).encode() + b"\n"
         try:
             with self._lock:
@@ -70,41 +70,47 @@ class Channel:
             raise ChannelClosed(str(error)) from error
 
     def receive(self) -> Received:
-        """The next request; waits for it. Raises ChannelClosed, ValueError."""
+        """Wait for the next request. Raises ChannelClosed, ValueError if it is invalid."""
         while not self._has_line():
-            self._pending += self._more()
-        return self._cut()
+            self._pending += self._received_bytes()
+        return self._next_request()
 
     def waits(self, seconds: float) -> bool:
-        """Whether there is something to `receive` within this time."""
+        """True if there is something to `receive` within this time, s."""
         poll = select.poll()
         poll.register(self.socket, select.POLLIN)
         return self._has_line() or bool(poll.poll(seconds * 1e3))
 
     def arrived(self) -> list[Received]:
-        """Call when readable: what is complete by now. Raises ChannelClosed, ValueError."""
-        self._pending += self._more()
+        """The requests that are complete; call this when the channel is readable.
+
+        Raises ChannelClosed, ValueError if a request is invalid.
+        """
+        self._pending += self._received_bytes()
         return self.buffered()
 
     def buffered(self) -> list[Received]:
-        """What came along with requests received before; `fileno` does not tell of it. Raises ValueError."""
+        """Complete requests that were read with an earlier one, for which `fileno` is not readable.
+
+        Raises ValueError if one is invalid.
+        """
         received = []
         while self._has_line():
-            received.append(self._cut())
+            received.append(self._next_request())
         return received
 
     def close(self) -> None:
-        """Close this end; the other process sees it at once."""
+        """Close this end and the waiting descriptors; the other process notices at once."""
         self.socket.close()
         while self._descriptors:
             os.close(self._descriptors.popleft())
 
     def shut(self) -> None:
-        """Let both ends find the channel closed; safe from any thread."""
+        """Shut the channel down for both ends. Safe from any thread."""
         with suppress(OSError):
             self.socket.shutdown(socket.SHUT_RDWR)
 
-    def _more(self) -> bytes:
+    def _received_bytes(self) -> bytes:
         try:
             data, descriptors, _, _ = socket.recv_fds(
                 self.socket, 1 << 16, self._most, socket.MSG_CMSG_CLOEXEC
@@ -120,12 +126,12 @@ class Channel:
             raise ValueError(f"a control message is longer than {MAX_LINE} bytes")
         return data
 
-    def _cut(self) -> Received:
-        """The first request. Raises ValueError."""
-        end = self._pending.index(b"\n", self._searched)
+    def _next_request(self) -> Received:
+        """Remove and return the first pending request. Raises ValueError."""
+        end = self._pending.index(b"\n", self._newline_free)
         line = bytes(self._pending[:end])
         del self._pending[: end + 1]
-        self._searched = 0
+        self._newline_free = 0
         try:
             message = json.loads(line)
         except RecursionError:
@@ -139,8 +145,8 @@ class Channel:
         return Received(from_wire(self._kinds, message), descriptors)
 
     def _has_line(self) -> bool:
-        """Whether a message is complete; looks only at what came since it was not."""
-        found = self._pending.find(b"\n", self._searched) >= 0
+        """True if a message is complete; searches only the bytes that are new."""
+        found = self._pending.find(b"\n", self._newline_free) >= 0
         if not found:
-            self._searched = len(self._pending)
+            self._newline_free = len(self._pending)
         return found

@@ -1,4 +1,4 @@
-"""What of a plan travels to another host: no code, no absolute path, nothing that is not its business."""
+"""Prepares a plan for transfer to another host: without code, absolute paths or other hosts' parameters."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from followspot.stage import PathIn, PathOut
 
 
 def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
-    """The plan as a host gets it: input files by their names below the folder `media`.
+    """The plan to send to a host: paths of input files are relative to the folder `media`.
 
-    Raises FollowspotError where a stage there reads a file from elsewhere.
+    Raises FollowspotError if a stage of that host reads a file that is not below `media`.
     """
 
     def stage_for(stage: PlannedStage) -> PlannedStage:
@@ -34,9 +34,9 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
 
 
 def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]) -> dict[str, Any]:
-    """The plan as the host's workers get it: input files below its own media folder, its own plugins.
+    """The plan for the host's workers: input files below its own media folder, plugins of its own.
 
-    Raises FollowspotError where the plan asks for what is not granted, or for a stage that is not installed.
+    Raises FollowspotError if a stage is not installed or uses anything that is not granted.
     """
     plan = plan_from_data(data)
     if plan.plugin_files:
@@ -47,27 +47,27 @@ def unpacked(data: Any, host: str, grants: Grants, plugin_files: tuple[str, ...]
 
 
 def packed_stages(stages: Sequence[PlannedStage], media: Path) -> tuple[PlannedStage, ...]:
-    """Stages as a host gets them that has the files below `media`; names that it gave are left as they are.
+    """The stages to send to a host: paths of input files are relative to `media`; relative ones stay.
 
-    Raises FollowspotError where a stage reads a file from elsewhere.
+    Raises FollowspotError if a stage reads a file that is not below `media`.
     """
     return tuple(_with_inputs(s, lambda p, n=s.name: _name_below(p, media, n)) for s in stages)  # type: ignore[misc]
 
 
 def unpacked_stages(stages: Sequence[PlannedStage], grants: Grants) -> tuple[PlannedStage, ...]:
-    """Stages as the host's workers get them. Raises FollowspotError; see `unpacked`."""
+    """The stages for the host's workers. Raises FollowspotError; see `unpacked`."""
     return tuple(_granted(stage, grants) for stage in stages)
 
 
 def _granted(stage: PlannedStage, grants: Grants) -> PlannedStage:
-    """The stage with its input files as they are here. Raises FollowspotError where it may not be so."""
+    """The stage with the paths of its input files on this host. Raises FollowspotError; see `unpacked`."""
     _check_outputs(stage)
     grants.check(stage)
     return _with_inputs(stage, lambda name: _path_below(name, grants.media, stage.name))
 
 
 def _with_inputs(stage: PlannedStage, change: Callable[[str], str]) -> PlannedStage:
-    """The stage with its input files changed."""
+    """The stage with `change` applied to the paths of its input files."""
     params = dict(stage.params)
     for name in path_parameters(load_stage(stage.uses).Params, PathIn):
         if params.get(name) is not None:
@@ -83,7 +83,7 @@ def _check_outputs(stage: PlannedStage) -> None:
 
 
 def _name_below(path: str, media: Path, stage: str) -> str:
-    """The name of a file below `media`; one that a host gave before is such a name."""
+    """The path of a file relative to `media`; a relative path comes from a host and stays."""
     if not Path(path).is_absolute():
         return path
     try:
@@ -109,6 +109,6 @@ def _path_below(name: str, media: Path | None, stage: str) -> str:
 
 
 def _is_below(name: str) -> bool:
-    """Whether a name stays below the folder that it is put into."""
+    """True if a relative path stays below the folder that it is joined to."""
     parts = PurePath(name).parts
     return bool(parts) and not PurePath(name).is_absolute() and ".." not in parts and "\0" not in name

@@ -1,4 +1,4 @@
-"""Orders that the operator relays through all hosts to all workers, and to workers that begin later."""
+"""Orders that the operator relays through all hosts to all workers, also to workers that start later."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from followspot.graph.plan import Plan
 
 
 class Relayed(RunRequest):
-    """Base of these orders."""
+    """Base of the relayed orders."""
 
     roles: ClassVar[tuple[Role, ...]] = ("operator", "host", "worker")
 
     def check(self, plan: Plan, *, remote: bool) -> None:
-        """Raises FollowspotError if a run of this plan refuses it. remote: whether another host sent it."""
+        """Raise FollowspotError if the order does not fit the plan. remote: whether another host sent it."""
 
     def part_for(self, stages: Collection[str]) -> Self:
-        """What concerns these stages."""
+        """The order reduced to what these stages need."""
         return self
 
     def replaces(self, other: Relayed) -> bool:
-        """Whether workers that begin later need not be told of the other one."""
+        """True if workers that start later need only this order, not the other."""
         return self == other
 
 
 def with_order(standing: Sequence[Any], order: Relayed) -> list[Any]:
-    """What workers that begin later are told, after one more order."""
+    """The orders for workers that start later, with one more order added."""
     return [*(other for other in standing if not order.replaces(other)), order]

@@ -1,6 +1,6 @@
-"""The steps of a change to a running graph, as orders and answers: build everywhere, then take over.
+"""Orders and answers of a hot swap: all hosts build the replacements first, then all take over.
 
-Where one successor cannot be built, none takes over.
+If one replacement cannot be built, none takes over.
 """
 
 from __future__ import annotations
@@ -16,7 +16,9 @@ ChangePhase = Literal["building", "built", "done", "failed"]
 
 
 class ChangeOrder(RunRequest):
-    """One step. id: of the change; stages: as they are to be; fresh: without the state of the old ones."""
+    """One step of a change. id: of the change; stages: the replacements; fresh: whether they start without
+    the state of the old stages.
+    """
 
     id: str
     step: Step
@@ -27,7 +29,7 @@ class ChangeOrder(RunRequest):
 
 @dataclass(frozen=True)
 class ChangeStatus:
-    """How far the newest change is, in a worker or on a host. error: why it failed."""
+    """The status of the newest change, in a worker or on a host. error: why it failed, else ""."""
 
     id: str = ""
     phase: ChangePhase = "done"

@@ -1,4 +1,4 @@
-"""A request for a look at a port."""
+"""The request that taps ports: their messages also go to further sinks."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from followspot.stage import PathIn, PathOut, Stage
 
 @dataclass(frozen=True)
 class Tapping:
-    """port: STAGE.PORT that is looked at; uses, params: the sink that gets its messages."""
+    """A tap at a port. port: STAGE.PORT; uses, params: the sink that gets its messages."""
 
     port: str
     uses: str
@@ -25,12 +25,12 @@ class Tapping:
 
 
 class PlaceTaps(Relayed):
-    """Put sinks at ports."""
+    """Place taps at ports."""
 
     taps: tuple[Tapping, ...]
 
     def check(self, plan: Plan, *, remote: bool) -> None:
-        """Raises FollowspotError if a stage is no tap, or has files and the order came from elsewhere."""
+        """Raise FollowspotError if a sink is not a tap, or uses files though another host sent the order."""
         for tapping in self.taps:
             kind = _tap_class(tapping)
             files = (*path_parameters(kind.Params, PathIn), *path_parameters(kind.Params, PathOut))
@@ -44,7 +44,7 @@ class PlaceTaps(Relayed):
 
 
 def check_taps(tappings: Iterable[Tapping]) -> None:
-    """Raises FollowspotError if a stage does not declare itself a tap."""
+    """Raise FollowspotError if a sink does not declare itself a tap."""
     for tapping in tappings:
         _tap_class(tapping)
 

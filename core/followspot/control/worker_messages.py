@@ -1,4 +1,4 @@
-"""What a worker tells its host, checked on the way in: one type for each kind of message."""
+"""Messages from a worker to its host, validated on arrival."""
 
 from __future__ import annotations
 
@@ -21,30 +21,30 @@ class WorkerMessage(Request):
 
 
 class Built(WorkerMessage):
-    """The stages are there; `Ready` follows when they are set up."""
+    """The stages are built; `Ready` follows when they are set up."""
 
 
 class Listening(WorkerMessage):
-    """Where other sessions reach that of the worker."""
+    """The locators of the worker's Zenoh session."""
 
     locators: tuple[str, ...]
 
 
 class Ready(WorkerMessage):
-    """It waits for the start; expected: messages of its longest source, None if that is not known."""
+    """The worker waits for `StartRun`. expected: messages of its longest source, None if unknown."""
 
     expected: Count | None
 
 
 class Progress(WorkerMessage):
-    """How far it is; see `followspot.worker.scheduler.Progress`."""
+    """The worker's progress; see `followspot.worker.scheduler.Progress`."""
 
     fired: Count
     time: Nanoseconds
 
 
 class Stages(WorkerMessage):
-    """What its stages are doing."""
+    """The statuses of the worker's stages and paths."""
 
     stages: tuple[StageStatus, ...]
     paths: tuple[PathStatus, ...]
@@ -58,25 +58,25 @@ class State(WorkerMessage):
 
 
 class Change(WorkerMessage):
-    """What became of a step of a change."""
+    """The worker's answer to a step of a change."""
 
     status: ChangeStatus
 
 
 class Log(WorkerMessage):
-    """Records since the last of these."""
+    """The log records since the last of these messages."""
 
     records: tuple[LogRecord, ...]
 
 
 class Done(WorkerMessage):
-    """It has ended."""
+    """The worker has ended."""
 
     report: WorkerReport
 
 
 class Failed(WorkerMessage):
-    """It could not be built."""
+    """The worker could not be built; error: why."""
 
     error: Annotated[str, pydantic.Field(min_length=1)]
 

@@ -1,4 +1,4 @@
-"""What a worker reports at its end."""
+"""The report of a worker at its end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ RUN_AGAIN = "the results are not whole, so run the replay again"
 
 @dataclass(frozen=True)
 class StageReport:
-    """What one stage did in a run."""
+    """The figures of one stage in a run. busy_ms: time spent in the stage, ms."""
 
     stage: str
     fired: Count
@@ -24,9 +24,8 @@ class StageReport:
 
 @dataclass(frozen=True)
 class WorkerReport:
-    """What one worker did; error is empty where it ended cleanly.
-
-    absent: whether it was not there at the end of the run.
+    """The report of one worker. frames: messages that its sources sent; error: "" if it ended cleanly;
+    absent: True if the worker was not there at the end of the run.
     """
 
     worker: str

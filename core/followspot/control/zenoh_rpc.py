@@ -1,6 +1,7 @@
-"""Carrier of requests to agents over Zenoh: one key a verb and asker, JSON both ways, an answer or a refusal.
+"""The carrier of requests to agents over Zenoh: JSON both ways, one key for each verb and client.
 
-The keys stand in `followspot.transport.keys`, what an agent takes in `followspot.security.request_guard`.
+`followspot.transport.keys` defines the keys, `followspot.security.request_guard` the requests that an agent
+accepts.
 """
 
 from __future__ import annotations
@@ -26,34 +27,34 @@ from followspot.transport.zenoh.network import Own
 MAX_ANSWER = 4 << 20
 """Longest answer, bytes."""
 MAX_PART = MAX_REQUEST
-"""Longest answer that travels back in a request, bytes."""
+"""Longest answer that later requests carry, bytes."""
 MAX_REASON = 20_000
-"""Longest reason of a refusal, characters: a report of many mistakes."""
+"""Longest reason of a refusal, characters: enough for a list of many mistakes."""
 MAX_WAITING = 256
 """Most requests that wait for an answer; more are refused."""
 MAX_WAITING_BYTES = 4 * MAX_REQUEST
 
 
 class InvalidAnswer(FollowspotError):
-    """A host sent what cannot be the answer. why: the first thing that is wrong with it."""
+    """The answer of a host is invalid. why: the first fault in it."""
 
     def __init__(self, agent: str, verb: str, why: str) -> None:
         self.why = why
-        super().__init__(f"host {agent}: its answer to {verb} cannot be believed: {why}")
+        super().__init__(f"host {agent}: its answer to {verb} is invalid: {why}")
 
 
 @dataclass(frozen=True)
 class RpcClient:
-    """Asks agents. session: that it asks through; own: role and name that it speaks under."""
+    """Sends requests to agents. session: Zenoh session; own: role and name of the client."""
 
     session: zenoh.Session
     own: Own
 
     def ask(self, agent: str, request: Request, timeout: float = 2.0) -> Any:
-        """An agent's answer. timeout: for it, s.
+        """An agent's answer to a request. timeout: s.
 
-        Raises HostLost if none comes, HostRefused if the agent refuses, InvalidAnswer or another
-        FollowspotError if what it sends is no answer.
+        Raises HostLost after the timeout, HostRefused if the agent refuses, InvalidAnswer or another
+        FollowspotError if the answer is invalid.
         """
         kind = type(request)
         asked = Asked(agent, verb(kind), *self.own)
@@ -72,7 +73,7 @@ class RpcClient:
 
 
 def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
-    """most: bytes. Raises HostRefused where it is a refusal, FollowspotError where it is no answer at all."""
+    """The answer in JSON types. most: bytes. Raises HostRefused, or FollowspotError if it is invalid."""
     if len(payload) > most:
         raise FollowspotError(f"host {agent}: its answer has {len(payload)} bytes, {most} are allowed")
     try:
@@ -80,23 +81,23 @@ def _answer(agent: str, payload: zenoh.ZBytes, most: int) -> Any:
     except (ValueError, RecursionError) as error:
         raise FollowspotError(f"host {agent}: its answer is not JSON: {str(error)[:200]}") from None
     if not isinstance(said, dict) or not said.keys() & {"answer", "refused"}:
-        raise FollowspotError(f"host {agent}: its answer is none: {str(said)[:200]}")
+        raise FollowspotError(f"host {agent}: it sent neither an answer nor a refusal: {str(said)[:200]}")
     if "refused" in said:
         raise HostRefused(f"host {agent}: {str(said['refused'])[:MAX_REASON]}")
     return said["answer"]
 
 
 def agents(session: zenoh.Session, timeout: float = 1.0) -> set[str]:
-    """Names of the agents that are there."""
+    """Names of the agents that are alive."""
     replies = session.liveliness().get(agent_key("*"), timeout=timeout)
     return {str(reply.ok.key_expr).rpartition("/")[2] for reply in replies if reply.ok is not None}
 
 
 class RpcServer:
-    """The agent's side: requests wait until its one thread answers them.
+    """The agent's side: requests wait until the agent's thread answers them.
 
-    dispatcher: has the agent's handlers;
-    ring: wakes the agent's thread, from another one; tell: gets a line for each refusal.
+    dispatcher: has the agent's handlers; wake: wakes the agent's thread, called from Zenoh's threads; tell:
+    gets a line for each refusal.
     """
 
     def __init__(
@@ -104,13 +105,13 @@ class RpcServer:
         session: zenoh.Session,
         agent: str,
         dispatcher: Dispatcher,
-        ring: Callable[[], None],
+        wake: Callable[[], None],
         tell: Callable[[str], None] = lambda line: None,
     ) -> None:
         self._dispatcher = dispatcher
-        self._ring = ring
+        self._wake = wake
         self._waiting: deque[zenoh.Query] = deque()
-        self._bytes = self._flooded = 0
+        self._bytes = self._dropped = 0
         self._lock = threading.Lock()
         open_to_hosts = (name for name, kind in dispatcher.kinds.items() if kind.open_to_hosts)
         self.guard = RequestGuard(agent, dispatcher.kinds, tell, open_to_hosts=open_to_hosts)
@@ -122,7 +123,7 @@ class RpcServer:
         ]
 
     def answer(self) -> None:
-        """Answer all requests that wait."""
+        """Answer all waiting requests."""
         while self._waiting:
             query = self._waiting.popleft()
             payload = b"" if query.payload is None else query.payload.to_bytes()
@@ -130,28 +131,28 @@ class RpcServer:
                 self._bytes -= len(payload)
             key = str(query.key_expr)
             try:
-                said = {"answer": self._said(Asked.of(key), payload)}
+                said = {"answer": self._answer_to(Asked.of(key), payload)}
             except Rejected as error:
                 self.guard.count(key, error)
                 said = {"refused": str(error)}
             _reply(query, said)
         with self._lock:
-            flooded, self._flooded = self._flooded, 0
-        if flooded:
-            self.guard.count("?", Rejected("flood", f"{flooded} requests at once were too many or too large"))
+            dropped, self._dropped = self._dropped, 0
+        if dropped:
+            self.guard.count("?", Rejected("flood", f"{dropped} requests at once were too many or too large"))
 
     def close(self) -> None:
-        """Answer nothing more; log how much was refused."""
+        """Stop answering; log the counts of refusals."""
         for declared in reversed(self._declared):
             declared.undeclare()
         self._waiting.clear()
         self.guard.sum_up()
 
-    def _said(self, asked: Asked, payload: bytes) -> Any:
+    def _answer_to(self, asked: Asked, payload: bytes) -> Any:
         data = self.guard.admit(asked, payload)
         try:
             return self._dispatcher.dispatch_wire({**data, "verb": asked.verb})
-        except Exception as error:  # whatever a request makes of this, the runs here go on
+        except Exception as error:  # no request may end the agent's runs
             raise Rejected("content", str(error) or type(error).__name__) from error
 
     def _arrived(self, query: zenoh.Query) -> None:
@@ -161,12 +162,12 @@ class RpcServer:
                 self._bytes += size
                 self._waiting.append(query)
             else:
-                self._flooded += 1
-        self._ring()
+                self._dropped += 1
+        self._wake()
 
 
 def _reply(query: zenoh.Query, said: dict[str, Any]) -> None:
     try:
         query.reply(query.key_expr, json.dumps(said).encode())
     except zenoh.ZError:
-        return  # who asked is gone
+        return  # the client is gone

@@ -211,5 +211,5 @@ def test_runs_that_are_none_are_an_error_with_the_name_of_the_host(
 ) -> None:
     there, client = agent
     there.say("list_runs", runs)
-    with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs cannot be believed"):
+    with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs is invalid"):
         found(client)

@@ -110,6 +110,6 @@ def test_a_long_line_takes_time_in_proportion_and_has_an_end() -> None:
         for _ in range(2 * MAX_LINE // len(piece)):
             theirs.sendall(piece)
             assert channel.arrived() == []
-            assert channel._searched == len(channel._pending)
+            assert channel._newline_free == len(channel._pending)
     channel.close()
     theirs.close()
