@@ -1,4 +1,4 @@
-"""Who may do what: the authority that issues certificates, and the admission of control requests.
+"""Security of runs over hosts: the certificate authority, the grants of a host, the guard of its requests.
 
-What Zenoh itself enforces (TLS, access control) is configured in `followspot.transport`.
+`followspot.transport` configures what Zenoh itself enforces: TLS and access control.
 """

@@ -1,8 +1,8 @@
-"""A small certificate authority in a folder: ECDSA P-256, one folder of certificates a host.
+"""A small certificate authority in a folder: ECDSA P-256, one folder of certificates for each host.
 
-``DIR/authority/`` holds the authority's key and certificate and never leaves this machine; ``DIR/NAME/`` is
-to be copied to the host NAME; ``DIR/hosts.json`` lists who is who. Needs the package cryptography, which only
-the machine that issues certificates has to have: TLS itself is Zenoh's.
+``DIR/authority/`` has the authority's key and certificate and must stay on this machine. The user copies
+``DIR/NAME/`` to the host NAME. ``DIR/hosts.json`` is the host registry. Only the machine that issues
+certificates needs the package cryptography; Zenoh brings its own TLS.
 """
 
 from __future__ import annotations
@@ -38,18 +38,22 @@ except ImportError:
 AUTHORITY = "authority"
 AUTHORITY_YEARS = 10
 HOST_DAYS = 825
-"""Days that a host's certificate is valid unless told otherwise."""
+"""Default validity of a host's certificate, days."""
 MAX_HOSTS = 1000
-_EARLY = timedelta(hours=1)
-"""Certificates are valid from so long ago, for clocks that are late."""
+_BACKDATING = timedelta(hours=1)
+"""Certificates are valid from this long before their issue, for hosts whose clocks are late."""
 _HOST_NAME = re.compile(r"(?!-)[A-Za-z0-9_-]{1,63}(?<!-)(\.(?!-)[A-Za-z0-9_-]{1,63}(?<!-))*")
 
 
 class Authority:
-    """The authority in one folder, its key read and its certificate checked."""
+    """The certificate authority in a folder."""
 
     def __init__(self, folder: Path, now: datetime | None = None) -> None:
-        """Raises FollowspotError where there is none, others can read its key, or it has expired."""
+        """Read the key and check the certificate.
+
+        now: the time, by default of this machine. Raises FollowspotError if the folder has no authority,
+        other users can read its key, or its certificate has expired.
+        """
         self.folder = folder
         self.now = now or datetime.now(UTC)
         home = folder / AUTHORITY
@@ -58,7 +62,7 @@ class Authority:
         mode = (home / "key.pem").stat().st_mode & 0o777
         if mode & 0o077:
             raise FollowspotError(
-                f"{home / 'key.pem'} has mode {mode:04o}: who can read it can make certificates; "
+                f"{home / 'key.pem'} has mode {mode:04o}: every user who can read it can make certificates; "
                 f"chmod 600 {home / 'key.pem'}, or begin anew if others may have read it"
             )
         try:
@@ -76,12 +80,12 @@ class Authority:
 
     @property
     def expires(self) -> datetime:
-        """When its certificate ends, and with it all others."""
+        """When the certificates of the authority and of all hosts expire at the latest."""
         return self._certificate.not_valid_after_utc
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """All hosts, by name."""
+        """All hosts, sorted by name."""
         return tuple(self._members[name] for name in sorted(self._members))
 
     def add(
@@ -93,10 +97,10 @@ class Authority:
         *,
         renew: bool = False,
     ) -> Path:
-        """Make the folder of a host; the others' lists of hosts are made anew, too.
+        """Make the folder of a host, and update the host registry in all folders.
 
-        addresses: where others connect to it, IP or DNS; renew: replace the certificate of a known host.
-        Raises FollowspotError where the name cannot be or is taken.
+        addresses: IP addresses or DNS names of the host; days: validity of the certificate; renew: replace
+        the certificate of a known host. Raises FollowspotError if the name is invalid or taken.
         """
         if NAME.fullmatch(name) is None or name == AUTHORITY:
             raise FollowspotError(f"{name!r} cannot be the name of a host; use letters, digits, - _ .")
@@ -105,9 +109,9 @@ class Authority:
         if name not in self._members and (self.folder / name).exists():
             raise FollowspotError(f"{self.folder / name} is in the way; move it elsewhere")
         if role != "operator" and name == "operator":
-            raise FollowspotError("operator is what operators are called; choose another name")
+            raise FollowspotError("the name operator is reserved for operators; choose another name")
         if len(self._members) >= MAX_HOSTS:
-            raise FollowspotError(f"there are {MAX_HOSTS} hosts, as many as can be")
+            raise FollowspotError(f"there are {MAX_HOSTS} hosts, the most that are allowed")
         until = min(self.now + timedelta(days=days), self.expires).replace(microsecond=0)
         member = Member(name, role, until)
         key = ec.generate_private_key(ec.SECP256R1())
@@ -118,7 +122,7 @@ class Authority:
         return self.folder / name
 
     def remove(self, name: str) -> None:
-        """Take a host off all lists; nobody who has the new list listens to it. Raises FollowspotError."""
+        """Remove a host from all registries: hosts with the new one reject it. Raises FollowspotError."""
         if self._members.pop(name, None) is None:
             raise FollowspotError(
                 f"there is no host {name}; known: {', '.join(sorted(self._members)) or 'none'}"
@@ -156,7 +160,7 @@ class Authority:
 
 
 def create_authority(folder: Path, now: datetime | None = None) -> Authority:
-    """Make an authority. Raises FollowspotError where there is one, for its certificates would be void."""
+    """Make an authority. Raises FollowspotError if the folder has one: a new key voids its certificates."""
     now = now or datetime.now(UTC)
     home = folder / AUTHORITY
     if home.exists() or (folder / REGISTRY).exists():
@@ -192,7 +196,7 @@ def _builder(
         .subject_name(subject)
         .public_key(public)
         .serial_number(x509.random_serial_number())
-        .not_valid_before(now - _EARLY)
+        .not_valid_before(now - _BACKDATING)
         .not_valid_after(until)
         .add_extension(x509.SubjectKeyIdentifier.from_public_key(public), critical=False)
     )
@@ -204,7 +208,7 @@ def _subject(name: str, unit: str) -> x509.Name:
 
 
 def _alternative_names(addresses: Sequence[str]) -> list[x509.GeneralName]:
-    """Names that a host may be reached by; this host by loopback, too. Raises FollowspotError."""
+    """The addresses and loopback as names in a certificate. Raises FollowspotError for an invalid one."""
     names: list[x509.GeneralName] = []
     for address in dict.fromkeys(["localhost", "127.0.0.1", "::1", *addresses]):
         try:
@@ -221,7 +225,7 @@ def _key_text(key: ec.EllipticCurvePrivateKey) -> bytes:
 
 
 def _write(path: Path, text: bytes, mode: int) -> None:
-    """Write a file whole or not at all, never readable by more than `mode` says."""
+    """Write a file atomically; it never has wider permissions than `mode`."""
     fresh = path.with_name(f".{path.name}.new")
     fresh.unlink(missing_ok=True)
     with os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:

@@ -1,4 +1,4 @@
-"""What the owner of a host lets orders from elsewhere use: files, receivers in the network, devices."""
+"""Grants: the files, network receivers and devices of a host that stages of remote operators may use."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from followspot.plugins.registry import load_stage
 from followspot.stage import DeviceIn, NetworkOut
 
 ANY = "any"
-"""Stands for every receiver, or every address."""
+"""Grants every receiver, or every address."""
 _CAMERAS = range(100)
-"""Numbers of cameras; OpenCV takes greater ones for other ways to open something."""
+"""Numbers of cameras; OpenCV gives greater numbers another meaning."""
 
 
 @dataclass(frozen=True)
 class Grants:
-    """media: folder with camera files, None for none; send_to: hosts beside this one to which stages may
-    send; opens: paths of devices and addresses of streams that they may open, and what lies below these.
+    """The grants of a host; cameras by number and receivers on this host are always granted.
 
-    Cameras by number, and receivers on this host, are always granted.
+    media: folder of input files, None for none; send_to: other hosts to which stages may send; opens: device
+    paths and stream addresses that stages may open, and all below these.
     """
 
     media: Path | None = None
@@ -35,24 +35,26 @@ class Grants:
     opens: tuple[str, ...] = ()
 
     def check(self, stage: PlannedStage) -> None:
-        """Raises FollowspotError where a stage would send to, or open, what is not granted."""
-        for value in _given(stage, NetworkOut):
+        """Raise FollowspotError if a stage would use a receiver, a device or an address without a grant."""
+        for value in _marked_values(stage, NetworkOut):
             host = _host(str(value))
             if host and not (_is_here(host) or ANY in self.send_to or host in map(_host, self.send_to)):
                 raise FollowspotError(
                     f"stage {stage.name} would send to {host}; the owner of this host allows that with "
                     f"followspot agent --send-to {host}"
                 )
-        for value in _given(stage, DeviceIn):
-            if not (_is_camera(value) or ANY in self.opens or any(_below(str(value), a) for a in self.opens)):
+        for value in _marked_values(stage, DeviceIn):
+            if not (
+                _is_camera(value) or ANY in self.opens or any(_covers(a, str(value)) for a in self.opens)
+            ):
                 raise FollowspotError(
                     f"stage {stage.name} would open {value!r}; the owner of this host allows that with "
                     "followspot agent --open ADDRESS"
                 )
 
 
-def _given(stage: PlannedStage, mark: type) -> Iterator[Any]:
-    """The values of the parameters of a stage that are marked so."""
+def _marked_values(stage: PlannedStage, mark: type) -> Iterator[Any]:
+    """The values of a stage's parameters that have this mark."""
     for name in path_parameters(load_stage(stage.uses).Params, mark):
         value = stage.params.get(name)
         if value is not None:
@@ -60,7 +62,7 @@ def _given(stage: PlannedStage, mark: type) -> Iterator[Any]:
 
 
 def _host(receiver: str) -> str:
-    """The host of a receiver, which may be written as an address with scheme and port."""
+    """The host of a receiver, which is a host name or a URL."""
     if "://" not in receiver:
         return receiver.strip().lower()
     parts = _split(receiver)
@@ -68,7 +70,7 @@ def _host(receiver: str) -> str:
 
 
 def _is_here(host: str) -> bool:
-    """Whether what is sent there stays on this host."""
+    """True for a loopback address."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -79,8 +81,8 @@ def _is_camera(device: Any) -> bool:
     return type(device) is int and device in _CAMERAS
 
 
-def _below(wanted: str, allowed: str) -> bool:
-    """Whether an address, or the path of a device, is the allowed one or lies below it."""
+def _covers(allowed: str, wanted: str) -> bool:
+    """True if a URL or a device path equals the allowed one or lies below it."""
     if "://" not in allowed:
         return "://" not in wanted and _is_path_below(wanted, allowed)
     ours, theirs = _split(wanted), _split(allowed)
@@ -92,7 +94,7 @@ def _below(wanted: str, allowed: str) -> bool:
 
 
 def _is_path_below(wanted: str, allowed: str) -> bool:
-    """Of two absolute paths, by their names alone."""
+    """True if an absolute path equals the allowed one or lies below it; symbolic links are not resolved."""
     if not (wanted.startswith("/") and allowed.startswith("/")) or "\0" in wanted:
         return False
     found, root = posixpath.normpath(wanted), posixpath.normpath(allowed)
@@ -100,7 +102,7 @@ def _is_path_below(wanted: str, allowed: str) -> bool:
 
 
 def _split(address: str) -> SplitResult | None:
-    """Its parts; None where it is no address."""
+    """The parts of a URL; None if it is not a valid one."""
     try:
         parts = urlsplit(address)
         _ = parts.port

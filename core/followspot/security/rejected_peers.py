@@ -1,6 +1,6 @@
-"""Peers that Zenoh does not let in: what its log says of them, counted.
+"""Counts the peers that Zenoh rejects, from its log.
 
-Zenoh tells of them on standard output and nowhere else, so that passes through here while the door is open.
+Zenoh logs rejected peers only to standard output, so a thread filters standard output of this process.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from followspot.transport.zenoh.session import log_refusals
 
 _STYLE = re.compile(rb"\x1b\[[0-9;]*m")
 _TLS = re.compile(rb"zenoh_link_tls\S*: (?P<why>.*?)(?: Hint: .*)?$")
-"""The hint is about something else."""
+"""Leaves out Zenoh's hint, which does not fit."""
 _UNLISTED = re.compile(rb"access_control: (?P<who>[0-9a-f]+) did not match any configured ACL subject")
 _STDOUT = 1
-_LONGEST = 1 << 16
-"""Bytes of a line; what is longer comes in pieces."""
-_ROOM = 1 << 20
-"""Bytes that wait while this process hangs; workers write here, too, and go on meanwhile."""
+_MAX_LINE = 1 << 16
+"""Longest line, bytes; a longer line is read in pieces."""
+_PIPE_SIZE = 1 << 20
+"""Size of the pipe, bytes; workers write to it, too, and must not block if this process hangs."""
 
 
 class RejectedPeers:
-    """Counts whom Zenoh refuses in this process, from a thread of its own; other output goes on its way."""
+    """Counts the peers that Zenoh rejects in this process; passes all other output on."""
 
     def __init__(self, tell: Callable[[str], None]) -> None:
-        """tell: gets a line for each refusal. Open it before the first session."""
+        """tell: gets a line for each rejection. Make this before the first Zenoh session."""
         self.rejections = Rejections(tell)
         self._out = os.dup(_STDOUT)
         reading, writing = os.pipe()
-        fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, _ROOM)
+        fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, _PIPE_SIZE)
         os.dup2(writing, _STDOUT)
         os.close(writing)
         self._thread = threading.Thread(target=self._listen, args=(reading,), name="door", daemon=True)
@@ -46,20 +46,20 @@ class RejectedPeers:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Standard output is as it was; what was said is counted, and the counts are logged."""
+        """Restore standard output, count the remaining lines and log the counts."""
         os.dup2(self._out, _STDOUT)
-        self._thread.join(timeout=1.0)  # a worker that is still there has the pipe, too
+        self._thread.join(timeout=1.0)  # a worker that is still alive keeps the pipe open
         self.rejections.sum_up("peers")
 
     def _listen(self, reading: int) -> None:
         with os.fdopen(reading, "rb") as said, os.fdopen(self._out, "wb", buffering=0) as out:
-            while line := said.readline(_LONGEST):
+            while line := said.readline(_MAX_LINE):
                 if not self._refused(_STYLE.sub(b"", line.rstrip())):
-                    with suppress(OSError):  # nobody reads it: that must not stop who writes
+                    with suppress(OSError):  # a closed standard output must not stop the process
                         out.write(line)
 
     def _refused(self, line: bytes) -> bool:
-        """Count the line if it tells of a refusal; whether it does."""
+        """Count the line if it reports a rejection; return whether it does."""
         if found := _TLS.search(line):
             why = found["why"].decode(errors="replace")
             self.rejections.add("certificate" if "certificate" in why else "tls", "a peer", why.rstrip("."))

@@ -1,8 +1,8 @@
-"""Which requests an agent takes: each once, fresh, well-formed, from who may ask; the others it counts.
+"""The request guard of an agent: admits each valid request of an authorised sender once; counts the others.
 
-Zenoh's access control vouches for role and name in a request's key (`followspot.transport.zenoh.access`);
-what they may do is decided here, so that a refusal has an answer, a line in the log and a count. A request
-says to whom it goes, what for and who sends it, so nobody can give it to another agent, or as its own.
+Zenoh's access control verifies role and name in a request's key (`followspot.transport.zenoh.access`). The
+guard decides what they may do, so that a rejection has an answer, a line in the log and a count. A request
+contains its agent, verb and sender, so no other host can redirect it or send it under its own name.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from followspot.transport.keys import OPERATOR
 FORMAT = 2
 MAX_REQUEST = 16 << 20
 """Longest request, bytes."""
-_MAX_QUESTION = 4096
-"""Longest of those who are no operators, bytes: what they may ask has no arguments."""
+_MAX_HOST_REQUEST = 4096
+"""Longest request of a host, bytes: the requests that hosts may send have no arguments."""
 WINDOW = 120.0
-"""Seconds by which the clocks of two hosts may differ; each request is remembered for as long."""
+"""Seconds by which the clocks of two hosts may differ; the guard remembers each request as long."""
 MAX_REMEMBERED = 1 << 16
-"""Most requests within the window; more are refused."""
+"""Most requests within the window; more are rejected."""
 _MAX_ID = 64
 
 Reason = Literal[
@@ -34,7 +34,7 @@ Reason = Literal[
 
 
 class Rejected(FollowspotError):
-    """A request that is not taken, and the kind of reason."""
+    """The guard rejects a request. reason: kind of the reason."""
 
     def __init__(self, reason: Reason, text: str) -> None:
         self.reason = reason
@@ -42,7 +42,7 @@ class Rejected(FollowspotError):
 
 
 class Asked(NamedTuple):
-    """Who asks which agent for what, as the key of the request says."""
+    """The key of a request: agent, verb, and the sender's role and name."""
 
     agent: str
     verb: str
@@ -51,7 +51,7 @@ class Asked(NamedTuple):
 
     @classmethod
     def of(cls, key: str) -> Asked:
-        """From ``.../AGENT/VERB/ROLE/NAME``. Raises Refused."""
+        """From ``.../AGENT/VERB/ROLE/NAME``. Raises Rejected."""
         chunks = key.rsplit("/", 4)
         if len(chunks) != 5:
             raise Rejected("form", f"{key[:200]!r} is not the key of a request")
@@ -59,16 +59,16 @@ class Asked(NamedTuple):
 
 
 def seal(asked: Asked, data: dict[str, Any]) -> bytes:
-    """A request with these arguments, to be sent once, now, to one agent, under one name."""
+    """The bytes of a request with these arguments, valid once, now, for one agent and one sender."""
     envelope = {"format": FORMAT, "id": uuid4().hex, "time": time.time(), "asked": asked, "data": data}
     return json.dumps(envelope).encode()
 
 
 class RequestGuard:
-    """An agent's gate.
+    """Admits or rejects the requests to an agent.
 
-    agent: its name; verbs: what can be asked; tell: gets lines for the log; clock: wall-clock time, s;
-    open_to_hosts: verbs that every host on the list may ask, not operators alone.
+    agent: its name; verbs: all requests that it handles; tell: gets lines for the log; clock: wall-clock
+    time, s; open_to_hosts: verbs that every registered host may use, not only operators.
     """
 
     def __init__(
@@ -79,47 +79,47 @@ class RequestGuard:
         clock: Callable[[], float] = time.time,
         open_to_hosts: Iterable[str] = (),
     ) -> None:
-        self._refusals = Rejections(tell)
+        self._rejections = Rejections(tell)
         self._agent = agent
         self._verbs = frozenset(verbs)
         self._open_to_hosts = frozenset(open_to_hosts)
         self._clock = clock
-        self._seen: dict[str, float] = {}
+        self._remembered: dict[str, float] = {}
 
     @property
     def refused(self) -> Mapping[str, int]:
-        """How many requests were refused, by reason."""
-        return self._refusals.counts
+        """Number of rejected requests, by reason."""
+        return self._rejections.counts
 
     def admit(self, asked: Asked, payload: bytes) -> dict[str, Any]:
-        """The arguments of a request that may be answered. Raises Refused, to be given to `count`."""
+        """The arguments of a request that the guard admits. Raises Rejected; pass it to `count`."""
         if asked.verb not in self._verbs:
             raise Rejected(
                 "verb", f"there is no {asked.verb[:80]!r}; known: {', '.join(sorted(self._verbs))}"
             )
         if asked.role != OPERATOR and asked.verb not in self._open_to_hosts:
             raise Rejected("role", f"{asked.role[:80]} {asked.name[:80]} may not {asked.verb}; operators may")
-        found = _opened(payload, MAX_REQUEST if asked.role == OPERATOR else _MAX_QUESTION)
+        found = _opened(payload, MAX_REQUEST if asked.role == OPERATOR else _MAX_HOST_REQUEST)
         if asked.agent != self._agent or found["asked"] != list(asked):
             raise Rejected(
                 "address",
                 f"the request is addressed {'/'.join(found['asked'])[:200]!r}, "
                 f"and came to {self._agent} as {'/'.join(asked)[:200]!r}",
             )
-        if asked.verb not in self._open_to_hosts:  # a repetition is harmless
+        if asked.verb not in self._open_to_hosts:  # repeating the others is harmless
             self._remember(found["id"], float(found["time"]))
         return dict(found["data"])
 
-    def count(self, who: str, error: Rejected) -> None:
-        """Count and log a refusal; who: the key of the request."""
-        self._refusals.add(error.reason, who, str(error))
+    def count(self, sender: str, error: Rejected) -> None:
+        """Count and log a rejection. sender: the key of the request."""
+        self._rejections.add(error.reason, sender, str(error))
 
     def sum_up(self) -> None:
-        """Log how many were refused."""
-        self._refusals.sum_up("requests")
+        """Log the number of rejected requests."""
+        self._rejections.sum_up("requests")
 
     def _remember(self, name: str, sent: float) -> None:
-        """Raises Refused where the request is old, or was here before."""
+        """Remember a request. Raises Rejected if it is too old or was received before."""
         now = self._clock()
         if not abs(now - sent) <= WINDOW:
             raise Rejected(
@@ -127,17 +127,17 @@ class RequestGuard:
                 f"the request is {now - sent:.0f} s old by the clock here, {WINDOW:.0f} s are allowed; "
                 "set the clocks of both hosts",
             )
-        if name in self._seen:
-            raise Rejected("replayed", "the request was here before")
-        if len(self._seen) >= MAX_REMEMBERED:
-            self._seen = {seen: until for seen, until in self._seen.items() if until >= now}
-            if len(self._seen) >= MAX_REMEMBERED:
+        if name in self._remembered:
+            raise Rejected("replayed", "the request was received before")
+        if len(self._remembered) >= MAX_REMEMBERED:
+            self._remembered = {seen: until for seen, until in self._remembered.items() if until >= now}
+            if len(self._remembered) >= MAX_REMEMBERED:
                 raise Rejected("flood", f"more than {MAX_REMEMBERED} requests in {2 * WINDOW:.0f} s")
-        self._seen[name] = sent + WINDOW
+        self._remembered[name] = sent + WINDOW
 
 
 def _opened(payload: bytes, most: int) -> dict[str, Any]:
-    """The envelope, checked; most: bytes. Raises Refused."""
+    """The validated envelope. most: bytes. Raises Rejected."""
     if len(payload) > most:
         raise Rejected("size", f"a request of {len(payload)} bytes, at most {most} allowed")
     try:
