@@ -1,4 +1,4 @@
-"""Joins `followspot calibrate ...` to the command line."""
+"""The commands of `followspot calibrate`."""
 
 from __future__ import annotations
 

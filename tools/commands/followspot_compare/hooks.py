@@ -1,4 +1,4 @@
-"""Joins `followspot compare` to the command line."""
+"""The command `followspot compare`."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
-    parser.add_argument("graphs", nargs="+", metavar="GRAPH", help="graph file; each is a variant")
+    """Add the arguments of the command."""
+    parser.add_argument("graphs", nargs="+", metavar="GRAPH", help="graph file; each file is a variant")
     parser.add_argument(
         "--variant",
         dest="variants",
         action="append",
         default=[],
         metavar="NAME:STAGE.KEY=VALUE[,STAGE.KEY=VALUE]...",
-        help="one more variant: the first graph with these overrides; repeatable",
+        help="another variant: the first graph with these overrides; repeatable",
     )
     add_change_options(parser)
     add_trial_options(parser, "folder for outputs and plots (default: runs/compare-DATE-TIME)")
@@ -34,21 +34,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Run variants of a graph on the same recordings and compare their accuracy.
 
-    Every graph file is a variant; each --variant is one more, of the first graph. Prints per target and as
-    means: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions while hidden,
-    recovery, jerk cost, reprojection error, speed; ratios to the first variant. Plots need matplotlib: pip
-    install "followspot[plots]". For graphs that write poses of persons (sinks.csv_poses): coverage, errors of
-    direction, distance, height and position, torso heading, head pan and tilt, identity, false persons, times
-    to acquire and to vanish, and speed.
+    Every graph file is a variant; each --variant is another variant of the first graph. The command prints
+    for each target, and as means: coverage, RMSE, median and 95th percentile (mm), identity switches, false
+    positions while hidden, recovery, jerk cost, reprojection error, speed, and ratios to the first variant.
+    For graphs that write poses of persons (sinks.csv_poses) it prints coverage, errors of direction,
+    distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
+    acquire and to vanish, and speed.
+
+    If a graph writes the output of its fusion to positions.jsonl and its candidates to candidates.jsonl, as
+    graphs/experiments/recorded.yaml does, the command also prints the errors before the filter, the
+    reprojection error of the detections and the histogram of iterations. Plots need matplotlib:
+    pip install "followspot[plots]".
 
     Examples:
       followspot compare graphs/glowballs.yaml --variant mean:fuse.uses=balls.mean
       followspot compare a.yaml b.yaml --room room1.yaml --room room2.yaml --frames 200 -o comparison
       followspot compare graphs/experiments/recorded.yaml --variant "no test:verify.homography_tolerance=0"
-
-    Where a graph writes what its fusion gives to positions.jsonl and its candidates to candidates.jsonl
-    (graphs/experiments/recorded.yaml does), the errors before the filter, the reprojection error against
-    the detections and the histogram of iterations are shown too.
     """
     from followspot_compare.command import compare
 

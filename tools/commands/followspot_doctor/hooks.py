@@ -1,4 +1,4 @@
-"""Joins `followspot doctor` to the command line."""
+"""The command `followspot doctor`."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ def followspot_commands() -> Sequence[Command]:
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        "--room", type=Path, metavar="ROOM.yaml", help="take a picture from each of its cameras"
+        "--room", type=Path, metavar="ROOM.yaml", help="take a picture from each camera of this room"
     )
-    parser.add_argument("--graph", metavar="GRAPH", help="find every mistake in this graph, too")
+    parser.add_argument("--graph", metavar="GRAPH", help="also find every mistake in this graph")
     parser.add_argument(
-        "--out", type=Path, default=Path("runs"), help="where runs are written (default: runs)"
+        "--out", type=Path, default=Path("runs"), help="folder of the outputs of runs (default: runs)"
     )
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     add_network_options(parser)
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Look for what would keep a graph from running here, and say how to mend it
+    """Find what would keep a graph from running on this computer, and say how to repair it.
 
-    Looks at this computer (memory, open files, shared memory, disk, clock), its network (loopback, multicast,
-    ports), libraries, plugins, and with a room at every camera: a picture is taken from each. With --connect
-    agents of other hosts are asked whether they are there and what their clocks say; with --certificates
-    those are looked at. Exit code 1 where there is a problem; warnings alone do not count.
+    The command examines this computer (memory, open files, shared memory, disk, clock), its network
+    (loopback, multicast, ports), libraries and plugins. With --room it takes a picture from each camera.
+    With --connect it asks the agents of other hosts for their clocks, with --certificates it examines the
+    certificates. The exit code is 1 if there is a problem; warnings do not count.
 
     Examples:
       followspot doctor

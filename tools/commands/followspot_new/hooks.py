@@ -1,4 +1,4 @@
-"""Joins `followspot new plugin` and `followspot new stage` to the command line."""
+"""The commands `followspot new plugin` and `followspot new stage`."""
 
 from __future__ import annotations
 
@@ -21,19 +21,23 @@ def followspot_commands() -> Sequence[Command]:
 def _configure_plugin(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="one lower-case word; stages are called NAME.STAGE")
     parser.add_argument(
-        "--dir", type=Path, default=Path(), metavar="DIR", help="where to make the folder; here unless told"
+        "--dir",
+        type=Path,
+        default=Path(),
+        metavar="DIR",
+        help="parent of the new folder (default: this folder)",
     )
 
 
 def _configure_stage(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("name", metavar="NAME", help="lower-case words joined by _")
     parser.add_argument(
-        "--dir", type=Path, default=Path(), metavar="DIR", help="folder of the package; this one unless told"
+        "--dir", type=Path, default=Path(), metavar="DIR", help="folder of the package (default: this folder)"
     )
 
 
 def _plugin(args: argparse.Namespace) -> int:
-    """Make a package for stages of your own, with tests that are green
+    """Make a package for your own stages, with tests that pass.
 
     Examples:
       followspot new plugin studio              a folder followspot-studio, with one stage to change
@@ -50,7 +54,7 @@ def _plugin(args: argparse.Namespace) -> int:
 
 
 def _stage(args: argparse.Namespace) -> int:
-    """Add a stage to the plugin package in this folder: module, entry point, test
+    """Add a stage to the plugin package in this folder: module, entry point and test.
 
     Examples:
       cd followspot-studio

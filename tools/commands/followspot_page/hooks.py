@@ -1,4 +1,4 @@
-"""Joins the operator's page to the command line: run --dashboard, and the command dashboard."""
+"""The command dashboard, and the option --dashboard of run: a page that shows a run."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def followspot_commands() -> Sequence[Command]:
 
 @hookimpl
 def followspot_plan_options() -> Sequence[PlanOptions]:
-    """--dashboard and what belongs to it."""
+    """--dashboard and its options."""
     return [PlanOptions(configure, checked, watched)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Options of run, check and graph."""
+    """Add --dashboard and its options to run, check and graph."""
     group = parser.add_argument_group("operator's page")
     group.add_argument(
         "--dashboard", action="store_true", help=f"show the run in a browser, at http://{HOST}:{PORT}/"
@@ -38,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def checked(plan: Plan, args: argparse.Namespace) -> Plan:
-    """The plan as it is. Raises InputError where a page is asked for that cannot be."""
+    """The unchanged plan. Raises InputError if the page cannot be shown with these options."""
     if _asked(args):
         from followspot_page.asked import order_of
 
@@ -48,7 +48,7 @@ def checked(plan: Plan, args: argparse.Namespace) -> Plan:
 
 @contextmanager
 def watched(args: argparse.Namespace) -> Iterator[None]:
-    """The page while the run lasts, where it is asked for. Raises FollowspotError."""
+    """Show the page during the run, if the options ask for it. Raises FollowspotError."""
     if not _asked(args):
         yield
         return
@@ -66,10 +66,10 @@ def _configure_dashboard(parser: argparse.ArgumentParser) -> None:
 
 
 def _dashboard(args: argparse.Namespace) -> int:
-    """Show a graph that runs in a browser, until it ends; the same as run --dashboard
+    """Show a run in a browser until it ends, as run --dashboard does.
 
-    The room in 3D, the pictures of all cameras with what was found in them, and the graph with what each
-    stage is doing, its rates and its ledger. Ctrl-C ends the page and nothing else.
+    The page shows the room in 3D, the pictures of all cameras with detections, and the graph with the state,
+    rates and ledger of each stage. Ctrl-C ends the page, and the run goes on.
 
     Examples:
       followspot dashboard
@@ -89,7 +89,7 @@ def _dashboard(args: argparse.Namespace) -> int:
 
 def _add_address(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
     parser.add_argument(
-        "--dashboard-at", metavar="HOST:PORT", help="show it there instead; port 0 for any that is free"
+        "--dashboard-at", metavar="HOST:PORT", help="address of the page; port 0 means any free port"
     )
     parser.add_argument(
         "--dashboard-rate", type=float, default=10.0, metavar="N", help="pictures a second (default 10)"
@@ -97,7 +97,7 @@ def _add_address(parser: argparse.ArgumentParser | argparse._ArgumentGroup) -> N
     parser.add_argument(
         "--dashboard-open",
         action="store_true",
-        help="let other computers look, without a password: whoever reaches the address sees the cameras",
+        help="let every computer that reaches the address open the page, without a password",
     )
 
 

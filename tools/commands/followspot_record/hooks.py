@@ -1,4 +1,4 @@
-"""Joins recordings to the command line: run --record, and the commands record, replay, verify, export."""
+"""The commands record, replay, verify and export, and the option --record of run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
-    """The commands record, replay, verify, export."""
+    """The commands record, replay, verify and export."""
     return [
         Command("record", configure_record, record),
         Command("replay", configure_replay, replay),
@@ -42,48 +42,64 @@ def _open(path: Path) -> Any:
 
 @hookimpl
 def followspot_plan_options() -> Sequence[PlanOptions]:
-    """--record and what belongs to it."""
+    """--record and its options."""
     return [PlanOptions(configure_recording, recorded)]
 
 
 def configure_recording(parser: argparse.ArgumentParser) -> None:
-    """Options of run, record, check and graph."""
+    """Add --record and its options to run, record, check and graph."""
     group = parser.add_argument_group("recording")
-    group.add_argument("--record", metavar="FILE.mcap", help="record ports into this file; it must be new")
+    group.add_argument("--record", metavar="FILE.mcap", help="record ports into this new file")
     group.add_argument(
-        "--record-ports", metavar="STAGE[.PORT],...", help="which ports (default: all that are not sinks')"
+        "--record-ports", metavar="STAGE[.PORT],...", help="which ports (default: all but those of sinks)"
     )
     group.add_argument(
         "--record-pictures",
         choices=("jpeg", "png", "raw", "none"),
         default="jpeg",
-        help="how frames are kept for viewers, beside the exact ones (default jpeg)",
+        help="format of an extra copy of frames for viewers (default jpeg)",
     )
     group.add_argument(
-        "--record-compression", choices=("lz4", "zstd", "none"), default="lz4", help="lz4 is fast, zstd small"
+        "--record-compression",
+        choices=("lz4", "zstd", "none"),
+        default="lz4",
+        help="lz4 is fast, zstd is small (default lz4)",
     )
 
 
 def configure_record(parser: argparse.ArgumentParser) -> None:
-    """Those of run."""
+    """Add the arguments of run."""
     add_graph_options(parser)
     add_run_options(parser)
 
 
 def configure_replay(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
+    """Add the arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     parser.add_argument("--graph", metavar="GRAPH", help="another graph file instead of the recorded graph")
     parser.add_argument("--room", metavar="FILE", help="room file for --graph")
-    parser.add_argument("--ports", metavar="STAGE[.PORT],...", help="what is played besides the sources")
     parser.add_argument(
-        "--speed", type=float, default=0.0, metavar="X", help="times as fast as recorded; 0 as fast as it can"
+        "--ports", metavar="STAGE[.PORT],...", help="recorded ports to play, besides the sources"
     )
     parser.add_argument(
-        "--from", dest="start", type=float, default=0.0, metavar="S", help="begin S seconds after its start"
+        "--speed",
+        type=float,
+        default=0.0,
+        metavar="X",
+        help="speed relative to the recording; 0 for the highest",
     )
-    parser.add_argument("--to", dest="stop", type=float, metavar="S", help="end S seconds after its start")
-    parser.add_argument("--loop", action="store_true", help="begin again at the end, until Ctrl-C")
+    parser.add_argument(
+        "--from",
+        dest="start",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="begin S seconds after the start of the recording",
+    )
+    parser.add_argument(
+        "--to", dest="stop", type=float, metavar="S", help="end S seconds after the start of the recording"
+    )
+    parser.add_argument("--loop", action="store_true", help="start again at the end, until Ctrl-C")
     add_change_options(parser)
     for options in load_plan_options():
         options.configure(parser)
@@ -91,15 +107,15 @@ def configure_replay(parser: argparse.ArgumentParser) -> None:
 
 
 def configure_verify(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
+    """Add the arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
-    add_plugin_option(parser, "load the stages of a Python file, as when it was recorded; repeatable")
+    add_plugin_option(parser, "load the stages of a Python file that the recorded run had loaded; repeatable")
     parser.add_argument("--json", action="store_true", help="end with one JSON object")
     parser.add_argument("--quiet", action="store_true", help="no progress")
 
 
 def configure_export(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
+    """Add the arguments of the command."""
     parser.add_argument("recording", metavar="FILE.mcap", help="the recording")
     parser.add_argument("folder", metavar="DIR", help="folder of the files; created if it is missing")
     parser.add_argument("--to", choices=("csv", "jsonl", "parquet", "rerun"), required=True, help="format")
@@ -108,7 +124,7 @@ def configure_export(parser: argparse.ArgumentParser) -> None:
 
 
 def recorded(plan: Plan, args: argparse.Namespace) -> Plan:
-    """The plan with recording sinks where --record is given. Raises InputError."""
+    """The plan, with recording sinks if --record is given. Raises InputError."""
     if args.record is None:
         return plan
     _need_mcap()
@@ -118,13 +134,13 @@ def recorded(plan: Plan, args: argparse.Namespace) -> Plan:
 
 
 def _need_mcap() -> None:
-    """Raises InputError where the extra is missing."""
+    """Raises InputError if mcap is not installed."""
     if importlib.util.find_spec("mcap") is None:
         raise InputError.of("recordings need mcap", 'pip install "followspot[recording]"')
 
 
 def record(args: argparse.Namespace) -> int:
-    """Run a graph and record its ports into one file; the same as run --record
+    """Run a graph and record its ports into one file, as run --record does.
 
     Examples:
       followspot record graphs/glowballs.yaml --record show.mcap
@@ -136,10 +152,10 @@ def record(args: argparse.Namespace) -> int:
 
 
 def replay(args: argparse.Namespace) -> int:
-    """Run a recorded graph, or another one, on the ports of a recording
+    """Run a recorded graph, or another one, on the ports of a recording.
 
-    The recorded sources (the cameras) are played, and the ports that --ports names; every other stage that is
-    still needed is computed anew. The summary and the outputs are those of a run.
+    The run plays the recorded sources (the cameras) and the ports that --ports names, and computes every
+    other stage that it needs. The summary and the outputs are those of a run.
 
     Examples:
       followspot replay show.mcap
@@ -154,9 +170,9 @@ def replay(args: argparse.Namespace) -> int:
 
 
 def verify(args: argparse.Namespace) -> int:
-    """Run a recorded graph again on its recorded sources and compare every recorded port, byte for byte
+    """Run a recorded graph again on its recorded sources and compare every recorded port, byte for byte.
 
-    Exit code 0 where all are the same, 1 where not; then the first difference is named.
+    The exit code is 0 if all ports are equal, else 1; the command names the first difference.
 
     Example:
       followspot verify show.mcap
@@ -168,9 +184,9 @@ def verify(args: argparse.Namespace) -> int:
 
 
 def export(args: argparse.Namespace) -> int:
-    """Write the ports of a recording as tables, lines of JSON or for the Rerun viewer, a file for each
+    """Write each port of a recording to a file: a table, lines of JSON, or a file for the Rerun viewer.
 
-    parquet needs pyarrow, rerun needs rerun-sdk.
+    --to parquet needs pyarrow, --to rerun needs rerun-sdk.
 
     Examples:
       followspot export show.mcap --to csv tables

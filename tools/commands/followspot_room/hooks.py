@@ -1,4 +1,4 @@
-"""Joins the commands of `followspot room` to the command line."""
+"""The commands of `followspot room`."""
 
 from __future__ import annotations
 
@@ -21,32 +21,33 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def configure_import(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `room import`."""
+    """Add the arguments of `room import`."""
     add = parser.add_argument
     add("calibration", type=Path, metavar="CALIBRATION", help="file or folder with calibrated cameras")
     add("--videos", type=Path, metavar="DIR", help="folder with the recordings; without it, no sources")
-    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
     add(
-        "--only",
-        nargs="+",
-        default=[],
-        metavar="CAMERA",
-        help="of several rooms, take these cameras",
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="ROOM.yaml",
+        help="room file to write; an old file is replaced",
     )
-    add("--infrared", nargs="+", default=[], metavar="CAMERA", help="cameras that see infrared light only")
-    add("--allow-missing", action="store_true", help="leave cameras without a recording without a source")
-    add("--json", action="store_true", help="print one JSON object that says what was imported")
+    add("--only", nargs="+", default=[], metavar="CAMERA", help="import these cameras only")
+    add("--infrared", nargs="+", default=[], metavar="CAMERA", help="names of infrared cameras")
+    add("--allow-missing", action="store_true", help="accept cameras that have no recording and no source")
+    add("--json", action="store_true", help="print the imported cameras as one JSON object")
 
 
 def run_import(args: argparse.Namespace) -> int:
-    """Make a room file from a calibration and, where there is one, a folder with one video per camera.
+    """Make a room file from a calibration and, optionally, a folder with one video per camera.
 
-    The format of the calibration is told by its content: TOML of aniposelib or caliscope, Qualisys
-    Calib.qca.txt, a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON with K, dist,
-    R and t, or JSON of pinhole and cylinder cameras by name. Recordings are named like the cameras:
-    VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures; scaled copies, and those that a codec cut
-    off at the right or below, are taken as such with a warning. VIDEOS/truth.csv, where it exists, becomes
-    the room's truth; without it VIDEOS/cam0_gt.csv, poses of persons.
+    The command recognises the format of the calibration by its content: TOML of aniposelib or caliscope,
+    Qualisys Calib.qca.txt, a folder of MultiCamSelfCal, OpenCV YAML (a file or a folder of files), JSON
+    with K, dist, R and t, or JSON of pinhole and cylinder cameras by name. Recordings have the names of the
+    cameras: VIDEOS/cam0.mkv (any video) or a folder VIDEOS/cam0 of pictures. The command accepts scaled
+    copies, and pictures that a codec cut at the right or below, with a warning. VIDEOS/truth.csv becomes
+    the truth of the room; without it, VIDEOS/cam0_gt.csv does, with poses of persons.
 
     Examples:
       followspot room import calibration.toml -o room.yaml
@@ -67,18 +68,22 @@ def run_import(args: argparse.Namespace) -> int:
 
 
 def configure_export(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `room export`."""
+    """Add the arguments of `room export`."""
     add = parser.add_argument
     add("room", type=Path, metavar="ROOM.yaml", help="room file")
     add("-o", "--output", type=Path, required=True, metavar="FILE", help="file or folder to write")
-    add("--format", choices=("anipose", "caliscope", "qualisys", "svoboda", "opencv"), help="of the output")
-    add("--json", action="store_true", help="print one JSON object that says what was written")
+    add(
+        "--format",
+        choices=("anipose", "caliscope", "qualisys", "svoboda", "opencv"),
+        help="format of the output",
+    )
+    add("--json", action="store_true", help="print what was written as one JSON object")
 
 
 def run_export(args: argparse.Namespace) -> int:
     """Write the cameras of a room file for another program.
 
-    The format follows from the name of the output: camera_array.toml is caliscope, any other .toml
+    The name of the output gives the format: camera_array.toml is caliscope, any other .toml
     aniposelib, .qca.txt Qualisys, .yml OpenCV; svoboda writes a folder and needs --format. Planes and targets
     stay behind.
 
@@ -92,21 +97,27 @@ def run_export(args: argparse.Namespace) -> int:
 
 
 def configure_guess(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `room guess`."""
+    """Add the arguments of `room guess`."""
     add = parser.add_argument
     add("video", type=Path, metavar="VIDEO", help="video in which people walk")
-    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="ROOM.yaml",
+        help="room file to write; an old file is replaced",
+    )
     add("--field", type=float, default=50.0, metavar="DEG", help="horizontal field of view (default: 50)")
     add("--person", type=float, default=1.72, metavar="M", help="usual height of people (default: 1.72)")
-    add("--json", action="store_true", help="print one JSON object that says what was guessed")
+    add("--json", action="store_true", help="print the guess as one JSON object")
 
 
 def run_guess(args: argparse.Namespace) -> int:
     """Make a rough room file for one video without a calibration, from the sizes of the people in it.
 
-    The camera is assumed level from left to right, without distortion, above a flat floor on which people
-    walk upright. Good enough to follow people and to tell near from far; calibrate for places that can be
-    trusted.
+    The guess assumes a camera without roll and distortion, above a flat floor on which people walk upright.
+    The result is good enough to follow people and to tell near from far; calibrate for exact positions.
 
     Example:
       followspot room guess street.avi --field 50 -o street.yaml
@@ -123,19 +134,32 @@ def run_guess(args: argparse.Namespace) -> int:
 
 
 def configure_rectify(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `room rectify`."""
+    """Add the arguments of `room rectify`."""
     add = parser.add_argument
     add("room", type=Path, metavar="ROOM.yaml", help="room with videos")
-    add("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help="room file; replaced if there")
-    add("--scale", type=float, default=1.0, metavar="S", help="of the pictures, 0.05 to 1 (default: 1)")
-    add("--json", action="store_true", help="print one JSON object that says what was changed")
+    add(
+        "-o",
+        "--output",
+        type=Path,
+        required=True,
+        metavar="ROOM.yaml",
+        help="room file to write; an old file is replaced",
+    )
+    add(
+        "--scale",
+        type=float,
+        default=1.0,
+        metavar="S",
+        help="size of the new pictures relative to the old, 0.05 to 1 (default: 1)",
+    )
+    add("--json", action="store_true", help="print the changes as one JSON object")
 
 
 def run_rectify(args: argparse.Namespace) -> int:
-    """Replace tilted, distorted cameras by upright ones; their videos are turned as they play.
+    """Replace tilted, distorted cameras by upright ones; stages rectify the videos while they play.
 
-    People stand upright in such pictures, as detectors expect, and lines are straight; --scale 0.5 makes
-    large videos quicker to search. Places in the room stay the same.
+    Detectors expect people who stand upright, and straight lines. Detectors search large videos faster with
+    --scale 0.5. Places in the room stay the same.
 
     Example:
       followspot room rectify room.yaml --scale 0.5 -o upright.yaml

@@ -1,4 +1,4 @@
-"""Joins `followspot schema` to the command line."""
+"""The command `followspot schema`."""
 
 from __future__ import annotations
 
@@ -19,24 +19,23 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("kind", choices=KINDS, help="which files it describes")
+    parser.add_argument("kind", choices=KINDS, help="kind of the files that the schema describes")
     parser.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="write it there, not to the terminal"
+        "-o", "--output", type=Path, metavar="FILE", help="file to write (default: standard output)"
     )
-    add_plugin_option(parser, "describe the stages of a Python file, too; repeatable")
+    add_plugin_option(parser, "also describe the stages of a Python file; repeatable")
 
 
 def _run(args: argparse.Namespace) -> int:
-    """JSON Schema of graph, room or placement files, with every installed stage and its parameters
+    """Print the JSON Schema of graph, room or placement files, with all installed stages.
 
-    Editors complete and explain what a file may say. With the YAML extension of VS Code, write the schemas
-    once and name the one that applies in the first line of a file:
+    With a schema, editors complete and explain the keys of a file. For the YAML extension of VS Code, write
+    the schemas once, and name the schema of a file in its first line, as below. `followspot check` finds more
+    mistakes than a schema can: ports, types, cycles, files that do not exist.
 
     Examples:
       followspot schema graph -o graph.schema.json
       # yaml-language-server: $schema=graph.schema.json
-
-    `followspot check` finds more than a schema can: ports, types, cycles, files that do not exist.
     """
     import json
 

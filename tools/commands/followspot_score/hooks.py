@@ -1,4 +1,4 @@
-"""Joins `followspot score` to the command line."""
+"""The command `followspot score`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
+    """Add the arguments of the command."""
     parser.add_argument(
         "reported",
         type=Path,

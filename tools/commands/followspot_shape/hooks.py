@@ -1,4 +1,4 @@
-"""Joins `followspot shape` to the command line."""
+"""The command `followspot shape`."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
-    parser.add_argument("what", choices=("fit", "colors"), help="which model")
+    """Add the arguments of the command."""
+    parser.add_argument("what", choices=("fit", "colors"), help="which model to make")
     parser.add_argument("crops", type=Path, metavar="CROPS", help="folder with pictures and boxes.csv")
     parser.add_argument(
         "--shape", type=Path, metavar="FILE", help="colors: shape model (default: the shipped one)"
@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Make the models of pose tracking from crops of upper bodies whose pose is known.
+    """Make the models of pose tracking from crops of upper bodies with known poses.
 
       fit     the shape model: 19 features of the outline, 45 of the surface
       colors  how the colours of its surface features relate in people (the colour-difference model)
@@ -40,8 +40,7 @@ def run(args: argparse.Namespace) -> int:
       followspot shape fit crops -o shape.yaml
       followspot shape colors crops --shape shape.yaml -o color_relations.yaml
 
-    Both files can be given to persons.appearance and persons.pose_tracker; those that come with followspot
-    are the default.
+    persons.appearance and persons.pose_tracker take both files; their defaults come with followspot.
     """
     from followspot_shape.command import make
 

@@ -1,4 +1,4 @@
-"""Joins `followspot sweep` to the command line."""
+"""The command `followspot sweep`."""
 
 from __future__ import annotations
 
@@ -18,33 +18,33 @@ def followspot_commands() -> Sequence[Command]:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """Arguments of the command."""
+    """Add the arguments of the command."""
     parser.add_argument("graph", metavar="GRAPH", help="graph file")
-    add_change_options(
-        parser, "VALUES", "A,B,C or START:STOP:STEP; one value is the same for all; repeatable"
+    add_change_options(parser, "VALUES", "A,B,C or START:STOP:STEP, or one value for all runs; repeatable")
+    add_trial_options(
+        parser, "folder of the sweep; name it again to continue the sweep (default: runs/sweep-DATE-TIME)"
     )
-    add_trial_options(parser, "folder; the same again to go on (default: runs/sweep-DATE-TIME)")
     parser.add_argument(
         "--jobs",
         type=frame_count,
         default=os.cpu_count() or 1,
         metavar="N",
-        help="runs at a time (default: one for each processor)",
+        help="number of runs at a time (default: number of processors)",
     )
     parser.add_argument(
         "--best",
         default="rmse_mm",
         metavar="FIGURE",
-        help="the figure that is drawn, and whose smallest value is marked (default rmse_mm)",
+        help="figure to plot; the table marks its smallest value (default rmse_mm)",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run a graph over a grid of parameters, several runs at a time, and tell which values are best
+    """Run a graph over a grid of parameters, several runs at a time, and report the best values.
 
-    A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP included. Each point is a run
-    of its own; what is done already in the folder is not done again, so that a sweep that was interrupted
-    goes on with the same command. Writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with
+    A --set with several values spans the grid: A,B,C or START:STOP:STEP, STOP included. Each point of the
+    grid is a run. The command skips points whose results are in the folder, so the same command continues a
+    sweep after an interruption. It writes sweep.csv, sweep.parquet (with pyarrow) and sweep.svg (with
     matplotlib).
 
     Examples:
