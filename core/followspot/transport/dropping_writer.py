@@ -33,9 +33,9 @@ class DroppingWriter:
         """inner: the writer, whose credit limits messages on their way; depth: messages that wait."""
         self.inner = inner
         self.depth = depth
-        self.dropped: Callable[[], None] = _nobody_counts
+        self.dropped: Callable[[], None] = lambda: None
         """Called for each message that is dropped."""
-        self.refused: Callable[[str], None] = _nobody_listens
+        self.refused: Callable[[str], None] = lambda reason: None
         """Called with the reason for each message that cannot be sent."""
         self._waiting: deque[Message | Watermark] = deque()
         self._messages = 0
@@ -141,11 +141,3 @@ class DroppingWriter:
                 self._messages -= 1
                 self.dropped()
                 return
-
-
-def _nobody_counts() -> None:
-    """The default outside a run, which has no ledger."""
-
-
-def _nobody_listens(_: str) -> None:
-    """The default outside a run."""

@@ -64,8 +64,8 @@ class InputQueue:
         self.messages: deque[Message] = deque()
         self.watermark = -END
         self.reader: PortReader | None = None
-        self.wake: Callable[[], None] = _nothing
-        self.reopened: Callable[[], None] = _nothing
+        self.wake: Callable[[], None] = lambda: None
+        self.reopened: Callable[[], None] = lambda: None
         self.invalid_reason = ""
         self.missing = 0
         """Messages among the invalid ones that were lost on their way."""
@@ -214,7 +214,3 @@ class SampledInput:
     def _due(self, time: int) -> int:
         """Latest capture time, ns, to sample: of this firing, or of the one `delay` firings ago."""
         return self.past[0] if self.delay else time
-
-
-def _nothing() -> None:
-    """The default of calls that the builder of a worker sets."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from threading import Lock
-from typing import Any
 
 from followspot.messages import Array, Header, InvalidMessage, Message, seal, stamped
 from followspot.transport.dropping_writer import DroppingWriter
@@ -69,7 +68,7 @@ class OutputPort:
         self.watermark = -END
         self.announced = -END
         """What readers were told last: the watermark, or `ABSENT`."""
-        self.refused: Callable[[str], None] = _nothing
+        self.refused: Callable[[str], None] = lambda reason: None
         self.waits_for_readers = False
         """Whether to wait for a reader that is away and comes back: in replays, which lose nothing."""
 
@@ -229,7 +228,3 @@ class OutputPort:
     def _present(self) -> list[int]:
         """Ledger rows of every edge whose reader is present."""
         return [queue.row for queue in self.queues] + [row for _, rows in self._living for row in rows]
-
-
-def _nothing(_: Any) -> None:
-    """The default: refusals are not reported."""

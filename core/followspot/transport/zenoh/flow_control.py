@@ -7,7 +7,7 @@ does the rest.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 from urllib.parse import quote
@@ -59,8 +59,13 @@ class _Change(NamedTuple):
 class FlowControl:
     """The readers of one port, and how much may be sent to them."""
 
-    def __init__(self, readers: Mapping[str, str], depth: int, incarnation: int) -> None:
-        """readers: the host of each, by its name; depth: messages in flight; incarnation: the writer's."""
+    def __init__(
+        self, readers: Mapping[str, str], depth: int, incarnation: int, wake: Callable[[], None]
+    ) -> None:
+        """readers: the host of each, by its name; depth: messages in flight; incarnation: the writer's.
+
+        wake: called in a thread of Zenoh when there are changes to take over.
+        """
         self.readers = tuple(
             ReaderRecord(quote(name, safe=""), host or OPERATOR, lost=incarnation > 0)
             for name, host in readers.items()
@@ -73,6 +78,7 @@ class FlowControl:
         """Reports and liveliness tokens that were malformed, or not from the reader's host."""
         self._depth = depth
         self._incarnation = incarnation
+        self._wake = wake
         self._by_name = {reader.name: reader for reader in self.readers}
         self._changes: deque[_Change] = deque()
         self._deaths: list[tuple[int, int]] = []
@@ -97,14 +103,13 @@ class FlowControl:
         readers = self._living()
         if not readers:
             return self._depth
-        if self._window_is_full(readers):
+        if self.window_is_full():
             return 0
         return max(0, self._depth - self.messages + min([reader.consumed for reader in readers]))
 
     def window_is_full(self) -> bool:
         """Whether as many tokens are on their way to the slowest reader as may be."""
-        readers = self._living()
-        return bool(readers) and self._window_is_full(readers)
+        return any(self.tokens - reader.taken >= WINDOW for reader in self._living())
 
     def count_message(self) -> None:
         """The next token is a message, for every reader that is present."""
@@ -158,29 +163,27 @@ class FlowControl:
         reader.silent = False
         return True
 
-    def take_presence(self, sample: zenoh.Sample) -> bool:
-        """Note that a reader came or left; whether there is anything to notice."""
+    def take_presence(self, sample: zenoh.Sample) -> None:
+        """Note that a reader came or left."""
         host, role, name, incarnation = chunks(sample, 4)
         there = sample.kind == zenoh.SampleKind.PUT
         reader = self._reader(host, name)
         if reader is None or role != "alive" or not is_incarnation(incarnation):
             self.refused += there
-            return False
-        self._changes.append(_Change(reader, int(incarnation), "came" if there else "left"))
-        return True
+        else:
+            self._changes.append(_Change(reader, int(incarnation), "came" if there else "left"))
+            self._wake()
 
-    def take_end(self, sample: zenoh.Sample) -> bool:
-        """Note that a reader has taken the end of this stream; whether there is anything to notice."""
+    def take_end(self, sample: zenoh.Sample) -> None:
+        """Note that a reader has taken the end of this stream."""
         host, _, name, incarnation, writer = chunks(sample, 5)
         there = sample.kind == zenoh.SampleKind.PUT
         reader = self._reader(host, name)
         if reader is None or not (is_incarnation(incarnation) and is_incarnation(writer)):
             self.refused += there
-            return False
-        if not there or int(writer) != self._incarnation:
-            return False
-        self._changes.append(_Change(reader, int(incarnation), "done"))
-        return True
+        elif there and int(writer) == self._incarnation:
+            self._changes.append(_Change(reader, int(incarnation), "done"))
+            self._wake()
 
     def _join(self, reader: ReaderRecord, incarnation: int) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
@@ -202,9 +205,6 @@ class FlowControl:
     def _living(self) -> list[ReaderRecord]:
         """Readers that are not lost and have not taken the end."""
         return [reader for reader in self.readers if not (reader.lost or reader.done)]
-
-    def _window_is_full(self, readers: list[ReaderRecord]) -> bool:
-        return self.tokens - min([reader.taken for reader in readers]) >= WINDOW
 
     def _reader(self, host: str, name: str) -> ReaderRecord | None:
         """The reader of this name; None if it is another host that speaks for it."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import zenoh
 from zenoh.handlers import Callback
@@ -61,7 +61,8 @@ class ZenohWriter:
         self._key = key = codec_key(key, codec)
         self._codec = codec
         self._incarnation = incarnation
-        self._flow = flow = FlowControl(readers, depth, incarnation)
+        self._wakeup = WakeupEvent()
+        self._flow = FlowControl(readers, depth, incarnation, self._wakeup.set)
         self._told_at = 0.0
         self._pending: Watermark | None = None
         """A watermark that waits for room."""
@@ -69,15 +70,14 @@ class ZenohWriter:
         """What was put last, if that was a watermark: every reader that joins is told it again."""
         self._ending = False
         self._wants_credit = False
-        self._wakeup = WakeupEvent()
         self._session = session
         self._publisher = publisher(session, key)
         readers_key = reader_key(key, "*")
         on_report = Callback(self._on_report, indirect=False)
         self._declared = [
             session.declare_subscriber(f"{readers_key}/credit/*", on_report),
-            presence(session, f"{readers_key}/*/*/*", self._waking(flow.take_presence)),
-            presence(session, f"{readers_key}/done/*/*/*", self._waking(flow.take_end)),
+            presence(session, f"{readers_key}/*/*/*", self._flow.take_presence),
+            presence(session, f"{readers_key}/done/*/*/*", self._flow.take_end),
             session.liveliness().declare_token(f"{key}/alive/writer/{incarnation}"),
         ]
 
@@ -204,12 +204,3 @@ class ZenohWriter:
         if self._flow.take_report(sample) and self._wants_credit:
             self._wants_credit = False
             self._wakeup.set()
-
-    def _waking(self, take: Callable[[zenoh.Sample], bool]) -> Callable[[zenoh.Sample], None]:
-        """Let Zenoh's threads take a note, and wake the worker if there is anything to notice."""
-
-        def on_presence(sample: zenoh.Sample) -> None:
-            if take(sample):
-                self._wakeup.set()
-
-        return on_presence
