@@ -17,6 +17,6 @@ class MoveOrder(RunRequest):
 
     leaving: tuple[str, ...] = ()
     plan: dict[str, Any] | None = None
-    states: dict[str, Any] = {}  # noqa: RUF012  # pydantic copies it, and nobody can assign to it
+    states: dict[str, Any] = {}  # noqa: RUF012  # pydantic copies it, and requests are frozen
     trial: bool = False
     roles: ClassVar[tuple[Role, ...]] = ("host",)

@@ -1,4 +1,4 @@
-"""What a stage is doing at one moment, as operators are told."""
+"""The status of a stage at one moment."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from followspot.ranges import Age, Count, Figure, Nanoseconds
 StageState = Literal[
     "starting", "getting", "waiting", "processing", "sending", "paused", "old", "absent", "over"
 ]
-"""getting: an input is empty, or the device has nothing; waiting: it has all that it needs, but its worker is
-at another stage; sending: an output is full; paused: the
-operator holds the source; absent: all it listens to is away, or its worker.
+"""getting: an input is empty, or the device has no data; waiting: its inputs are complete, its worker runs
+another stage; sending: an output is full; paused: the operator holds the source; absent: all its upstream
+workers are absent, or its own.
 
-For those who look on: starting: nothing was heard of it yet; old: nothing was heard of it lately.
+The operator adds: starting: the stage has sent no status yet; old: its last status is old.
 """
 
 
 @dataclass(frozen=True)
 class EdgeAge:
-    """How old, ms since they entered the graph, the last messages of an edge were when its stage took them.
+    """Age of the last messages of an edge when its stage took them, ms since they entered the graph.
 
-    error: why one was refused last, "" where none was.
+    name: of the edge; error: why the last rejected message was rejected, "" if none was.
     """
 
     name: str
@@ -33,11 +33,12 @@ class EdgeAge:
 
 @dataclass(frozen=True)
 class StageStatus:
-    """One stage at one moment.
+    """The status of a stage.
 
-    on: the edges that it waits for, by name, or the stage that its worker is at; error: the last one, "" for
-    none; edges: that lead to it; idle_s: time, s, in which it has not fired, as far as that was noticed;
-    time: newest capture time that a source has sent, ns; hold: id of the order that holds a source.
+    on: names of the edges that it waits for, or the stage that its worker runs; fired, skipped, restarts:
+    counts; busy_ms: time spent in the stage, ms; error: its last error, "" for none; edges: its inputs;
+    idle_s: time since it last fired, s; time: newest capture time that a source has sent, ns; hold: id of the
+    order that holds a source.
     """
 
     stage: str
@@ -56,7 +57,7 @@ class StageStatus:
 
 @dataclass(frozen=True)
 class PathStatus:
-    """Latency from a source to a sink so far, ms."""
+    """Latency from a source to a sink until now, ms."""
 
     origin: str
     sink: str

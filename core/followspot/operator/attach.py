@@ -101,7 +101,7 @@ class Attachment:
 
 @contextmanager
 def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
-    """A run that goes on under agents. Raises FollowspotError where there is no such run."""
+    """Watch a run under agents; it goes on after the block. Raises FollowspotError if there is none."""
     with operating(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)

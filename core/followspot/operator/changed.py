@@ -29,7 +29,7 @@ class ChangedStage:
 
 @dataclass(frozen=True)
 class Changed:
-    """A run that was changed."""
+    """The outcome of a change."""
 
     run: str
     graph: str
@@ -38,7 +38,7 @@ class Changed:
 
 @dataclass(frozen=True)
 class Moved:
-    """A run whose stages have moved; stages: which, to which worker on which host; anew: who began anew."""
+    """The outcome of a move. stages: moved to `worker` on `host`; anew: workers that restarted for it."""
 
     run: str
     graph: str
@@ -51,11 +51,11 @@ class Moved:
     def text(self) -> str:
         """One line."""
         place = f"worker {self.worker}" + (f" on {self.host}" if self.host else "")
-        return f"{', '.join(self.stages)}: to {place}; workers that began anew: {', '.join(self.anew)}"
+        return f"{', '.join(self.stages)}: to {place}; restarted workers: {', '.join(self.anew)}"
 
     @staticmethod
     def of(run: str, old: Plan, new: Plan) -> Moved:
-        """What differs between two plans."""
+        """The move that leads from the old plan to the new one."""
         gone = [stage for stage in new.stages if stage.worker != old.worker_of(stage.name)]
         if not gone:
             return Moved(run, old.graph, ())
@@ -66,14 +66,14 @@ class Moved:
 
 
 def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:
-    """What these stages change in a plan."""
+    """The change that these stages make to a plan."""
     old = {stage.name: stage for stage in plan.stages}
     found = [ChangedStage(s.name, old[s.name].uses, s.uses, _differing(old[s.name], s)) for s in stages]
     return Changed(run, plan.graph, tuple(found))
 
 
 def with_change(plan: Plan, stages: Sequence[PlannedStage]) -> Plan:
-    """The plan after a change, which its notes tell."""
+    """The plan after a change, with the change in its notes."""
     notes = [f"while it ran: {stage.text}" for stage in changed("", plan, stages).stages]
     return replace(with_stages(plan, stages), notes=(*plan.notes, *notes)[-_MAX_NOTES:])
 

@@ -36,9 +36,9 @@ ANSWER_TIMEOUT = 10.0
 _CHANGE_TIMEOUT = 120.0
 """Seconds that a change has: new stages are built beside those that run."""
 _STALLED = 60.0
-"""Seconds without a message of any source after which a step is given up."""
+"""Seconds without a message of any source after which a step fails."""
 _POLL_INTERVAL = 0.02
-"""Seconds between two looks at a step."""
+"""Seconds between two polls of a step."""
 
 
 class NoAnswer(FollowspotError):

@@ -63,7 +63,7 @@ class Authority:
         if mode & 0o077:
             raise FollowspotError(
                 f"{home / 'key.pem'} has mode {mode:04o}: every user who can read it can make certificates; "
-                f"chmod 600 {home / 'key.pem'}, or begin anew if others may have read it"
+                f"chmod 600 {home / 'key.pem'}, or make a new authority if others may have read it"
             )
         try:
             key = load_pem_private_key(read_bytes(home / "key.pem", DOCUMENT), None)
@@ -74,7 +74,7 @@ class Authority:
             raise FollowspotError(f"{home / 'key.pem'} is not the key that certs init made")
         self._key = key
         if self.expires <= self.now:
-            raise FollowspotError(f"the authority in {home} expired on {self.expires:%Y-%m-%d}; begin anew")
+            raise FollowspotError(f"the authority in {home} expired on {self.expires:%Y-%m-%d}; replace it")
         _, members = read_host_registry(folder / REGISTRY)
         self._members = {member.name: member for member in members}
 

@@ -89,7 +89,7 @@ class HostClock:
 
     def _compare(self, client: RpcClient) -> bool:
         """Make one exchange; False if there was no answer."""
-        import zenoh  # only where there are other hosts
+        import zenoh  # only runs with other hosts need it
 
         wall, sent = time.time_ns() + self.known, time.monotonic_ns()
         try:
