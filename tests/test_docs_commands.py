@@ -26,6 +26,7 @@ ELSEWHERE = {
     r"followspot (top|hz|echo|logs)": "tests/tools/watch",
     r"followspot (swap|set)": "tests/integration/test_swap.py",
     r"followspot move": "tests/integration/test_move.py",
+    r"followspot (pause|step|resume)": "tests/integration/test_pause.py",
     r"followspot (agent|router)|followspot run .*--(connect|listen)": "tests/integration/test_agents.py",
     r"followspot run .*--placement": "tests/integration/test_placement.py",
     r"followspot calibrate": "tests/integration/test_calibration_chain.py",

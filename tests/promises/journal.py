@@ -14,34 +14,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot import (
-    Array,
-    Context,
-    Field,
-    Joined,
-    Latest,
-    Message,
-    OutputPath,
-    Source,
-    Stage,
-    StageParams,
-    at,
-    column,
-)
+import followspot as fs
 
 
-class Note(Message):
+class Note(fs.Message):
     """A number, who made it, and some bytes: with enough of them it travels in a slot of a ring."""
 
     value: int
     by: str
-    load: Array = column("N", dtype="u1")
+    load: fs.Array = fs.column("N", dtype="u1")
 
 
 class Keeper:
     """Knows where to write: the environment has the folder of the journals."""
 
-    context: Context
+    context: fs.Context
 
     def setup(self) -> None:
         self.books = os.environ["BOOKS"]
@@ -58,7 +45,7 @@ class Keeper:
     def got(self, note: Note, port: str = "note") -> None:
         self.write(f"in.{port}", note)
 
-    def made(self, value: int, load: Array, port: str = "out") -> Note:
+    def made(self, value: int, load: fs.Array, port: str = "out") -> Note:
         note = Note(value, self.context.name, load)
         self.write(f"out.{port}", note)
         return note
@@ -72,15 +59,15 @@ class Keeper:
             time.sleep(0.03)
 
 
-class CameraParams(StageParams):
+class CameraParams(fs.StageParams):
     """How a camera runs."""
 
-    period: float = Field(0.01, ge=0, description="time between two", unit="s")
-    size: int = Field(0, ge=0, description="bytes with every number", unit="1")
-    count: int = Field(1_000_000_000, ge=0, description="numbers to give", unit="1")
+    period: float = fs.Field(0.01, ge=0, description="time between two", unit="s")
+    size: int = fs.Field(0, ge=0, description="bytes with every number", unit="1")
+    count: int = fs.Field(1_000_000_000, ge=0, description="numbers to give", unit="1")
 
 
-class Camera(Keeper, Stage):
+class Camera(Keeper, fs.Stage):
     """A live source."""
 
     Params = CameraParams
@@ -94,34 +81,36 @@ class Camera(Keeper, Stage):
     def close(self) -> None:
         self.over.set()
 
-    def process(self) -> Source[Note]:
+    def process(self) -> fs.Source[Note]:
         for n in range(self.params.count):
             if self.over.wait(self.params.period):
                 return
             when = time.time_ns()
-            yield at(when, self.made(when, np.full(self.params.size, n % 256, "u1")), seq=n)
+            yield fs.at(when, self.made(when, np.full(self.params.size, n % 256, "u1")), seq=n)
 
 
-class Film(Keeper, Stage):
+class Film(Keeper, fs.Stage):
     """A source that waits for its readers."""
 
     Params = CameraParams
     params: CameraParams
 
-    def process(self) -> Source[Note]:
+    def process(self) -> fs.Source[Note]:
         for n in range(self.params.count):
-            yield at(
+            yield fs.at(
                 n * 10_000_000, self.made(time.time_ns(), np.full(self.params.size, n % 256, "u1")), seq=n
             )
 
 
-class StepParams(StageParams):
+class StepParams(fs.StageParams):
     """What a step does beside its work."""
 
-    invalid_every: int = Field(0, ge=0, description="break the contract at every so many numbers", unit="1")
+    invalid_every: int = fs.Field(
+        0, ge=0, description="break the contract at every so many numbers", unit="1"
+    )
 
 
-class Step(Keeper, Stage):
+class Step(Keeper, fs.Stage):
     """Passes on what it gets."""
 
     Params = StepParams
@@ -135,12 +124,12 @@ class Step(Keeper, Stage):
         return self.made(note.value, note.load.astype("f8") if invalid else note.load)
 
 
-class Sampling(Keeper, Stage):
+class Sampling(Keeper, fs.Stage):
     """Passes on what it gets, and looks at what was last known of something else."""
 
     last = -1
 
-    def process(self, note: Note, known: Latest[Note] = None) -> Note:
+    def process(self, note: Note, known: fs.Latest[Note] = None) -> Note:
         self.got(note)
         if known is not None and known.by and known.value != self.last:
             self.last = known.value
@@ -157,7 +146,7 @@ class Halves:
     odd: Note | None
 
 
-class Split(Keeper, Stage):
+class Split(Keeper, fs.Stage):
     """Even numbers to one port, odd ones to the other."""
 
     def process(self, note: Note) -> Halves:
@@ -168,23 +157,23 @@ class Split(Keeper, Stage):
         return Halves(self.made(note.value, note.load, "even"), None)
 
 
-class Meet(Keeper, Stage):
+class Meet(Keeper, fs.Stage):
     """Takes what comes together."""
 
-    def process(self, notes: Joined[Note]) -> Note:
+    def process(self, notes: fs.Joined[Note]) -> Note:
         for note in notes:
             self.got(note, "notes")
         self.linger()
         return self.made(notes[0].value, notes[0].load)
 
 
-class SaveParams(StageParams):
+class SaveParams(fs.StageParams):
     """Where to."""
 
-    path: OutputPath = Field("notes.csv", description="file to write")
+    path: fs.OutputPath = fs.Field("notes.csv", description="file to write")
 
 
-class Save(Keeper, Stage):
+class Save(Keeper, fs.Stage):
     """Writes every message to a disk, which may be full."""
 
     Params = SaveParams
