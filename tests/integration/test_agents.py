@@ -112,7 +112,7 @@ def of_left(value: int) -> bool:
 
 
 @pytest.mark.thorough
-def test_an_agent_that_is_killed_and_started_again_takes_its_part_up(room: Room) -> None:
+def test_a_restarted_agent_resumes_its_runs(room: Room) -> None:
     process = room.begin()
     out = room.folder / "out"
     grows(out / "ticks.csv", of_left, 5)
@@ -146,7 +146,7 @@ def test_a_script_holds_and_ends_a_run_under_agents(room: Room) -> None:
         assert run.over()
 
 
-def test_an_operator_may_leave_die_and_come_back(room: Room) -> None:
+def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     process = room.begin("--detach", "--host", "pc-right")
     stdout, stderr = process.communicate(timeout=60)
     assert process.returncode == 0, stderr
@@ -196,7 +196,7 @@ def killed(room: Room) -> subprocess.Popen[str]:
     return process
 
 
-def test_what_a_dead_desk_left_on_hosts_is_ended_by_the_next_run_there(room: Room) -> None:
+def test_the_next_run_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     killed(room)
     (left,) = children(room.agents["pc-left"].process.pid)
     assert alive(left), "it might be a cable that is out"
@@ -211,7 +211,7 @@ def test_what_a_dead_desk_left_on_hosts_is_ended_by_the_next_run_there(room: Roo
 
 
 @pytest.mark.thorough
-def test_what_a_dead_desk_left_on_hosts_is_ended_by_who_attaches(room: Room) -> None:
+def test_attach_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     killed(room)
     done = command("attach", "graph", "--stop", "--json", *room.connect)
     assert json.loads(done.stdout)["edges"], done.stderr

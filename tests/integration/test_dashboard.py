@@ -139,7 +139,7 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
             process.kill()
 
 
-def test_previews_that_nobody_takes_change_neither_ledger_nor_tracks(
+def test_unread_previews_change_neither_ledger_nor_tracks(
     tmp_path: Path, room_for_sockets: Path, unseen: Done
 ) -> None:
     """The page is there and asks for pictures, 60 a second, and then takes none: taps do not wait for it."""
@@ -155,7 +155,7 @@ def test_previews_that_nobody_takes_change_neither_ledger_nor_tracks(
 
 
 @pytest.mark.thorough
-def test_a_run_on_two_hosts_that_is_looked_at_is_the_same_and_the_page_ends_with_it(
+def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
     tmp_path: Path, room_for_sockets: Path, unseen: Done, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """One browser looks and records, one has stalled; half of the cameras are on another host."""

@@ -126,7 +126,7 @@ def test_the_worker_that_joins_over_zenoh_is_killed_and_tracks_go_on(tmp_path: P
     assert all(0 <= edge["lost"] <= 10 for edge in finished.summary["edges"])
 
 
-def test_after_a_camera_file_has_ended_who_dies_or_hangs_is_still_started_again(tmp_path: Path) -> None:
+def test_after_the_end_of_a_camera_file_other_workers_are_still_restarted(tmp_path: Path) -> None:
     run = Live(tmp_path, stages=SHORT, placement=PLACEMENT + "  short: {stages: [short]}\n")
     assert wait_until(lambda: len(run.workers()) == 3), "the short one has not ended"
     _, right, main = run.workers()

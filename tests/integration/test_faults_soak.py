@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-def test_whatever_befalls_a_show_it_goes_on_counts_every_message_and_leaves_nothing_behind() -> None:
+def test_a_run_survives_random_faults_and_accounts_for_every_message() -> None:
     """The tracker is right again after each fault; a busy machine may take its time, which others measure."""
     words = ["--faults", str(len(KINDS)), "--within", "50", "--notice", "50", "--json", "--only", *KINDS]
     done = subprocess.run([sys.executable, str(SOAK), *words], capture_output=True, text=True, check=False)

@@ -52,7 +52,7 @@ def test_an_agent_sends_where_its_owner_allows(
             agent.process.communicate()
 
 
-def test_no_process_of_the_user_makes_a_run_send_elsewhere_by_a_tap(tmp_path: Path) -> None:
+def test_a_tap_cannot_make_a_run_send_elsewhere(tmp_path: Path) -> None:
     """Its own graph may send anywhere; what is put at its ports from outside tells those who look on."""
     graph = write_graph(tmp_path, "a: {uses: ticks.live, with: {count: 1000000}}")
     process = start(graph, tmp_path / "out")

@@ -54,7 +54,7 @@ def refusal(run: str) -> str:
     return str(refused.value)
 
 
-def test_a_stage_goes_to_another_worker_and_to_a_host_that_had_no_part_with_its_state(tmp_path: Path) -> None:
+def test_a_stage_moves_with_its_state_to_another_worker_and_to_a_new_host(tmp_path: Path) -> None:
     (tmp_path / "near.yaml").write_text(NEAR)
     out = tmp_path / "out"
     desk = f"tcp/127.0.0.1:{free_port()}"
@@ -91,7 +91,7 @@ def test_a_stage_goes_to_another_worker_and_to_a_host_that_had_no_part_with_its_
 
 
 @pytest.mark.thorough
-def test_a_stage_goes_to_another_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
+def test_a_stage_moves_to_a_host_whose_clock_is_an_hour_off(tmp_path: Path) -> None:
     (tmp_path / "far.yaml").write_text(FAR)
     agents = [
         near_agent("pc-left", tmp_path),

@@ -44,7 +44,7 @@ def followspot(*words: object) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_a_live_run_tells_it_before_it_starts_and_its_recording_is_replayed_only_if_it_can_be_exact(
+def test_a_live_run_warns_before_it_starts_and_its_replay_is_refused_unless_exact(
     tmp_path: Path,
 ) -> None:
     graph = write_graph(tmp_path, LIVE)

@@ -18,7 +18,7 @@ from followspot.transport.keys import agent_key, port_key, request_key
 from followspot.transport.zenoh.network import Own
 
 
-def test_an_operator_is_heard(certs: Path, agent: Agent, endpoint: str) -> None:
+def test_a_request_of_an_operator_is_answered(certs: Path, agent: Agent, endpoint: str) -> None:
     with session(certs / "desk", connect=endpoint) as desk:
         assert met(desk)
         assert agent.ask(desk, request_key("pc-right", "stop", "operator", "desk")) == [{"answer": None}]
@@ -41,9 +41,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
     agent.stopped.clear()
 
 
-def test_a_captured_request_is_refused_by_another_agent_whoever_passes_it_on(
-    certs: Path, agent: Agent, endpoint: str
-) -> None:
+def test_a_captured_request_is_rejected_by_another_agent(certs: Path, agent: Agent, endpoint: str) -> None:
     """The agent on the left keeps what the desk asked of it."""
     captured: list[bytes] = []
 
@@ -96,7 +94,7 @@ def test_a_cameras_certificate_cannot_stop_a_run_and_its_attempt_is_logged(
     "asked_as",
     [("operator", "desk"), ("operator", "pc-left"), ("camera", "pc-right"), ("*", "*"), ("operator", "*")],
 )
-def test_a_camera_cannot_ask_as_somebody_else(
+def test_a_camera_cannot_ask_under_another_name(
     certs: Path, agent: Agent, endpoint: str, asked_as: tuple[str, str]
 ) -> None:
     with session(certs / "pc-left", connect=endpoint) as camera:
@@ -136,9 +134,7 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
             token.undeclare()  # type: ignore[no-untyped-call]
 
 
-def test_a_host_that_was_removed_connects_and_is_heard_by_nobody(
-    certs: Path, agent: Agent, endpoint: str
-) -> None:
+def test_a_removed_host_connects_but_is_ignored(certs: Path, agent: Agent, endpoint: str) -> None:
     agent.heard.clear()
     with session(certs.parent / "gone", connect=endpoint) as gone:
         assert met(gone)

@@ -69,7 +69,7 @@ def knocked(certs: Path) -> Iterator[tuple[str, subprocess.Popen[str]]]:
         ("that was removed", "not on the list of hosts", "unlisted"),
     ],
 )
-def test_a_stranger_does_not_get_in_and_the_attempt_is_logged_and_counted(
+def test_an_unknown_peer_is_rejected_logged_and_counted(
     certs: Path, knocked: tuple[str, subprocess.Popen[str]], stranger: str, said: str, counted: str
 ) -> None:
     endpoint, process = knocked

@@ -137,7 +137,9 @@ REFUSED = [
 """The stages b and c are in two workers; where one of them cannot, the other one goes on as it was, too."""
 
 
-def test_what_cannot_be_changes_nothing_and_a_successor_carries_on_even_after_a_death(tmp_path: Path) -> None:
+def test_a_failed_swap_changes_nothing_and_a_replacement_keeps_its_state_after_a_death(
+    tmp_path: Path,
+) -> None:
     with going(tmp_path, LIVE, 2) as run:
         for words, why in REFUSED:
             with pytest.raises(FollowspotError) as raised:

@@ -125,7 +125,7 @@ def all_over(attachment: Attachment) -> bool:
     return all(worker.phase == "over" for worker in attachment.coordinator.status().workers)
 
 
-def test_who_looks_on_begins_nothing_again_when_the_run_has_ended(
+def test_an_observer_restarts_nothing_after_the_end_of_a_run(
     tmp_path: Path, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(remote_host, "_RESUME_TIMEOUT", 1.0)
@@ -141,7 +141,7 @@ def states(run: dict[str, Any]) -> dict[str, str]:
     return {stage["stage"]: stage["state"] for stage in run["stages"]}
 
 
-def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent: Agent) -> None:
+def test_a_dead_host_is_absent_in_top_page_and_metrics(tmp_path: Path, agent: Agent) -> None:
     with watched(tmp_path, THERE, "--connect", agent.endpoint) as run:
         well = run.until(lambda told: told["fired"] > 20 and not told["faults"])
         assert "absent" not in states(well).values()
@@ -166,7 +166,7 @@ def test_a_host_that_died_is_absent_wherever_anybody_looks(tmp_path: Path, agent
     assert {w["worker"]: w["absent"] for w in ended.summary["workers"]} == {"left": True, "right": False}
 
 
-def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path) -> None:
+def test_an_absent_worker_at_the_end_is_an_error(tmp_path: Path) -> None:
     """It cannot come back, for its plugin is broken by then."""
     plugin = tmp_path / "brittle.py"
     shutil.copy(STAGES, plugin)
@@ -182,7 +182,7 @@ def test_a_worker_that_is_away_at_the_end_is_an_error_of_the_run(tmp_path: Path)
     assert any("worker left was not there at the end" in line for line in ended.summary["errors"])
 
 
-def test_a_run_whose_operator_is_suspended_is_old_and_no_run_that_has_ended(tmp_path: Path) -> None:
+def test_a_run_with_a_suspended_operator_is_old_not_over(tmp_path: Path) -> None:
     with watched(tmp_path, HERE) as run:
         run.until(lambda told: told["fired"] > 20 and not told["faults"])
         run.process.send_signal(signal.SIGSTOP)

@@ -45,7 +45,7 @@ def kinds(base: type[Request] = Request) -> Iterator[type[Request]]:
         yield from kinds(kind)
 
 
-def test_every_request_says_who_handles_it_and_has_a_name_of_its_own() -> None:
+def test_every_request_has_roles_and_a_unique_verb() -> None:
     found = [kind for kind in kinds() if kind is not RunRequest]
     assert len(found) > 15
     assert len({verb(kind) for kind in found}) == len(found)
@@ -70,14 +70,14 @@ def test_every_request_says_who_handles_it_and_has_a_name_of_its_own() -> None:
     ],
     ids=lambda request: type(request).__name__,
 )
-def test_a_request_arrives_as_it_was_sent_to_the_bit(request_: Request) -> None:
+def test_a_request_round_trips_exactly(request_: Request) -> None:
     arrived: list[Request] = []
     dispatcher = Dispatcher("host", {type(request_): arrived.append})
     dispatcher.dispatch_wire(json.loads(json.dumps(to_wire(request_))))
     assert repr(arrived) == repr([request_])  # not ==, for NaN
 
 
-def test_answers_arrive_as_they_were_given_to_the_bit() -> None:
+def test_answers_round_trip_exactly() -> None:
     def told(kind: type[Request], answer: Any) -> Any:
         return answer_from_wire(kind, json.loads(json.dumps(answer_to_wire(kind, answer))))
 
@@ -98,23 +98,23 @@ def test_answers_arrive_as_they_were_given_to_the_bit() -> None:
         {"verb": "stop_run", "x": 1},
     ],
 )
-def test_what_is_no_request_is_refused_and_no_handler_hears_of_it(data: Any) -> None:
+def test_an_invalid_request_is_refused_before_any_handler(data: Any) -> None:
     heard: list[Request] = []
     with pytest.raises((ValueError, UnknownRequest)):
         Dispatcher("host", {StopRun: heard.append}).dispatch_wire(data)
     assert heard == []
 
 
-def test_a_role_handles_only_what_is_meant_for_it() -> None:
+def test_a_role_handles_only_its_own_requests() -> None:
     with pytest.raises(TypeError, match="no worker handles: ListRuns"):
         Dispatcher("worker", {ListRuns: lambda _: []})
 
 
-def test_a_request_cannot_be_altered_on_its_way() -> None:
+def test_a_request_is_immutable() -> None:
     request = StopRun(run="a")
     with pytest.raises(ValueError, match="frozen"):
         request.run = "b"  # type: ignore[misc]
 
 
-def test_hosts_may_ask_for_nothing_but_the_clock() -> None:
+def test_hosts_may_only_read_clocks() -> None:
     assert [kind for kind in kinds() if kind.open_to_hosts] == [ReadClock]

@@ -22,14 +22,14 @@ def main() -> Iterator[subprocess.Popen[bytes]]:
         process.kill()
 
 
-def test_whoever_lives_is_not_dead(main: subprocess.Popen[bytes]) -> None:
+def test_a_living_process_is_not_dead(main: subprocess.Popen[bytes]) -> None:
     there = replace(HERE, pid=main.pid, started=_started(main.pid))
     assert there.started > 0
     assert not HERE.dead(HERE)
     assert not there.dead(HERE)
 
 
-def test_who_was_killed_is_dead_also_before_its_parent_knows(
+def test_a_killed_process_is_dead_even_as_a_zombie(
     main: subprocess.Popen[bytes],
 ) -> None:
     there = replace(HERE, pid=main.pid, started=_started(main.pid))
@@ -40,7 +40,7 @@ def test_who_was_killed_is_dead_also_before_its_parent_knows(
     assert there.dead(HERE)
 
 
-def test_another_process_that_was_given_the_number_is_not_taken_for_it() -> None:
+def test_a_reused_process_id_does_not_count() -> None:
     assert replace(HERE, started=HERE.started - 1).dead(HERE)
 
 
@@ -57,10 +57,10 @@ def test_another_process_that_was_given_the_number_is_not_taken_for_it() -> None
     ],
     ids=["unknown", "no boot", "container", "uncertified", "other name", "other machine", "no machine"],
 )
-def test_nothing_is_certain_of_who_is_elsewhere(there: Origin) -> None:
+def test_a_process_elsewhere_is_never_certainly_dead(there: Origin) -> None:
     assert not there.dead(HERE)
     assert not there.dead(Origin())
 
 
-def test_who_was_there_before_this_machine_was_started_again_is_dead() -> None:
+def test_a_process_from_before_a_reboot_is_dead() -> None:
     assert replace(HERE, boot="before").dead(HERE)

@@ -21,7 +21,7 @@ def ends() -> Iterator[tuple[Channel, Channel]]:
     other.close()
 
 
-def test_what_came_along_with_a_message_is_waited_for_no_longer(ends: tuple[Channel, Channel]) -> None:
+def test_requests_that_arrived_with_an_earlier_one_are_buffered(ends: tuple[Channel, Channel]) -> None:
     one, other = ends
     assert not other.waits(0.0)
     one.send(StartRun())
@@ -33,7 +33,7 @@ def test_what_came_along_with_a_message_is_waited_for_no_longer(ends: tuple[Chan
     assert not other.waits(0.0)
 
 
-def test_descriptors_without_a_message_are_taken_up_to_a_limit_that_all_rings_of_a_worker_need(
+def test_descriptors_without_a_message_are_limited_to_those_of_all_rings(
     ends: tuple[Channel, Channel],
 ) -> None:
     one, other = ends
@@ -77,7 +77,7 @@ def test_descriptors_travel_beside_the_request_they_were_sent_with(
     os.close(read)
 
 
-def test_what_a_channel_does_not_know_is_refused(ends: tuple[Channel, Channel]) -> None:
+def test_a_channel_rejects_unknown_requests(ends: tuple[Channel, Channel]) -> None:
     one, other = ends
     one.socket.sendall(b'{"verb": "dance"}\n')
     with pytest.raises(ValueError, match="there is no request 'dance'"):

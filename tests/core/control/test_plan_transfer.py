@@ -43,7 +43,7 @@ def refused(data: dict[str, Any], media: Path | None, why: str) -> None:
         unpacked(data, "pc-left", Grants(media), ())
 
 
-def test_a_plan_travels_without_a_path_and_is_the_same_there(plan: Plan, media: Path) -> None:
+def test_a_plan_travels_without_absolute_paths_and_arrives_equal(plan: Plan, media: Path) -> None:
     data = packed(plan, "pc-left", media)
     assert str(media.parent) not in json.dumps(data)
     there = plan_from_data(unpacked(data, "pc-left", Grants(media), ()))
@@ -51,21 +51,21 @@ def test_a_plan_travels_without_a_path_and_is_the_same_there(plan: Plan, media: 
     assert there.stages == plan.stages
 
 
-def test_what_is_no_business_of_a_host_does_not_travel_there(plan: Plan, media: Path) -> None:
+def test_parameters_of_other_hosts_do_not_travel(plan: Plan, media: Path) -> None:
     assert "clip.csv" not in json.dumps(packed(plan, "pc-right", media))
 
 
-def test_a_file_that_no_agent_could_have_does_not_travel(plan: Plan, media: Path) -> None:
+def test_a_file_outside_the_media_folder_is_an_error(plan: Plan, media: Path) -> None:
     with pytest.raises(FollowspotError, match="not below"):
         packed(plan, "pc-left", media / "elsewhere")
 
 
-def test_an_agent_takes_no_code(plan: Plan, media: Path) -> None:
+def test_an_agent_rejects_code(plan: Plan, media: Path) -> None:
     data = packed(plan, "pc-left", media)
     refused({**data, "plugin_files": ["/tmp/evil.py"]}, media, "code of its own")
 
 
-def test_an_agent_takes_no_stage_that_is_not_installed(plan: Plan, media: Path) -> None:
+def test_an_agent_rejects_a_stage_that_is_not_installed(plan: Plan, media: Path) -> None:
     data = packed(plan, "pc-left", media)
     data["stages"][1]["uses"] = "evil.stage"
     refused(data, media, "evil")

@@ -21,7 +21,7 @@ def leave(runs: Path, run: str, host: str, *, text: str = "", age: float = 0.0) 
     os.utime(path, (time.time() - age,) * 2)
 
 
-def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> None:
+def test_only_recent_complete_orders_of_this_host_are_resumed(tmp_path: Path) -> None:
     leave(tmp_path, "aaaaaaaa", "left")
     leave(tmp_path, "bbbbbbbb", "pc-left")
     leave(tmp_path, "cccccccc", "left", age=3600.0)
@@ -31,7 +31,7 @@ def test_only_fresh_whole_orders_of_this_host_are_taken_up(tmp_path: Path) -> No
     assert list(KeptRuns(tmp_path / "none", "left").left()) == []
 
 
-def test_a_run_that_was_closed_is_not_taken_up_again(tmp_path: Path) -> None:
+def test_a_closed_run_is_not_resumed(tmp_path: Path) -> None:
     said: list[str] = []
     agent_runs = AgentRuns(tmp_path, "left", said.append)
     for run in ("aaaaaaaa", "bbbbbbbb"):

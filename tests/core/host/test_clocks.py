@@ -51,7 +51,7 @@ def test_a_few_slow_answers_do_not_matter() -> None:
     assert abs(found.captured - 20 * MS) <= 1
 
 
-def test_a_clock_that_is_set_is_believed_at_once() -> None:
+def test_a_clock_that_was_set_gives_the_new_offset_at_once() -> None:
     clocks = ClockFilter()
     for _ in range(30):
         clocks.add(exchange(0, 300_000, 200_000))
@@ -72,7 +72,7 @@ def test_a_clock_that_is_set_is_believed_at_once() -> None:
         (0.0, -1.7, 1),
     ],
 )
-def test_bounds_may_miss_each_other_by_a_millisecond_and_neither_clock_by_more(
+def test_exchanges_that_differ_by_over_a_millisecond_drop_the_older_ones(
     captured: float, steady: float, kept: int
 ) -> None:
     clocks = ClockFilter()
@@ -122,7 +122,7 @@ def test_a_clock_is_warned_about_each_time_that_it_is_set_wrongly_and_not_more_o
     assert said(4.9) == said(5.1) == "", "it hovers"
 
 
-def test_a_host_alone_adds_what_its_owner_knows() -> None:
+def test_a_host_without_peers_adds_its_configured_offset() -> None:
     clock = HostClock(known=25 * MS)
     clock.follow("pc-left")
     assert clock.correction() == (25 * MS, 0)
@@ -130,7 +130,7 @@ def test_a_host_alone_adds_what_its_owner_knows() -> None:
     assert clock.news() is None, "told once"
 
 
-def test_every_host_may_ask_for_the_time_and_operators_alone_for_more() -> None:
+def test_hosts_may_only_read_clocks_and_operators_may_ask_all() -> None:
     gate = RequestGuard("pc-right", ["clock", "stop"], open_to_hosts=["clock"])
     clock, stop = (Asked("pc-right", verb, "camera", "pc-left") for verb in ("clock", "stop"))
     assert gate.admit(clock, seal(clock, {})) == {}

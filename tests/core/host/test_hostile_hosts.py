@@ -123,7 +123,7 @@ def believed_again(agent: Agent, host: RemoteHost) -> None:
 
 
 @pytest.mark.parametrize("says", NO_ANSWERS.values(), ids=NO_ANSWERS)
-def test_what_is_no_answer_ends_nobody_and_the_next_one_is_taken(
+def test_an_invalid_answer_is_survived_and_the_next_valid_one_taken(
     agent: tuple[Agent, RpcClient], says: bytes
 ) -> None:
     there, client = agent
@@ -137,12 +137,14 @@ def test_what_is_no_answer_ends_nobody_and_the_next_one_is_taken(
 
 
 @pytest.mark.parametrize("change", NO_STATUS.values(), ids=NO_STATUS)
-def test_a_status_that_no_host_can_mean_is_refused(change: dict[str, Any]) -> None:
+def test_an_invalid_status_is_rejected(change: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=next(iter(change))):
         answer_from_wire(GetHostStatus, {**GOOD, **change})
 
 
-def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tuple[Agent, RpcClient]) -> None:
+def test_the_fault_of_a_status_is_reported_and_the_next_valid_one_taken(
+    agent: tuple[Agent, RpcClient],
+) -> None:
     there, client = agent
     change = NO_STATUS["a count of 2^63"]
     host = watched(there, client)
@@ -165,7 +167,7 @@ def test_why_a_status_is_refused_is_told_and_the_next_good_one_taken(agent: tupl
 @pytest.mark.parametrize(
     "page", [{"last": 2**63}, {"records": [{"time": 2**63, "level": "info", "text": ""}]}, {"records": 5}]
 )
-def test_a_page_of_a_log_that_none_can_mean_is_refused(agent: tuple[Agent, RpcClient], page: Any) -> None:
+def test_an_invalid_page_of_a_log_is_rejected(agent: tuple[Agent, RpcClient], page: Any) -> None:
     there, client = agent
     host = watched(there, client)
     there.say("get_log", {**PAGE, **page})
@@ -177,7 +179,7 @@ def test_a_page_of_a_log_that_none_can_mean_is_refused(agent: tuple[Agent, RpcCl
     believed_again(there, host)
 
 
-def test_workers_that_end_and_are_named_no_more_fill_no_memory(
+def test_ended_workers_that_are_no_longer_listed_use_bounded_memory(
     agent: tuple[Agent, RpcClient], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("followspot.operator.remote_host._POLL_PERIOD", 0.0)
@@ -192,7 +194,7 @@ def test_workers_that_end_and_are_named_no_more_fill_no_memory(
 
 @pytest.mark.parametrize("verb", ["captured", "steady"])
 @pytest.mark.parametrize("reads", [2**63, MAX_TIME, -1, 1e308, float("nan"), "5", None, True, 10**400])
-def test_a_clock_that_none_can_be_is_not_believed(
+def test_an_invalid_clock_reading_is_rejected(
     agent: tuple[Agent, RpcClient], verb: str, reads: object
 ) -> None:
     there, client = agent
@@ -206,7 +208,7 @@ def test_a_clock_that_none_can_be_is_not_believed(
 
 
 @pytest.mark.parametrize("runs", [5, [5], [{"run": 5}], [{}], {"run": "a"}])
-def test_runs_that_are_none_are_an_error_with_the_name_of_the_host(
+def test_an_invalid_listing_of_runs_is_an_error_that_names_the_host(
     agent: tuple[Agent, RpcClient], runs: object
 ) -> None:
     there, client = agent

@@ -38,7 +38,7 @@ def speaker() -> Iterator[Speaker]:
     made.socket.close()
 
 
-def test_what_a_worker_says_is_taken(speaker: Speaker) -> None:
+def test_valid_messages_of_a_worker_are_taken(speaker: Speaker) -> None:
     assert speaker.say({"verb": "ready", "expected": None}) == [Ready(expected=None)]
     assert speaker.say({"verb": "progress", "fired": 3, "time": -1}) == [Progress(fired=3, time=-1)]
     assert (speaker.worker.phase, speaker.worker.fired) == ("ready", 3)
@@ -77,7 +77,7 @@ def test_what_a_worker_says_is_taken(speaker: Speaker) -> None:
     ],
     ids=lambda message: json.dumps(message)[:60],
 )
-def test_a_worker_that_says_what_none_says_is_killed_and_the_reason_told(
+def test_a_worker_that_sends_an_invalid_message_is_killed_with_the_reason(
     speaker: Speaker, message: Any
 ) -> None:
     assert speaker.say(message) == []
@@ -86,14 +86,14 @@ def test_a_worker_that_says_what_none_says_is_killed_and_the_reason_told(
 
 
 @pytest.mark.parametrize("line", [b"\xff\n", b"[" * 200_000 + b"\n", b"{]\n", b"9" * 5000 + b"\n"])
-def test_lines_that_are_no_message_are_as_bad(speaker: Speaker, line: bytes) -> None:
+def test_lines_that_are_no_message_kill_the_worker(speaker: Speaker, line: bytes) -> None:
     for start in range(0, len(line), 1 << 15):
         speaker.socket.sendall(line[start : start + (1 << 15)])
         speaker.worker.receive()
     assert "it sent an invalid message" in speaker.worker.exit_reason()
 
 
-def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> None:
+def test_unexpected_descriptors_are_closed(speaker: Speaker) -> None:
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(100):
         socket.send_fds(speaker.socket, [b'{"verb": "built"}\n'], [speaker.socket.fileno()] * 8)
@@ -101,7 +101,7 @@ def test_descriptors_that_nobody_asked_for_are_not_kept(speaker: Speaker) -> Non
     assert len(list(Path("/proc/self/fd").iterdir())) == before
 
 
-def test_a_long_line_takes_time_in_proportion_and_has_an_end() -> None:
+def test_a_long_line_takes_linear_time_and_has_a_limit() -> None:
     """Each piece is looked at once: what was searched is not searched again."""
     ours, theirs = socket.socketpair()
     channel = Channel(ours, MESSAGES)

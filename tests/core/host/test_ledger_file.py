@@ -32,14 +32,14 @@ def counting(file: Path) -> subprocess.Popen[str]:
 
 
 @pytest.mark.parametrize("kept", [True, False], ids=["a file", "memory"])
-def test_all_of_it_is_there_from_the_beginning(tmp_path: Path, kept: bool) -> None:
+def test_the_memory_is_allocated_at_once(tmp_path: Path, kept: bool) -> None:
     fd = ledger_memory(tmp_path / ".ledger" if kept else None, 100_000)
     assert os.fstat(fd).st_size == 100_000
     assert os.fstat(fd).st_blocks * 512 >= 100_000, "a disk that is full later takes nothing away"
     os.close(fd)
 
 
-def test_a_file_keeps_what_was_counted(tmp_path: Path) -> None:
+def test_a_file_keeps_its_counts(tmp_path: Path) -> None:
     for expected in (0, 1):
         fd = ledger_memory(tmp_path / ".ledger", 8192)
         with mmap.mmap(fd, 8192) as words:
@@ -48,7 +48,7 @@ def test_a_file_keeps_what_was_counted(tmp_path: Path) -> None:
         os.close(fd)
 
 
-def test_who_hangs_and_counts_in_the_file_of_an_agent_that_was_killed_is_killed(tmp_path: Path) -> None:
+def test_a_hanging_worker_of_a_killed_agent_is_killed_before_its_file_is_used(tmp_path: Path) -> None:
     files = [tmp_path / "one", tmp_path / "another"]
     for file in files:
         file.write_bytes(bytes(8192))
@@ -64,6 +64,6 @@ def test_who_hangs_and_counts_in_the_file_of_an_agent_that_was_killed_is_killed(
             process.communicate()
 
 
-def test_a_disk_without_room_is_an_error_before_anybody_counts(tmp_path: Path) -> None:
+def test_a_full_disk_is_an_error_before_the_first_count(tmp_path: Path) -> None:
     with pytest.raises(OSError, match=r"No space|too large"):
         ledger_memory(tmp_path / ".ledger", 1 << 60)

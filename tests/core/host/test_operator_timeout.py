@@ -18,7 +18,7 @@ def checked(timeout: OperatorTimeout, begin: float, end: float, period: float = 
     return said
 
 
-def test_an_operator_that_asks_is_never_spoken_of() -> None:
+def test_an_active_operator_is_not_reported() -> None:
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     for now in range(0, 1000, 9):
         timeout.heard(now)
@@ -26,7 +26,7 @@ def test_an_operator_that_asks_is_never_spoken_of() -> None:
     assert not timeout.timed_out
 
 
-def test_a_silent_operator_is_spoken_of_once_and_again_when_it_is_back() -> None:
+def test_a_silent_operator_is_reported_once_and_when_it_is_back() -> None:
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     assert checked(timeout, 0, 50) == ["the operator is silent: what runs here goes on for 60 s"]
     assert timeout.silent
@@ -36,7 +36,7 @@ def test_a_silent_operator_is_spoken_of_once_and_again_when_it_is_back() -> None
     assert checked(timeout, 60, 65) == ["the operator is silent: what runs here goes on for 60 s"]
 
 
-def test_it_is_given_up_after_the_timeout_and_for_good() -> None:
+def test_it_times_out_once_and_for_all() -> None:
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     checked(timeout, 0, 60)
     assert not timeout.timed_out
@@ -47,13 +47,13 @@ def test_it_is_given_up_after_the_timeout_and_for_good() -> None:
     assert timeout.timed_out
 
 
-def test_a_run_that_goes_on_alone_waits_for_nobody() -> None:
+def test_a_detached_run_has_no_timeout() -> None:
     timeout = OperatorTimeout(None, 0.0)
     assert checked(timeout, 0, 100_000, period=1.5) == []
     assert not timeout.timed_out
 
 
-def test_who_slept_has_missed_nobody() -> None:
+def test_suspended_time_of_the_agent_does_not_count() -> None:
     """An agent that was stopped for two hours gives its operator the time that is left."""
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     checked(timeout, 0, 40)
@@ -62,7 +62,7 @@ def test_who_slept_has_missed_nobody() -> None:
     assert checked(timeout, 7220, 7240) == ["the operator was silent for 60 s: what runs here is ended"]
 
 
-def test_a_request_that_was_heard_after_a_pause_counts_from_then() -> None:
+def test_a_request_after_a_pause_restarts_the_timeout() -> None:
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     checked(timeout, 0, 5)
     timeout.heard(7200.0)

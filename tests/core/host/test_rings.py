@@ -73,7 +73,7 @@ class Host:
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_workers_die_and_come_back_in_any_order(tmp_path: Path, seed: int) -> None:
+def test_every_edge_gets_two_ends_whatever_the_order_of_restarts(tmp_path: Path, seed: int) -> None:
     order = random.Random(seed)
     host = Host(tmp_path)
     assert host.connected()
@@ -92,7 +92,7 @@ def test_workers_die_and_come_back_in_any_order(tmp_path: Path, seed: int) -> No
     host.close()
 
 
-def test_who_reads_from_a_worker_that_will_not_start_finds_the_end_of_its_stream(tmp_path: Path) -> None:
+def test_a_reader_of_a_worker_that_will_not_start_sees_the_end_of_stream(tmp_path: Path) -> None:
     (tmp_path / "g.yaml").write_text(CHAIN)
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
     rings = Rings(plan, {"a", "b", "c"})

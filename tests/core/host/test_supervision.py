@@ -17,14 +17,14 @@ stages:
 """
 
 
-def test_a_worker_that_dies_again_and_again_is_started_less_and_less_often() -> None:
+def test_the_wait_before_a_restart_grows_with_each_death() -> None:
     back_off = BackOff()
     waits = [back_off.wait("main", 7.0 * number) for number in range(9)]
     assert waits[:3] == [0.1, 0.2, 0.4]
     assert waits[-1] == 5.0
 
 
-def test_a_worker_that_lived_for_a_while_is_started_at_once_again_and_others_are_not_its_fault() -> None:
+def test_the_wait_is_short_again_after_a_long_life_and_separate_for_each_worker() -> None:
     back_off = BackOff()
     for number in range(5):
         back_off.wait("main", number)
@@ -32,7 +32,7 @@ def test_a_worker_that_lived_for_a_while_is_started_at_once_again_and_others_are
     assert back_off.wait("main", 60.0) == 0.1
 
 
-def test_a_worker_is_started_again_as_long_as_something_can_come_to_it(tmp_path: Path) -> None:
+def test_a_worker_is_restarted_as_long_as_messages_can_reach_it(tmp_path: Path) -> None:
     (tmp_path / "g.yaml").write_text(CHAIN)
     plan = compile_graph(tmp_path / "g.yaml", placement="stage", plugin_files=[TICKS])
     assert fed(plan, "a", over={"b", "c"}), "it has a source"

@@ -52,7 +52,7 @@ def look(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("host", "joined", "posts"), [("", True, False), ("left", False, False), ("left", True, True)]
 )
-def test_only_a_worker_of_another_host_posts_over_zenoh(
+def test_a_tap_uses_zenoh_only_from_a_worker_on_another_host(
     tmp_path: Path, look: Path, host: str, joined: bool, posts: bool
 ) -> None:
     (tmp_path / "g.yaml").write_text(GRAPH)

@@ -22,7 +22,7 @@ def worker(seconds: float) -> WorkerProcess:
     return WorkerProcess("left", 0, start)
 
 
-def test_nothing_is_counted_before_a_worker_has_spoken() -> None:
+def test_a_new_worker_has_no_counts() -> None:
     left = worker(600.0)
     try:
         assert (left.phase, left.fired, left.time, left.expected) == ("starting", 0, -1, None)

@@ -42,7 +42,7 @@ def swapped(plan: Plan) -> tuple[PlannedStage, ...]:
     return tuple(replace(s, params={**s.params, "step": 7}) for s in plan.stages if s.name != "a")
 
 
-def test_a_worker_that_dies_while_others_take_over_comes_back_with_its_successors(tmp_path: Path) -> None:
+def test_a_worker_that_dies_during_take_over_restarts_with_its_replacements(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
     change = HostChange(ChangeOrder(id="1", step="take_over", stages=swapped(plan)), plan)
     assert change.heard("left", ChangeStatus("1", "done"))
@@ -53,7 +53,7 @@ def test_a_worker_that_dies_while_others_take_over_comes_back_with_its_successor
     assert not change.died("left"), "it had answered"
 
 
-def test_a_worker_that_dies_before_anybody_takes_over_ends_the_change(tmp_path: Path) -> None:
+def test_a_worker_that_dies_before_the_take_over_fails_the_change(tmp_path: Path) -> None:
     plan = planned(tmp_path, "", "")
     change = HostChange(ChangeOrder(id="1", step="build", stages=swapped(plan)), plan)
     change.heard("left", ChangeStatus("1", "built"))
@@ -90,7 +90,7 @@ def changed(plan: Plan, places: Sequence[Place]) -> None:
 @pytest.mark.parametrize(
     ("refused", "left", "right"), [("", [1, 7], [1, 7]), ("build", [1], [1]), ("take_over", [1, 7, 1], [1])]
 )
-def test_where_one_host_cannot_the_others_are_as_before(
+def test_if_one_host_fails_all_keep_their_old_stages(
     tmp_path: Path, refused: str, left: list[int], right: list[int]
 ) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
@@ -142,7 +142,7 @@ class WorkerPool:
         return HostStatus(tuple(self.workers.values()), ())
 
 
-def test_a_host_that_cannot_take_a_stage_says_so_before_anybody_leaves(tmp_path: Path) -> None:
+def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
     crews = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, refuses=True)]
     with pytest.raises(FollowspotError, match="pc-right has no such file"):

@@ -54,7 +54,7 @@ def this() -> list[str]:
     return [run.run for run in runs_here() if run.run == RUN]
 
 
-def test_a_run_is_found_answers_and_is_gone_without_a_trace() -> None:
+def test_a_run_is_found_answers_and_leaves_no_socket() -> None:
     with reachable(RUN, "graph", DOUBLING):
         (run,) = [run for run in runs_here() if run.run == RUN]
         assert run.graph == "graph"
@@ -71,7 +71,7 @@ def test_a_run_is_found_answers_and_is_gone_without_a_trace() -> None:
         run.ask(Double(number=1), 10.0)
 
 
-def test_what_was_asked_is_answered_before_the_end_and_who_has_not_asked_is_refused() -> None:
+def test_pending_requests_are_answered_at_the_end_and_later_ones_are_not() -> None:
     asked, returned, answers = threading.Event(), threading.Event(), []
 
     def slow(_: Wait) -> str:
@@ -107,7 +107,7 @@ def test_what_was_asked_is_answered_before_the_end_and_who_has_not_asked_is_refu
         b"[" * 100_000 + b"\n",
     ],
 )
-def test_what_is_no_request_is_refused_and_others_are_still_answered(line: bytes) -> None:
+def test_invalid_requests_are_refused_and_valid_ones_still_answered(line: bytes) -> None:
     with reachable(RUN, "graph", DOUBLING):
         (run,) = [run for run in runs_here() if run.run == RUN]
         with socket.socket(socket.AF_UNIX) as client:
@@ -118,7 +118,7 @@ def test_what_is_no_request_is_refused_and_others_are_still_answered(line: bytes
         assert run.ask(Double(number=2), 10.0) == 4
 
 
-def test_a_request_without_end_is_cut_off() -> None:
+def test_a_request_above_the_limit_is_refused() -> None:
     with reachable(RUN, "graph", Dispatcher("operator", {})):
         with socket.socket(socket.AF_UNIX) as client:
             client.connect(f"\0{socket_name()}")

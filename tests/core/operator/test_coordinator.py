@@ -60,7 +60,7 @@ class Ready:
         return HostStatus(self.workers, ())
 
 
-def test_who_looks_before_there_is_anything_to_see_sees_it_as_soon_as_it_is_there(plan: Plan) -> None:
+def test_taps_placed_before_the_start_reach_the_host_once_it_is_prepared(plan: Plan) -> None:
     host, taps = Ready(), [Tapping(f"a.{name}", "dashboard.tap", {}) for name in ("first", "second")]
     run = Coordinator(plan, [host], order(plan))  # type: ignore[list-item]
     run.relay(PlaceTaps(taps=tuple(taps[:1])))
@@ -71,7 +71,7 @@ def test_who_looks_before_there_is_anything_to_see_sees_it_as_soon_as_it_is_ther
     assert host.taps == taps
 
 
-def test_a_run_that_has_not_begun_is_not_changed(plan: Plan) -> None:
+def test_a_run_that_has_not_begun_refuses_changes(plan: Plan) -> None:
     run = Coordinator(plan, [LocalHost("")], order(plan))
     for ask in (lambda: run.change(["a.count=7"], Path()), lambda: run.move(["a"], "b")):
         with pytest.raises(FollowspotError, match="has not begun yet"):
@@ -79,7 +79,7 @@ def test_a_run_that_has_not_begun_is_not_changed(plan: Plan) -> None:
     assert [(w.name, w.phase) for w in run.status().workers] == [("a", "starting"), ("b", "starting")]
 
 
-def test_a_host_tells_its_status_while_workers_are_started() -> None:
+def test_a_status_is_available_while_workers_start() -> None:
     """Who asks does so from another thread: here another worker comes while the first one is looked at."""
     host, workers = LocalHost(""), {}
 

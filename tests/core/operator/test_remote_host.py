@@ -63,7 +63,7 @@ class Closed:
         raise HostRefused("there is no run here")
 
 
-def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_observer_does_not_resume_an_ended_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(remote_host, "_RESUME_TIMEOUT", 0.3)
     agent = Closed()
     host = RemoteHost(agent, "pc-left", order=RunOrder("feedc0de", {}))  # type: ignore[arg-type]
@@ -76,7 +76,7 @@ def test_who_only_looks_on_does_not_begin_a_run_again_that_was_ended(monkeypatch
     assert set(agent.asked) == {"get_host_status", "find_run"}
 
 
-def test_a_status_is_as_old_as_the_answer_that_it_came_with(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_age_of_a_status_counts_from_its_answer(monkeypatch: pytest.MonkeyPatch) -> None:
     now = [100.0]
     monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
     host = Agent().operated()
@@ -86,7 +86,7 @@ def test_a_status_is_as_old_as_the_answer_that_it_came_with(monkeypatch: pytest.
     assert host.status().age_s == 7.5
 
 
-def test_a_host_is_lost_when_it_is_silent_and_not_when_nobody_listened(
+def test_a_silent_host_is_lost_unless_the_operator_was_suspended(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = [0.0]
@@ -155,7 +155,7 @@ def operated(agent: Forgetful, *, restart: bool = True) -> RemoteHost:
     ("known", "said"),
     [("unknown", "the agent was restarted"), ("timed out", "the agent had ended the run")],
 )
-def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str, said: str) -> None:
+def test_an_agent_that_lost_a_run_resumes_it_and_the_news_say_why(known: str, said: str) -> None:
     agent = Forgetful(known)
     host = operated(agent)
     for _ in range(2):
@@ -170,7 +170,7 @@ def test_an_agent_without_its_part_does_it_again_and_the_news_say_why(known: str
 
 
 @pytest.mark.parametrize("name", ["prepare_run", "start_run"])
-def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(name: str) -> None:
+def test_a_resumed_run_starts_though_the_link_was_cut_meanwhile(name: str) -> None:
     agent = Forgetful("unknown", cut=[name])
     host = operated(agent)
     for _ in range(3):
@@ -179,7 +179,7 @@ def test_a_part_is_started_though_the_link_was_cut_while_it_was_taken_up_again(n
     assert agent.started
 
 
-def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
+def test_a_host_that_cannot_resume_is_lost_with_the_reason(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = [0.0]
@@ -202,7 +202,7 @@ def test_a_host_that_cannot_take_its_part_up_again_is_not_back_and_says_why(
 
 
 @pytest.mark.parametrize("ending", ["replay", "stopped"])
-def test_what_is_to_end_or_cannot_be_repeated_is_not_taken_up_again(ending: str) -> None:
+def test_a_run_that_ends_or_has_no_restarts_is_not_resumed(ending: str) -> None:
     agent = Forgetful("unknown")
     host = operated(agent, restart=ending != "replay")
     if ending == "stopped":
@@ -211,7 +211,7 @@ def test_what_is_to_end_or_cannot_be_repeated_is_not_taken_up_again(ending: str)
     assert agent.prepared is None
 
 
-def test_an_order_that_an_agent_refuses_does_not_hold_up_those_after_it() -> None:
+def test_a_refused_order_does_not_block_later_ones() -> None:
     agent = Forgetful("here", cut=["end_workers", "stop_run"])
     host = operated(agent)
     host.ended(["right"])

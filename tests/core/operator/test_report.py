@@ -39,7 +39,7 @@ def errors(plan: Plan, away: int, restarts: dict[str, int] | None = None, error:
     return report.errors
 
 
-def test_a_replay_whose_reader_was_away_has_failed_and_says_what_is_missing(
+def test_a_replay_with_unread_messages_fails_and_names_the_edge(
     tmp_path: Path,
 ) -> None:
     plan = planned(tmp_path, "count")
@@ -48,16 +48,16 @@ def test_a_replay_whose_reader_was_away_has_failed_and_says_what_is_missing(
     assert errors(plan, 0) == ()
 
 
-def test_a_live_run_and_one_whose_workers_are_started_again_count_them_only(tmp_path: Path) -> None:
+def test_live_runs_and_runs_with_restarts_only_count_unread_messages(tmp_path: Path) -> None:
     assert errors(planned(tmp_path, "live"), 3) == ()
     assert errors(planned(tmp_path, "count"), 3, {"a": 0, "b": 1}) == ()
 
 
-def test_what_a_worker_says_goes_first(tmp_path: Path) -> None:
+def test_the_error_of_a_worker_has_precedence(tmp_path: Path) -> None:
     assert errors(planned(tmp_path, "count"), 3, error="worker b died") == ("worker b died",)
 
 
-def test_messages_that_were_lost_on_their_way_are_told_from_those_that_are_broken() -> None:
+def test_lost_and_damaged_messages_are_distinguished() -> None:
     ledger = Ledger(2)
     queues = [
         InputQueue(name, ledger.words, ledger.row(n), depth=4, lateness=0)

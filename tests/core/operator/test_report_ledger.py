@@ -31,20 +31,20 @@ def report(plan: Plan, produced: int, delivered: int, deaths: int = 0) -> RunRep
     return merge(plan, summed(rows, 1), ended, 1.0, stopped=False, restarts={"main": deaths})
 
 
-def test_as_much_as_can_be_under_way_is_lost_with_each_death(plan: Plan) -> None:
+def test_each_death_may_lose_the_messages_in_flight(plan: Plan) -> None:
     found = report(plan, 138, 100, deaths=2)
     assert found.ok
     assert found.edges[0][1].lost == 38
 
 
-def test_what_is_missing_beyond_that_is_an_error(plan: Plan) -> None:
+def test_further_missing_messages_are_an_error(plan: Plan) -> None:
     found = report(plan, 139, 100, deaths=2)
     assert found.unbalanced == ("a.out -> save.number: 1 messages are unaccounted for",)
     assert not found.ok
     assert report(plan, 101, 100).unbalanced
 
 
-def test_what_was_accounted_for_and_never_sent_is_an_error(plan: Plan) -> None:
+def test_surplus_messages_are_an_error(plan: Plan) -> None:
     found = report(plan, 100, 103, deaths=2)
     assert found.unbalanced == (
         "a.out -> save.number: 3 messages were accounted for beyond those that were sent",

@@ -37,14 +37,14 @@ def worker(status: RunStatus, name: str = "left") -> WorkerStatus:
     return next(worker for worker in status.workers if worker.name == name)
 
 
-def test_a_worker_is_as_old_as_what_its_host_knows_and_what_is_known_of_its_host(plan: Plan) -> None:
+def test_the_age_of_a_worker_includes_the_age_of_its_hosts_status(plan: Plan) -> None:
     status = seen(plan, 0.5, LEFT)
     assert worker(status) == replace(LEFT, age_s=0.75, host="pc-left")
     assert status.hosts == (SeenHost("pc-left", 0.5, absent=False),)
     assert status.faults() == ()
 
 
-def test_of_a_host_that_does_not_answer_the_workers_are_absent_and_keep_their_figures(plan: Plan) -> None:
+def test_workers_of_a_silent_host_are_absent_and_keep_their_figures(plan: Plan) -> None:
     status = seen(plan, 12.0, LEFT)
     assert worker(status) == replace(LEFT, phase="absent", age_s=12.25, host="pc-left")
     assert status.hosts == (SeenHost("pc-left", 12.0, absent=True),)
@@ -57,14 +57,14 @@ def test_a_host_is_old_before_it_is_absent(plan: Plan) -> None:
     assert status.faults() == ("host pc-left was last heard 1.2 s ago",)
 
 
-def test_who_has_come_to_the_end_is_not_missed(plan: Plan) -> None:
+def test_ended_workers_are_no_fault(plan: Plan) -> None:
     over = replace(LEFT, phase="over")
     status = seen(plan, 60.0, over)
     assert worker(status).phase == "over"
     assert status.hosts == status.faults() == ()
 
 
-def test_a_worker_that_nobody_lists_is_starting_or_its_host_is_not_in_reach(plan: Plan) -> None:
+def test_an_unlisted_worker_is_starting_or_its_host_is_out_of_reach(plan: Plan) -> None:
     assert worker(seen(plan, None)).phase == "starting"
     assert seen(plan, None).faults() == ()
     away = RunView(plan, {"pc-left": HostStatus((), ())}, begun=True).status()
@@ -84,14 +84,14 @@ def test_a_worker_that_nobody_lists_is_starting_or_its_host_is_not_in_reach(plan
         ("over", 2, 60.0, ""),
     ],
 )
-def test_a_worker_that_hangs_or_is_away_is_a_fault(
+def test_an_old_or_absent_worker_is_a_fault(
     plan: Plan, phase: WorkerPhase, restarts: int, age_s: float, fault: str
 ) -> None:
     status = seen(plan, 0.0, replace(LEFT, phase=phase, restarts=restarts, age_s=age_s))
     assert status.faults() == ((fault,) if fault else ())
 
 
-def test_a_status_grows_older_and_nothing_else_of_it_changes(plan: Plan) -> None:
+def test_later_changes_only_the_ages_of_a_status(plan: Plan) -> None:
     now = seen(plan, 0.5, LEFT)
     later = now.later(1.5)
     assert worker(later) == replace(worker(now), age_s=2.25)
@@ -100,7 +100,7 @@ def test_a_status_grows_older_and_nothing_else_of_it_changes(plan: Plan) -> None
 
 
 @pytest.mark.parametrize("age", [-1.0, float("nan"), float("inf")])
-def test_an_age_that_can_be_none_is_refused(age: float) -> None:
+def test_an_invalid_age_is_rejected(age: float) -> None:
     data = answer_to_wire(GetHostStatus, HostStatus((LEFT,), (), age_s=0.0))
     data["workers"][0]["age_s"] = age
     with pytest.raises(ValueError, match="age_s"):

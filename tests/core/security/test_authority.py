@@ -64,7 +64,7 @@ def test_the_authoritys_key_is_in_no_hosts_folder(authority: Authority) -> None:
     assert all(path.read_bytes() != secret for path in folder.iterdir())
 
 
-def test_every_host_learns_of_every_other(authority: Authority) -> None:
+def test_every_registry_lists_every_host(authority: Authority) -> None:
     folders = [authority.add("desk", "operator"), authority.add("pc-left", "camera")]
     for folder in folders:
         own, members = read_host_registry(folder / "hosts.json")
@@ -75,7 +75,7 @@ def test_every_host_learns_of_every_other(authority: Authority) -> None:
         }
 
 
-def test_a_host_that_is_removed_is_on_nobodys_list(authority: Authority) -> None:
+def test_a_removed_host_is_in_no_registry(authority: Authority) -> None:
     desk = authority.add("desk", "operator")
     lost = authority.add("pc-left", "camera")
     authority.remove("pc-left")
@@ -97,7 +97,7 @@ def test_a_taken_name_is_refused_and_renewed_on_request(authority: Authority) ->
 @pytest.mark.parametrize(
     "name", ["", "a/b", "../x", ".", "a b", "*", "**", "a$b", "x" * 65, "authority", "-a"]
 )
-def test_a_name_that_is_no_chunk_of_a_key_is_refused(authority: Authority, name: str) -> None:
+def test_an_invalid_name_is_refused(authority: Authority, name: str) -> None:
     before = sorted(authority.folder.iterdir())
     with pytest.raises(FollowspotError, match="cannot be the name"):
         authority.add(name, "camera")
@@ -110,7 +110,7 @@ def test_only_operators_have_the_key_of_the_operators_own_ports(authority: Autho
     authority.add("operator", "operator")
 
 
-def test_an_address_that_is_none_is_refused(authority: Authority) -> None:
+def test_an_invalid_address_is_refused(authority: Authority) -> None:
     with pytest.raises(FollowspotError, match="neither an IP address nor a host name"):
         authority.add("pc-left", "camera", ["tls/192.168.0.7:7450"])
 
@@ -176,7 +176,7 @@ def test_a_folder_without_one_of_its_files_is_refused(authority: Authority, name
         " " * (DOCUMENT + 1),
     ],
 )
-def test_a_list_of_hosts_that_is_none_is_refused(tmp_path: Path, text: str) -> None:
+def test_an_invalid_host_registry_is_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "hosts.json"
     path.write_text(text)
     with pytest.raises(FollowspotError, match="no list of hosts"):

@@ -28,7 +28,7 @@ def granted(asked: PlannedStage, **grants: tuple[str, ...]) -> bool:
 
 @pytest.mark.parametrize("host", ["127.0.0.1", "127.9.9.9", "localhost", "LocalHost", "::1"])
 @pytest.mark.parametrize("uses", ["sinks.udp_json", "sinks.osc", "sinks.osc_poses"])
-def test_what_is_sent_to_this_host_is_granted(uses: str, host: str) -> None:
+def test_sending_to_this_host_is_granted(uses: str, host: str) -> None:
     assert granted(stage(uses, host=host))
 
 
@@ -37,7 +37,7 @@ def test_what_is_sent_to_this_host_is_granted(uses: str, host: str) -> None:
     ["203.0.113.9", "0.0.0.0", "255.255.255.255", "evil.example", "127.1", "2130706433", "236.10.10.10"],
 )
 @pytest.mark.parametrize("uses", ["sinks.udp_json", "sinks.osc", "sinks.psn", "sinks.psn_poses"])
-def test_what_is_sent_elsewhere_needs_its_owner(uses: str, host: str) -> None:
+def test_sending_elsewhere_needs_a_grant(uses: str, host: str) -> None:
     assert not granted(stage(uses, host=host))
     assert not granted(stage(uses, host=host), send_to=("10.0.0.7",), opens=("any",))
     assert granted(stage(uses, host=host), send_to=("10.0.0.7", host))
@@ -67,7 +67,7 @@ def test_cameras_by_number_are_granted(device: int) -> None:
 @pytest.mark.parametrize(
     "device", [100, 1900, -1, True, "0", "/dev/video0", "/etc/shadow", "http://evil.example/", "", [0]]
 )
-def test_other_devices_need_their_owner(device: Any) -> None:
+def test_other_devices_need_a_grant(device: Any) -> None:
     assert not granted(stage("cameras.device", device=device))
     assert not granted(stage("cameras.device", device=device), opens=("/dev/snd", "rtsp://10.0.0.9"))
     assert granted(stage("cameras.device", device=device), opens=("any",))
@@ -85,7 +85,7 @@ def test_other_devices_need_their_owner(device: Any) -> None:
         ("/dev/v4l/a\0b", False),
     ],
 )
-def test_a_device_below_what_the_owner_names_is_granted(device: str, fits: bool) -> None:
+def test_a_device_below_a_granted_path_is_granted(device: str, fits: bool) -> None:
     assert granted(stage("cameras.device", device=device), opens=("/dev/v4l/",)) == fits
 
 
@@ -107,6 +107,6 @@ def test_a_device_below_what_the_owner_names_is_granted(device: str, fits: bool)
         ("/left", False),
     ],
 )
-def test_a_stream_below_what_the_owner_names_is_granted(url: str, fits: bool) -> None:
+def test_a_stream_below_a_granted_address_is_granted(url: str, fits: bool) -> None:
     opens = ("rtsp://10.0.0.9/left", "http://10.0.0.8:8080")
     assert granted(stage("cameras.stream", url=url), opens=opens) == fits

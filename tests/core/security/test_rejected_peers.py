@@ -18,7 +18,7 @@ print(os.path.samestat(before, os.fstat(1)), flush=True)
 """
 
 
-def test_refusals_are_counted_and_standard_output_is_afterwards_as_it_was() -> None:
+def test_rejections_are_counted_and_standard_output_is_restored() -> None:
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=60, check=True
     )

@@ -39,11 +39,11 @@ def guard(now: float = 1000.0) -> RequestGuard:
     return RequestGuard(HERE, {"stop", "status"}, clock=lambda: now)
 
 
-def test_a_fresh_request_of_an_operator_is_taken() -> None:
+def test_a_fresh_request_of_an_operator_is_admitted() -> None:
     assert RequestGuard(HERE, {"stop"}).admit(DESK, seal(DESK, {"run": "a"})) == {"run": "a"}
 
 
-def test_a_replayed_request_is_refused_and_another_one_taken() -> None:
+def test_a_replayed_request_is_rejected_and_another_one_admitted() -> None:
     gate = guard()
     gate.admit(DESK, request())
     with pytest.raises(Rejected) as refused:
@@ -75,13 +75,13 @@ def test_an_old_request_and_one_from_the_future_are_refused_with_the_remedy(sent
 
 
 @pytest.mark.parametrize("role", ["camera", "worker", "router", "", "Operator"])
-def test_who_is_no_operator_may_ask_nothing(role: str) -> None:
+def test_other_roles_may_ask_nothing(role: str) -> None:
     with pytest.raises(Rejected, match="may not stop") as refused:
         guard().admit(Asked(HERE, "stop", role, "pc-right"), request())
     assert refused.value.reason == "role"
 
 
-def test_a_refused_request_does_not_use_up_its_id() -> None:
+def test_a_rejected_request_does_not_use_up_its_id() -> None:
     gate = guard()
     with pytest.raises(Rejected):
         gate.admit(Asked(HERE, "stop", "camera", "pc-right"), request())
@@ -113,7 +113,7 @@ def test_a_refused_request_does_not_use_up_its_id() -> None:
         ("form", request(asked=[["pc-left"], "stop", "operator", "desk"])),
     ],
 )
-def test_what_is_no_request_is_refused_for_its_reason(reason: str, payload: bytes) -> None:
+def test_an_invalid_request_is_rejected_with_its_reason(reason: str, payload: bytes) -> None:
     with pytest.raises(Rejected) as refused:
         guard().admit(DESK, payload)
     assert refused.value.reason == reason
@@ -124,7 +124,7 @@ def test_what_is_no_request_is_refused_for_its_reason(reason: str, payload: byte
         st.sampled_from(["format", "id", "time", "asked", "data"]), st.none() | st.integers() | st.text()
     )
 )
-def test_whatever_comes_is_taken_or_refused(changes: dict[str, Any]) -> None:
+def test_any_bytes_are_admitted_or_rejected(changes: dict[str, Any]) -> None:
     gate = guard()
     try:
         assert isinstance(gate.admit(DESK, request(**changes)), dict)
@@ -145,7 +145,7 @@ def test_whatever_comes_is_taken_or_refused(changes: dict[str, Any]) -> None:
         (),
     ],
 )
-def test_what_was_meant_for_another_agent_or_verb_or_came_from_another_name_is_refused(
+def test_a_request_with_another_agent_verb_or_sender_is_rejected(
     written: tuple[str, ...],
 ) -> None:
     gate = guard()
@@ -155,7 +155,7 @@ def test_what_was_meant_for_another_agent_or_verb_or_came_from_another_name_is_r
     gate.admit(DESK, request())
 
 
-def test_a_key_for_all_agents_at_once_is_refused_whatever_the_request_says() -> None:
+def test_a_wildcard_key_is_rejected() -> None:
     everybody = DESK._replace(agent="*")
     with pytest.raises(Rejected) as refused:
         guard().admit(everybody, seal(everybody, {"run": "a"}))
@@ -179,7 +179,7 @@ def test_a_flood_of_requests_takes_bounded_memory_and_ends_with_the_window() -> 
     gate.admit(DESK, request(id="f" * 16, time=now))
 
 
-def test_refusals_are_counted_by_reason_and_logged_with_who_but_never_flood_the_log() -> None:
+def test_rejections_are_counted_by_reason_and_their_log_is_limited() -> None:
     lines: list[str] = []
     gate = RequestGuard(HERE, {"stop"}, lines.append)
     for _ in range(1000):
@@ -189,7 +189,7 @@ def test_refusals_are_counted_by_reason_and_logged_with_who_but_never_flood_the_
     assert len(lines) == 30
 
 
-def test_a_key_tells_who_asks_for_what() -> None:
+def test_a_key_has_agent_verb_role_and_name() -> None:
     assert Asked.of("followspot/agent/pc-left/stop/operator/desk") == DESK
     with pytest.raises(Rejected):
         Asked.of("stop")
