@@ -1,4 +1,4 @@
-"""Control messages: each says which role handles it, and arrives as it was sent, whatever carries it."""
+"""Control messages: each names its roles, and round-trips exactly over every carrier."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import followspot.control
-import followspot.operator.run_requests  # whose requests the operator handles
+import followspot.operator.run_requests  # defines the operator's requests
 from followspot.control.dispatch import (
     Dispatcher,
     Request,
@@ -52,7 +52,7 @@ def test_every_request_has_roles_and_a_unique_verb() -> None:
     for kind in found:
         assert kind.roles, kind
         assert set(kind.roles) <= {"operator", "host", "worker"}
-        kind.model_rebuild()  # its types can be resolved
+        kind.model_rebuild()  # resolves its types
 
 
 @pytest.mark.parametrize(

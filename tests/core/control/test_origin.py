@@ -1,4 +1,4 @@
-"""Whether it is certain that the process has died that operated a run."""
+"""Whether the process that operates a run has certainly died."""
 
 from __future__ import annotations
 

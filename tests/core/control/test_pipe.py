@@ -1,4 +1,4 @@
-"""The control channel between a host and its workers: whole messages, in order, with what came along."""
+"""The control channel between a host and a worker: complete messages, in order, with their descriptors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a plan travels: no code, no path; and what an agent refuses of what came."""
+"""Transfer of a plan: without code and absolute paths; an agent refuses plans that ask for more."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def media(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def plan(tmp_path: Path, media: Path) -> Plan:
-    """A source that reads a file and a sink that writes one, on the host pc-left."""
+    """A plan with a source that reads a file and a sink that writes one, on the host pc-left."""
     source = f"{{uses: cameras.truth_csv, with: {{path: {media / 'clip.csv'}}}}}"
     (tmp_path / "g.yaml").write_text(
         f"graph: g\nstages:\n  read: {source}\n  save: {{uses: sinks.jsonl, in: {{message: read}}}}\n"

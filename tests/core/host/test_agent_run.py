@@ -1,4 +1,4 @@
-"""Parts of runs that an agent left behind when it died: which of them are taken up again."""
+"""Saved orders of detached runs: which of them a restarted agent resumes."""
 
 from __future__ import annotations
 

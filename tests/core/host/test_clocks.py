@@ -1,4 +1,4 @@
-"""Clocks of several hosts: how far they are apart, and what that does to messages."""
+"""Offsets between the clocks of hosts, and the correction of messages."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MS = 1_000_000
 
 
 def exchange(offset: int, there: int, back: int) -> Exchange:
-    """A question that took `there` and whose answer took `back`, ns, to a clock that is `offset` ahead."""
+    """An exchange with a clock that is `offset` ahead; the ways there and back take so many ns."""
     seen = offset + (there - back) // 2
     return Exchange(seen, seen, there + back)
 
@@ -68,7 +68,7 @@ def test_a_clock_that_was_set_gives_the_new_offset_at_once() -> None:
         (0.9, 0.9, 2),  # drift, or a thread that woke late
         (-0.9, -0.9, 2),
         (1.7, 0.0, 1),  # the clock was set
-        (0.0, 1.7, 1),  # the host began anew
+        (0.0, 1.7, 1),  # the host was rebooted
         (0.0, -1.7, 1),
     ],
 )

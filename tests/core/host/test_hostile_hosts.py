@@ -1,6 +1,6 @@
-"""An agent, over a real session, whose answers are none, or hold what no host can mean.
+"""Invalid answers of an agent, over a real session.
 
-The operator's side goes on asking, says why it believes nothing, and takes the next good answer.
+The operator keeps polling, says why an answer is invalid, and takes the next valid one.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ PAGE = answer_to_wire(GetLog, LogPage((LogRecord(1, "info", "well"),), 0))
 
 
 class Agent:
-    """Answers each verb with the bytes that stand in `says`."""
+    """Answers each verb with the bytes in `says`."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self.says: dict[str, bytes] = {}
         self.asked: dict[str, int] = {}
         self.workers = self.named = 0
-        """How many workers with new names are over in each status, and how many there were."""
+        """Number of ended workers with new names in each status, and number of names so far."""
         key = request_key(HOST, "*", "*", "*")
         self._declared = [
             session.declare_queryable(key, Callback(self._answer, indirect=False)),
@@ -115,7 +115,7 @@ def watched(agent: Agent, client: RpcClient) -> RemoteHost:
 
 
 def believed_again(agent: Agent, host: RemoteHost) -> None:
-    """The next good answer is taken, by the thread that asked all the time."""
+    """Wait until the polling thread takes the next valid answer."""
     agent.say("get_host_status", {**GOOD, "out": "again"})
     until(lambda: host.status().out == "again")
     until(lambda: (host.attend(0.0), True)[1])

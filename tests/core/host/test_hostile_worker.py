@@ -1,4 +1,4 @@
-"""A worker's end of the control channel, on which anything may come: the host kills it, says why, goes on."""
+"""Invalid messages on a worker's control channel: the host kills the worker, says why, and goes on."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from followspot.host.worker_process import WorkerProcess
 
 
 class Speaker:
-    """A real worker process, and a socket that speaks in its place."""
+    """A real worker process, and a socket that sends messages in its name."""
 
     def __init__(self) -> None:
         self.worker = WorkerProcess("left", 0)
@@ -25,7 +25,7 @@ class Speaker:
         self.worker.channel = Channel(ours, MESSAGES, takes_descriptors=False)
 
     def say(self, data: Any) -> list[Any]:
-        """Send one message; what the host takes from it."""
+        """Send one message; return what the host receives."""
         self.socket.sendall(json.dumps(data).encode() + b"\n")
         return list(self.worker.receive())
 
@@ -102,7 +102,7 @@ def test_unexpected_descriptors_are_closed(speaker: Speaker) -> None:
 
 
 def test_a_long_line_takes_linear_time_and_has_a_limit() -> None:
-    """Each piece is looked at once: what was searched is not searched again."""
+    """Each byte is searched for a newline only once."""
     ours, theirs = socket.socketpair()
     channel = Channel(ours, MESSAGES)
     piece = b"a" * (1 << 15)

@@ -1,4 +1,4 @@
-"""What a host has counted outlives its agent, and only the workers of the next one go on counting."""
+"""The ledger's file outlives the agent; then only workers of the next agent write to it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An operator that falls silent: what is said of it, when it is given up, and pauses of the listener."""
+"""A silent operator: its log lines, its timeout, and suspensions of the agent."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ TIMEOUT = 60.0
 
 
 def checked(timeout: OperatorTimeout, begin: float, end: float, period: float = 1.0) -> list[str]:
-    """What is said from one look a period."""
+    """The lines from one check per period, s."""
     said = []
     now = begin
     while now < end:
@@ -54,7 +54,7 @@ def test_a_detached_run_has_no_timeout() -> None:
 
 
 def test_suspended_time_of_the_agent_does_not_count() -> None:
-    """An agent that was stopped for two hours gives its operator the time that is left."""
+    """After two hours of suspension the operator still has the rest of its timeout."""
     timeout = OperatorTimeout(TIMEOUT, 0.0)
     checked(timeout, 0, 40)
     assert checked(timeout, 7200, 7220) == []

@@ -1,4 +1,4 @@
-"""Ends of rings: whoever starts again, and however many do at once, every edge has two ends in the end."""
+"""Ends of rings: whichever workers restart, in whichever order, every edge gets two matching ends."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ stages:
 
 
 class Host:
-    """Workers that hold the newest end that they were given of each edge."""
+    """Workers that hold the newest end of each edge that they have got."""
 
     def __init__(self, folder: Path) -> None:
         (folder / "g.yaml").write_text(CHAIN)
@@ -83,7 +83,7 @@ def test_every_edge_gets_two_ends_whatever_the_order_of_restarts(tmp_path: Path,
             host.die(worker)
         for worker in order.sample(dying, len(dying)):
             host.begin(worker)
-        if order.random() < 0.5:  # one dies again before it is ready
+        if order.random() < 0.5:  # it dies again before it is ready
             host.die(dying[0])
             host.begin(dying[0])
         for worker in order.sample(dying, len(dying)):

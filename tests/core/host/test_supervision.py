@@ -1,4 +1,4 @@
-"""When workers are started again."""
+"""When dead workers are restarted."""
 
 from __future__ import annotations
 

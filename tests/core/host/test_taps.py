@@ -1,4 +1,4 @@
-"""What a tap sees goes to other hosts only from a worker that is on one of them."""
+"""A tap sends messages over Zenoh only if its worker is on another host than the operator."""
 
 from __future__ import annotations
 

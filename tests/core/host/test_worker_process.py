@@ -1,4 +1,4 @@
-"""How the process of a worker ends: by itself once it has reported, else at once."""
+"""The end of a worker's process: by itself after its report, else by a kill."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from followspot.host.worker_process import WorkerProcess
 
 
 def worker(seconds: float) -> WorkerProcess:
-    """One whose process ends by itself after a while."""
+    """A worker whose process exits after so many seconds."""
 
     def start(_name: str, _end: socket.socket) -> subprocess.Popen[bytes]:
         return subprocess.Popen([sys.executable, "-c", f"import time; time.sleep({seconds})"])

@@ -1,4 +1,4 @@
-"""Changes of stages in several workers and on several hosts: all take over, or none does."""
+"""Hot swaps and moves over several workers and hosts: all take over, or none does."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ stages:
 
 
 def planned(folder: Path, left: str, right: str) -> Plan:
-    """The stages b and c in two workers, on these hosts."""
+    """A plan with the stages b and c in two workers on these hosts."""
     (folder / "g.yaml").write_text(GRAPH)
     workers = f"  left: {{{left}stages: [b]}}\n  right: {{{right}stages: [c]}}\n"
     (folder / "p.yaml").write_text(f"placement: p\nworkers:\n{workers}")
@@ -63,12 +63,12 @@ def test_a_worker_that_dies_before_the_take_over_fails_the_change(tmp_path: Path
 
 @dataclass
 class Place:
-    """A host that does what it is told at once, except for the step that it refuses."""
+    """A host that does each step at once, except for the step that it refuses."""
 
     name: str
     refuses: str = ""
     steps: list[float] = field(default_factory=lambda: [1])
-    """What the parameter `step` of its stage was, newest last."""
+    """Values of the parameter `step` of its stage, newest last."""
     change_status: ChangeStatus = ChangeStatus()
 
     def change(self, order: ChangeOrder) -> None:
@@ -104,14 +104,14 @@ def test_if_one_host_fails_all_keep_their_old_stages(
 
 
 class WorkerPool:
-    """A host whose workers leave and begin at once, except for one that cannot."""
+    """A host whose workers leave and start at once, except for one that cannot start."""
 
     def __init__(self, name: str, plan: Plan, *, refuses: bool = False, unable: str = "") -> None:
         self.name = name
         self.refuses = refuses
         self.unable = unable
         self.began: list[str] = []
-        """Workers that began anew, in order."""
+        """Restarted workers, in order."""
         self.workers = {w.name: WorkerStatus(w.name, "running") for w in plan.workers if w.host == name}
 
     def move(self, order: MoveOrder) -> None:
@@ -144,16 +144,16 @@ class WorkerPool:
 
 def test_a_host_refuses_a_stage_before_any_worker_leaves(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
-    crews = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, refuses=True)]
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, refuses=True)]
     with pytest.raises(FollowspotError, match="pc-right has no such file"):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
-    assert [pool.began for pool in crews] == [[], [], []]
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+    assert [pool.began for pool in pools] == [[], [], []]
 
 
 def test_a_stage_that_cannot_begin_at_its_new_place_goes_back_to_its_old_one(tmp_path: Path) -> None:
     plan = planned(tmp_path, "host: pc-left, ", "host: pc-right, ")
-    crews = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, unable="b")]
+    pools = [WorkerPool("", plan), WorkerPool("pc-left", plan), WorkerPool("pc-right", plan, unable="b")]
     with pytest.raises(FollowspotError, match="worker right cannot begin at its new place"):
-        move_hosts(plan, moved(plan, ["b"], "pc-right"), crews)  # type: ignore[arg-type]
-    assert [pool.began for pool in crews] == [["main", "main"], ["left"], ["right", "right"]]
-    assert {worker.phase for pool in crews for worker in pool.workers.values()} == {"running"}
+        move_hosts(plan, moved(plan, ["b"], "pc-right"), pools)  # type: ignore[arg-type]
+    assert [pool.began for pool in pools] == [["main", "main"], ["left"], ["right", "right"]]
+    assert {worker.phase for pool in pools for worker in pool.workers.values()} == {"running"}

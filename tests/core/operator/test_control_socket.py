@@ -1,4 +1,4 @@
-"""Runs are found and asked by other processes of their user; what they cannot read is refused."""
+"""Other processes of the user find a run by its control socket and ask it; it refuses invalid requests."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Double(Request):
 
 
 class Halve(Double):
-    """Nobody answers it."""
+    """A request without a handler."""
 
 
 class Wait(Request):
@@ -45,7 +45,7 @@ DOUBLING = Dispatcher("operator", {Double: double})
 
 
 def socket_name() -> str:
-    """Of the run, without the byte that makes it abstract."""
+    """Name of the run's socket, without the null byte that makes it abstract."""
     words = Path("/proc/net/unix").read_text().split()
     return next(word[1:] for word in words if word.endswith(RUN[:16]))
 

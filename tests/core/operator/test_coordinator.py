@@ -1,4 +1,4 @@
-"""A run of several workers while it is being prepared: others find it then already, look and ask."""
+"""The coordinator before the start of a run: observers can already read its status and place taps."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def order(plan: Plan) -> RunOrder:
 
 
 class Ready:
-    """A host whose workers are ready as soon as it has its part; it can be looked at from then on."""
+    """A host whose workers are ready once it is prepared, and that takes taps from then on."""
 
     name = ""
 
@@ -80,7 +80,7 @@ def test_a_run_that_has_not_begun_refuses_changes(plan: Plan) -> None:
 
 
 def test_a_status_is_available_while_workers_start() -> None:
-    """Who asks does so from another thread: here another worker comes while the first one is looked at."""
+    """Another thread may read the status: here a worker is added while the first one's status is read."""
     host, workers = LocalHost(""), {}
 
     def status() -> WorkerStatus:

@@ -1,4 +1,4 @@
-"""A run of one worker: a thread of this process."""
+"""A run whose only worker is a thread of this process."""
 
 from __future__ import annotations
 

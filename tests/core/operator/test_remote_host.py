@@ -1,4 +1,4 @@
-"""A host under an agent: its last words come before its end, and pauses of a listener are not its own."""
+"""A remote host: its log arrives before its end, it is resumed after a restart of its agent."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from followspot.operator.remote_host import RemoteHost
 
 @dataclass
 class Agent:
-    """Answers that its run is over, and what was said last."""
+    """Answers that its run is over, and with its last log records."""
 
     seen: list[tuple[WorkerStatus, ...]] = field(default_factory=list)
-    """The workers that the operator's side knew of when it asked for the log."""
+    """The workers that the operator knew of when it asked for the log."""
 
     def ask(self, agent: str, request: Request, timeout: float) -> Any:
         if isinstance(request, GetHostStatus):
@@ -50,7 +50,7 @@ def test_the_log_is_there_before_the_run_is_seen_to_be_over() -> None:
 
 @dataclass
 class Closed:
-    """An agent that was told by another operator that the run is over, after it was asked once."""
+    """An agent whose run another operator closes after the first request."""
 
     asked: list[str] = field(default_factory=list)
 
@@ -80,7 +80,7 @@ def test_the_age_of_a_status_counts_from_its_answer(monkeypatch: pytest.MonkeyPa
     now = [100.0]
     monkeypatch.setattr(remote_host, "time", SimpleNamespace(monotonic=lambda: now[0]))
     host = Agent().operated()
-    assert host.status().age_s is None  # nobody has heard of it
+    assert host.status().age_s is None  # no answer yet
     host._refresh()
     now[0] += 7.5
     assert host.status().age_s == 7.5
@@ -99,7 +99,7 @@ def test_a_silent_host_is_lost_unless_the_operator_was_suspended(
             host.attend(0.0)
 
     attended(1.0)
-    now[0] += 60.0  # this process was stopped, and had no time to ask
+    now[0] += 60.0  # this process was suspended and could not poll
     attended(1.4)
     with pytest.raises(HostLost, match="host pc-left does not answer"):
         attended(1.0)
@@ -107,9 +107,9 @@ def test_a_silent_host_is_lost_unless_the_operator_was_suspended(
 
 @dataclass
 class Forgetful:
-    """An agent that knew of a run once.
+    """An agent that has lost a run.
 
-    refuses: verbs, and why; cut: verbs whose answers never arrive, once each.
+    refuses: refused verbs with the reasons; cut: verbs whose next answer does not arrive.
     """
 
     known: str
@@ -145,7 +145,7 @@ class Forgetful:
 
 
 def operated(agent: Forgetful, *, restart: bool = True) -> RemoteHost:
-    """Its host in a run whose worker was started twice."""
+    """The agent's host in a run whose worker was restarted twice."""
     host = RemoteHost(agent, "pc-left", order=RunOrder("feedc0de", {}, restart=restart))  # type: ignore[arg-type]
     host._status = HostStatus((WorkerStatus("left", "running", restarts=2),), ())
     return host

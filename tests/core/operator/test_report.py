@@ -1,4 +1,4 @@
-"""What makes a run fail though all its workers ended cleanly."""
+"""Errors of a run whose workers all ended cleanly."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def planned(folder: Path, source: str) -> Plan:
 
 
 def errors(plan: Plan, away: int, restarts: dict[str, int] | None = None, error: str = "") -> tuple[str, ...]:
-    """Of a run in which so many messages of ten were produced while their reader was away."""
+    """The errors of a run in which `away` of ten messages were sent while their reader was absent."""
     ledger = Ledger(1)
     for column, count in ((PRODUCED, 10), (AWAY, away), (DELIVERED, 10 - away)):
         ledger.words[column] = count

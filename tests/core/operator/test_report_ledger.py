@@ -1,4 +1,4 @@
-"""What a report makes of the ledger: what died with a worker is lost, what nobody can explain is an error."""
+"""The ledger in a report: messages in flight at a death are lost, other unaccounted ones are an error."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def plan(tmp_path: Path) -> Plan:
 
 
 def report(plan: Plan, produced: int, delivered: int, deaths: int = 0) -> RunReport:
-    """Of a run on two hosts, one of which counted what was produced, and the other what was delivered."""
+    """The report of a run on two hosts: one counted produced messages, the other delivered ones."""
     rows = [[0] * COLUMNS, [0] * COLUMNS]
     rows[0][PRODUCED], rows[1][DELIVERED] = produced, delivered
     ended = [WorkerReport("main", 0)]

@@ -1,4 +1,4 @@
-"""How old what is known of a run is, and what of it is said to be wrong."""
+"""Ages and faults in the status of a run."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def plan(tmp_path: Path) -> Plan:
 
 
 def seen(plan: Plan, age_s: float | None, *workers: WorkerStatus) -> RunStatus:
-    """The run as its operator sees it, whose host pc-left was heard so long ago."""
+    """The status of a run whose host pc-left answered `age_s` ago, None for never."""
     near = HostStatus((WorkerStatus("main", "running", age_s=0.0),), (), age_s=0.0)
     return RunView(plan, {"": near, "pc-left": HostStatus(workers, (), age_s=age_s)}).status()
 
@@ -70,7 +70,7 @@ def test_an_unlisted_worker_is_starting_or_its_host_is_out_of_reach(plan: Plan) 
     away = RunView(plan, {"pc-left": HostStatus((), ())}, begun=True).status()
     assert (worker(away).phase, worker(away).age_s) == ("absent", None)
     assert away.faults() == ("host pc-left is absent: nothing is heard of the run there",)
-    assert len(away.workers) == 1  # nobody tells from here how the workers of the operator's own host are
+    assert len(away.workers) == 1  # the workers of the operator's own host are unknown here
 
 
 @pytest.mark.parametrize(
@@ -95,7 +95,7 @@ def test_later_changes_only_the_ages_of_a_status(plan: Plan) -> None:
     now = seen(plan, 0.5, LEFT)
     later = now.later(1.5)
     assert worker(later) == replace(worker(now), age_s=2.25)
-    assert later.hosts == (SeenHost("pc-left", 2.0, absent=False),)  # nobody has tried to reach it
+    assert later.hosts == (SeenHost("pc-left", 2.0, absent=False),)  # only its age has changed
     assert answer_from_wire(GetStatus, answer_to_wire(GetStatus, later)) == later
 
 

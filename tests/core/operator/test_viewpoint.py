@@ -1,4 +1,4 @@
-"""From where directions and distances of persons are told."""
+"""The viewpoint that directions and distances of persons are measured from."""
 
 from __future__ import annotations
 

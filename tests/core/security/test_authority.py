@@ -1,4 +1,4 @@
-"""Certificates: who may have one, who may read the keys, when they end."""
+"""The certificate authority: names, permissions of keys, expiry."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an agent lets operators use of its host: cameras by number and this host, and what its owner says."""
+"""Grants of a host: cameras by number and local receivers always, all others if the owner grants them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def stage(uses: str, **params: Any) -> PlannedStage:
 
 
 def granted(asked: PlannedStage, **grants: tuple[str, ...]) -> bool:
-    """Whether it is, and a refusal says what to do."""
+    """True if the stage is granted; a refusal must name the option that grants it."""
     told = ""
     try:
         Grants(**grants).check(asked)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Standard output while the door is open: what Zenoh says of peers is counted, the rest goes on its way."""
+"""Standard output under `RejectedPeers`: lines about rejected peers are counted, others pass."""
 
 from __future__ import annotations
 

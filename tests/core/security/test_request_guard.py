@@ -1,4 +1,4 @@
-"""What an agent takes from the network: each request once, fresh, well-formed, from an operator."""
+"""The request guard: admits each fresh, valid request of an operator once."""
 
 from __future__ import annotations
 
