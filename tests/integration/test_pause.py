@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.integration.hosts import near_agent
 from tests.integration.running import COMMAND, STAGES, finish, start, write_graph
 
 import followspot as fs
@@ -72,32 +73,71 @@ def paused(run: RunHandle) -> bool:
     return [stage.state for stage in sources(run).values()] == ["paused", "paused"]
 
 
+def paused_and_stepped(run: fs.OwnRun, gates: Path) -> None:
+    """Pause the run, step and resume it. gates: folder below which the output folders of all hosts are."""
+    run.pause()
+    for folder in (run.out, *gates.glob("*-pc-left")):
+        (folder / "gate").touch()
+    until(lambda: paused(run))
+    before = sources(run)
+    assert all(stage.fired <= 4 for stage in before.values())
+    assert run.step(5, source="a") == (before["a"].fired + 4) * PERIOD
+    after = sources(run)
+    assert after["a"].fired == before["a"].fired + 5
+    assert after["b"].time - PERIOD < after["a"].time <= after["b"].time
+    until(lambda: sources(run)["a"].idle_s > 2.0)  # a worker that hangs is killed sooner
+    assert paused(run)
+    assert run.step() == after["a"].time + PERIOD
+    run.resume()
+    assert not run.wait().errors
+
+
+def undisturbed(graph: Path, stages: Path) -> bytes:
+    """What the replay writes in one process without a pause."""
+    with begun(graph, stages, None, "without") as run:
+        (run.out / "gate").touch()
+        run.wait()
+    return (graph.parent / "without" / "ticks.csv").read_bytes()
+
+
 @pytest.mark.parametrize("placement", [None, "stage"])
 def test_a_replay_with_pauses_and_steps_writes_what_it_writes_without(
     graph: Path, stages: Path, placement: str | None
 ) -> None:
     with begun(graph, stages, placement, "with") as run:
+        paused_and_stepped(run, graph.parent / "runs")
+    written = (graph.parent / "with" / "ticks.csv").read_bytes()
+    assert written == undisturbed(graph, stages)
+    assert len(written.splitlines()) >= COUNT
+
+
+@pytest.mark.thorough
+def test_a_replay_over_hosts_is_paused_and_stepped_everywhere(
+    graph: Path, stages: Path, tmp_path: Path
+) -> None:
+    place = tmp_path / "place.yaml"
+    place.write_text("placement: p\nworkers:\n  left: {host: pc-left, stages: [a]}\n")
+    agent = near_agent("pc-left", tmp_path, "--plugin", stages)
+    try:
+        network = fs.Network(connect=(agent.endpoint,))
+        with fs.run(
+            graph, placement=place, plugin_files=[stages], out=tmp_path / "with", network=network
+        ) as run:
+            paused_and_stepped(run, tmp_path / "runs")
+    finally:
+        agent.end()
+    assert (tmp_path / "with" / "ticks.csv").read_bytes() == undisturbed(graph, stages)
+
+
+def test_a_step_beyond_the_end_ends_with_the_sources(graph: Path, stages: Path) -> None:
+    with begun(graph, stages, None, "out") as run:
         run.pause()
         (run.out / "gate").touch()
         until(lambda: paused(run))
-        before = sources(run)
-        assert all(stage.fired <= 4 for stage in before.values())
-        assert run.step(5, source="a") == (before["a"].fired + 4) * PERIOD
-        after = sources(run)
-        assert after["a"].fired == before["a"].fired + 5
-        assert after["b"].time - PERIOD < after["a"].time <= after["b"].time
-        until(lambda: sources(run)["a"].idle_s > 2.0)  # a worker that hangs is killed sooner
-        assert paused(run)
-        assert run.step() == after["a"].time + PERIOD
+        assert run.step(10 * COUNT, source="a") <= COUNT * PERIOD
         run.resume()
-        report = run.wait()
-    assert not report.errors
-    with begun(graph, stages, placement, "without") as run:
-        (run.out / "gate").touch()
-        run.wait()
-    written = [(graph.parent / out / "ticks.csv").read_bytes() for out in ("with", "without")]
-    assert written[0] == written[1]
-    assert len(written[0].splitlines()) >= COUNT
+        assert not run.wait().errors
+    assert len((graph.parent / "out" / "ticks.csv").read_text().splitlines()) >= COUNT
 
 
 @pytest.mark.parametrize(("end", "placement"), [("stop", ["--placement", "stage"]), ("Ctrl-C", [])])
@@ -113,6 +153,7 @@ def test_a_paused_run_ends_at_once_and_well(
 
     until(is_there)
     assert "is paused" in command("pause", process.pid)
+    (graph.parent / "out").mkdir(exist_ok=True)
     (graph.parent / "out" / "gate").touch()
     until(lambda: paused(found[0]))
     assert "is paused at the capture time 0.0" in command("step", "2", "--source", "b", "--run", process.pid)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -146,8 +146,9 @@ class RunHandle:
         self.ask(order, ANSWER_TIMEOUT)
         names, seen, patient = {stage.name for stage in sources}, None, 0.0
         while True:
-            stages = [stage for worker in self.status().workers for stage in worker.stages]
-            found = {stage.stage: stage for stage in stages if stage.stage in names}
+            found = self._stages(names)
+            if found is None:
+                return order.until
             if chosen in found and found[chosen].time > order.until:
                 order = order.model_copy(update={"until": found[chosen].time})
                 self.ask(order, ANSWER_TIMEOUT)
@@ -158,6 +159,17 @@ class RunHandle:
             if time.monotonic() > patient:
                 raise NoAnswer(f"no source has sent anything for {_STALLED:.0f} s")
             time.sleep(_POLL_INTERVAL)
+
+    def _stages(self, names: Collection[str]) -> dict[str, StageStatus] | None:
+        """The status of these stages; None if the run has ended."""
+        try:
+            workers = self.status().workers
+        except NoAnswer:
+            raise
+        except FollowspotError:
+            return None
+        stages = (stage for worker in workers for stage in worker.stages)
+        return {stage.stage: stage for stage in stages if stage.stage in names}
 
     def stop(self) -> None:
         """End the sources; workers finish the messages in flight."""
