@@ -39,7 +39,7 @@ def offered(line: str, folder: Path) -> set[str]:
         [sys.executable, "-m", "followspot.cli.main"],
         env={**os.environ, **asks, "_ARGCOMPLETE_STDOUT_FILENAME": str(answer)},
         cwd=ROOT,
-        check=False,
+        check=True,
         timeout=60,
     )
     return {word.strip() for word in answer.read_text().splitlines()}

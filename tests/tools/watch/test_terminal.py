@@ -5,9 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +39,7 @@ from followspot.tracking import Blobs, Frame, Tracks
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
 from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
+from followspot_watch.screen import live_screen
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
 NAME = f"{os.getpid():x}terminal"
@@ -211,6 +215,25 @@ def test_a_narrow_terminal_cuts_the_right_edge_of_a_table() -> None:
         "  camera/cam0.out -> color/cam0.image  cal",
         "  a -> b                               cal",
     ]
+
+
+def test_the_last_report_stays_whole_when_the_screen_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    for name, value in {"TERM": "xterm", "COLUMNS": "20", "LINES": "4"}.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "stdout", seen := Terminal())
+    with suppress(KeyboardInterrupt), live_screen() as show:
+        for number in (1, 2):
+            rows = [(f"{number}: " + "x" * 30, "7")] * 9
+            show(lambda most, rows=rows: Group(line("y" * 30), grid(("edge", "sent"), rows[:most])))
+        raise KeyboardInterrupt
+    during, _, after = seen.getvalue().partition("\x1b[?1049l")
+    assert "1: xxx" in during
+    shown = [line.rstrip() for line in after.splitlines()]
+    assert shown == ["y" * 30, f"  {'edge':<33}  sent", *["  2: " + "x" * 30 + "     7"] * 9]
 
 
 def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:

@@ -49,5 +49,6 @@ def live_screen() -> Iterator[Callable[[Draw], None]]:
             yield show
         finally:
             live.stop()
+            console.width = WIDEST  # the terminal wraps lines, and cuts nothing
             for draw in drawn:
-                console.print(draw(None), width=WIDEST, crop=False)
+                console.print(draw(None))
