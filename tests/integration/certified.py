@@ -48,7 +48,7 @@ class Stop(RunRequest):
 
 
 class Agent:
-    """An agent: what it is asked, what it refuses, and what arrives on all keys."""
+    """An agent's guard: the requests that it answers and rejects, and the samples on all keys."""
 
     def __init__(self, session: zenoh.Session, name: str) -> None:
         self.stopped: list[str] = []
@@ -64,7 +64,7 @@ class Agent:
         return self.hear(by, key, seal(Asked.of(key), {"run": "r"}))
 
     def hear(self, by: zenoh.Session, key: str, payload: bytes) -> list[dict[str, object]]:
-        """The answers to this very request, under this key."""
+        """The answers to these bytes as a request under this key."""
         handler = by.get(key, payload=payload, timeout=2.0)
         replies: list[dict[str, object]] = []
         for _ in range(100):

@@ -1,4 +1,4 @@
-"""A live run on two hosts with a stream each way, and what may come between them."""
+"""A live run on two hosts with a stream each way, and the faults between them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ workers:
 """
 NAMES = ("desk", "pc-left", "middle")
 _FLOWS = 5
-"""Messages each way that show that a host takes part."""
+"""Number of messages each way that shows that a host takes part."""
 FAULTS = (
     "cable",
     "router's cable",
@@ -39,14 +39,14 @@ FAULTS = (
     "agent suspended",
     "host suspended",
 )
-"""What `Pair.away` knows."""
+"""The faults of `Pair.away`."""
 
 
 class Pair:
-    """A desk, a host with an agent, and a run on both."""
+    """The operator's host, a host with an agent, and a run on both."""
 
     def __init__(self, hosts: Hosts, *, routed: bool = False, agent: tuple[str, ...] = ()) -> None:
-        """routed: whether they meet at a router; agent: more options of the agent."""
+        """routed: whether they connect through a router; agent: further options of the agent."""
         self.hosts = hosts
         self.out = hosts.folder / "out"
         self._at = f"tcp/{hosts.address('middle')}:7447" if routed else ""
@@ -61,18 +61,18 @@ class Pair:
         self.desk = hosts.start("desk", *words, "--json", "--quiet", "--insecure", *there)
 
     def new_agent(self) -> Agent:
-        """Start it."""
+        """Start an agent."""
         return self.hosts.agent("pc-left", *self._options, router=self._at)
 
     def flows(self, seconds: float = 90.0) -> float:
-        """How many seconds it takes until new messages go both ways."""
+        """Wait until new messages flow both ways; return the time it took, s."""
         begun, before = time.monotonic(), self._written()
         assert wait_until(lambda: self._grew(before), seconds), (before, self._written())
         return time.monotonic() - begun
 
     @contextmanager
     def away(self, fault: str) -> Iterator[None]:
-        """While the block runs, this is between the two."""
+        """Keep up a fault between the hosts while the block runs."""
         if fault == "router":
             assert self._router is not None
             self._router.kill()
@@ -97,7 +97,7 @@ class Pair:
             self.hosts.link(name, "up")
 
     def host_noted(self, line: str) -> bool:
-        """Whether the log that the host keeps of the run has this line, sooner or later."""
+        """True once the host's log of the run has this line; False after a timeout."""
 
         def noted() -> bool:
             return any(line in log.read_text() for log in self.hosts.folder.glob("runs/*-pc-left/log.jsonl"))
@@ -105,11 +105,11 @@ class Pair:
         return wait_until(noted, 60.0)
 
     def host_is_idle(self, seconds: float = 60.0) -> bool:
-        """Whether no worker is left there within the time."""
+        """True once the host has no worker; False after `seconds`."""
         return wait_until(lambda: not children(self.agent.process.pid), seconds)
 
     def ended(self) -> Finished:
-        """As Ctrl-C ends it."""
+        """End the run by Ctrl-C."""
         self.desk.send_signal(signal.SIGINT)
         return finish(self.desk, self.out)
 
@@ -117,7 +117,7 @@ class Pair:
         return self.hosts.start("middle", "router", "--listen", self._at, "--insecure")
 
     def _written(self) -> tuple[int, int]:
-        """Lines that came to the desk, and those that came to the host."""
+        """Numbers of lines written on the operator's host and on the other."""
         far = self.hosts.folder.glob("runs/*-pc-left/go.csv")
         return _lines(self.out / "come.csv"), sum(map(_lines, far))
 

@@ -1,4 +1,4 @@
-"""Hosts for tests: network namespaces joined by a bridge in a namespace of its own, and agents in them."""
+"""Hosts for tests: network namespaces joined by a bridge in a further namespace, and agents in them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PORT = 7450
 
 @cache
 def namespaces_are_permitted() -> bool:
-    """Whether this user may make network namespaces."""
+    """True if this user may make network namespaces."""
     name = f"fs{os.getpid()}-try"
     try:
         made = subprocess.run(["ip", "netns", "add", name], capture_output=True, check=False)
@@ -35,11 +35,11 @@ def ip(*words: str, inside: str | None = None) -> None:
 
 
 _HELD: list[socket.socket] = []
-"""They have the ports that tests were given, but do not listen: whoever is told the number may."""
+"""Sockets that reserve the ports of `free_port` without listening, so that another process can listen."""
 
 
 def free_port() -> int:
-    """A port of loopback that nobody uses, and that nobody else is given as any free one meanwhile."""
+    """A free port of loopback, reserved so that the kernel gives it to no other process."""
     sock = socket.socket()
     sock.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     sock.bind(("127.0.0.1", 0))
@@ -48,7 +48,7 @@ def free_port() -> int:
 
 
 class Hosts:
-    """Some hosts on one network; `names` become namespaces, the first one is the operator's desk."""
+    """Hosts on one network; each name becomes a namespace, the first is the operator's host."""
 
     def __init__(self, folder: Path, names: Sequence[str]) -> None:
         self.folder = folder
@@ -112,11 +112,11 @@ class Hosts:
         return f"tcp/{self.address(name)}:{PORT}"
 
     def link(self, name: str, state: str) -> None:
-        """Pull the cable of a host ("down"), or plug it in again ("up")."""
+        """Take the link of a host "down" or "up"."""
         ip("link", "set", f"to{self.names.index(name)}", state, inside=self.space("hub"))
 
     def deafen(self, name: str, deaf: bool) -> None:
-        """Drop all that goes to a host without a word, and nothing that it sends; or do so no more."""
+        """Silently drop all packets to a host, but none from it; deaf=False stops that."""
         at = ("dev", f"to{self.names.index(name)}", "root")
         words = ("add", *at, "blackhole") if deaf else ("del", *at)
         inside = ("ip", "netns", "exec", self.space("hub"))
@@ -125,7 +125,7 @@ class Hosts:
     def start(
         self, host: str, *words: str | Path, env: Mapping[str, str] | None = None
     ) -> subprocess.Popen[str]:
-        """Begin a command of followspot on a host; env: on top of the environment of the test."""
+        """Start a followspot command on a host; env: added to the environment of the test."""
         process = subprocess.Popen(
             ["ip", "netns", "exec", self.space(host), *COMMAND, *map(str, words)],
             stdout=subprocess.PIPE,
@@ -140,14 +140,14 @@ class Hosts:
     def agent(
         self, name: str, *options: str | Path, router: str = "", env: Mapping[str, str] | None = None
     ) -> Agent:
-        """An agent that is ready; router: through which it is reached."""
+        """Start an agent and wait until it is ready. router: the router that it connects to."""
         listen = ("--router", router) if router else ("--listen", self.endpoint(name))
         words = ("agent", "--name", name, *listen, "--insecure", *options)
         return Agent(self.start(name, *words, env=env), self.folder)
 
 
 class Agent:
-    """A `followspot agent`, on this host or in a namespace, that is ready."""
+    """A ready `followspot agent`, on this host or in a namespace."""
 
     def __init__(self, process: subprocess.Popen[str], folder: Path) -> None:
         self.process = process
@@ -161,7 +161,7 @@ class Agent:
 
     @property
     def endpoint(self) -> str:
-        """Where it listens."""
+        """The endpoint that it listens on."""
         return self.lines[-1].rpartition(" ")[2]
 
     def signal(self, number: signal.Signals) -> None:
@@ -174,7 +174,7 @@ class Agent:
 
 
 def near_agent(name: str, folder: Path, *options: str | Path, at: str = "tcp/127.0.0.1:0") -> Agent:
-    """An agent of this very host, reached through loopback; at: where, by default at a port that is free."""
+    """An agent on this host, reached through loopback; at: its endpoint, by default at a free port."""
     words = ["agent", "--name", name, "--listen", at, "--plugin", STAGES, *options]
     process = subprocess.Popen(
         [*COMMAND, *map(str, words)], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=folder

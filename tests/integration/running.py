@@ -1,4 +1,4 @@
-"""Runs graphs of the test stages as a user does: the command, in a process of its own."""
+"""Runs graphs of the test stages as a user does, by the command in a separate process."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COMMAND = [sys.executable, "-m", "followspot.cli.main"]
 
 @dataclass(frozen=True)
 class Finished:
-    """A run that has ended."""
+    """An ended run."""
 
     code: int
     summary: dict[str, Any]
@@ -33,7 +33,7 @@ class Finished:
         return [int(line.split(",")[2]) for line in self.lines(name)]
 
     def edge(self, start: str, end: str) -> dict[str, Any]:
-        """Counts of all edges between two stages or ports, summed up."""
+        """The sums of the counts of all edges between two stages or ports."""
         found = [e for e in self.summary["edges"] if e["from"].startswith(start) and e["to"].startswith(end)]
         assert found, f"no edge {start} -> {end}"
         numbers = [key for key in found[0] if isinstance(found[0][key], int)]
@@ -41,7 +41,7 @@ class Finished:
 
 
 def balanced(summary: dict[str, Any]) -> bool:
-    """Whether every message of every edge was accounted for."""
+    """True if every message of every edge is accounted for."""
     parts = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
     edges = summary["edges"]
     sums = all(e["sent"] == sum(e[p] for p in parts) for e in edges)
@@ -51,7 +51,7 @@ def balanced(summary: dict[str, Any]) -> bool:
 
 
 def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:
-    """A graph file with these stages, given as YAML lines."""
+    """Write a graph file with these stages, given as YAML lines."""
     path = folder / f"{name}.yaml"
     indented = "\n".join(f"  {line}" for line in stages.strip().splitlines())
     path.write_text(f"graph: {name}\nstages:\n{indented}\n")
@@ -59,26 +59,26 @@ def write_graph(folder: Path, stages: str, name: str = "graph") -> Path:
 
 
 def start(graph: Path, out: Path, *options: str) -> subprocess.Popen[str]:
-    """Begin `followspot run`."""
+    """Start `followspot run`."""
     command = [*COMMAND, "run", str(graph), "--plugin", str(STAGES), "--out", str(out), "--json", *options]
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def finish(process: subprocess.Popen[str], out: Path) -> Finished:
-    """Wait for a run that was begun."""
+    """Wait for the end of a started run."""
     stdout, stderr = process.communicate(timeout=90)
     summary = json.loads(stdout.splitlines()[-1]) if stdout.strip() else {}
     return Finished(process.returncode, summary, stderr, out)
 
 
 def run(graph: Path, *options: str, out: str = "out") -> Finished:
-    """`followspot run` to its end."""
+    """Run `followspot run` to its end."""
     folder = graph.parent / out
     return finish(start(graph, folder, *options), folder)
 
 
 def children(pid: int) -> list[int]:
-    """Processes whose parent is `pid`, in the order in which they were started: numbers may begin anew."""
+    """Child processes of `pid`, in the order of their start times, because process ids may wrap around."""
     try:
         text = Path(f"/proc/{pid}/task/{pid}/children").read_text()
     except OSError:
@@ -87,7 +87,7 @@ def children(pid: int) -> list[int]:
 
 
 def wait_until(condition: Any, seconds: float = 20.0) -> bool:
-    """Whether the condition came true within the time; the time only bounds a failure."""
+    """True once the condition holds, False after `seconds`, which only bound a failure."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         if condition():
@@ -97,7 +97,7 @@ def wait_until(condition: Any, seconds: float = 20.0) -> bool:
 
 
 def alive(pid: int) -> bool:
-    """Whether a process still runs."""
+    """True if a process still runs."""
     try:
         os.kill(pid, 0)
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
@@ -106,7 +106,7 @@ def alive(pid: int) -> bool:
 
 
 def unused_memory() -> set[str]:
-    """Shared memory with a name that no process of this machine uses: what a run could leave behind."""
+    """Named shared memory that no process of this machine uses: a run could have left it behind."""
     used = set()
     for maps in Path("/proc").glob("[0-9]*/maps"):
         with suppress(OSError):  # it has ended

@@ -1,4 +1,4 @@
-"""Agents: runs that outlive their operator, agents that die and come back, and what they refuse."""
+"""Agents: detached runs, restarts of agents, runs that a dead operator left, and refusals."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def values(path: Path) -> list[int]:
 
 
 def grows(path: Path, fits: Callable[[int], bool] = lambda value: True, more: int = 10) -> None:
-    """Wait until so many more lines with such values were written."""
+    """Wait until `more` further lines whose values fit were written."""
     before = len(values(path))
     assert wait_until(lambda: sum(map(fits, values(path)[before:])) >= more, 40.0), values(path)[-5:]
 
@@ -107,7 +107,7 @@ def ended(process: subprocess.Popen[str], out: Path) -> Finished:
 
 
 def of_left(value: int) -> bool:
-    """Whether the source of the left host alone made it: it counts up from 0, the other from a million."""
+    """True for a value of the left host's source alone: it counts from 0, the other from a million."""
     return value < 1_000_000
 
 
@@ -154,7 +154,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
     assert wait_until(lambda: bool(list(room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv"))))
     (written,) = room.folder.glob(f"pc-right/runs/*-{run}-pc-right/ticks.csv")
     grows(written)
-    looked_at_from_elsewhere(run, room.connect)
+    watched_from_elsewhere(run, room.connect)
     looking = subprocess.Popen([*COMMAND, "attach", *room.connect], stderr=subprocess.PIPE, text=True)
     assert looking.stderr is not None
     assert run[:8] in looking.stderr.readline()
@@ -188,7 +188,7 @@ def test_a_detached_run_outlives_its_operators(room: Room) -> None:
 
 
 def killed(room: Room) -> subprocess.Popen[str]:
-    """A run whose operator is killed; both agents go on with it."""
+    """A run whose operator was killed; both agents keep it running."""
     process = room.begin()
     grows(room.folder / "out" / "ticks.csv", of_left, 5)
     process.kill()
@@ -218,8 +218,8 @@ def test_attach_ends_what_a_dead_operator_left_on_hosts(room: Room) -> None:
     assert wait_until(lambda: not any(children(agent.process.pid) for agent in room.agents.values()), 60.0)
 
 
-def looked_at_from_elsewhere(run: str, connect: list[str]) -> None:
-    """What a run does that no operator looks after is seen from any host."""
+def watched_from_elsewhere(run: str, connect: list[str]) -> None:
+    """Any host can watch a run without an operator."""
     where = ("--run", run, "--json", "--plugin", STAGES, *connect)
     done = [
         command("top", run, "--json", *connect),
@@ -234,7 +234,7 @@ def looked_at_from_elsewhere(run: str, connect: list[str]) -> None:
     assert not of_left(message["value"])
 
 
-def test_an_agent_that_is_slow_to_answer_a_link_is_waited_for(tmp_path: Path) -> None:
+def test_an_operator_waits_for_an_agent_that_is_slow_to_connect(tmp_path: Path) -> None:
     agent = near_agent("pc-left", tmp_path)
     agent.signal(signal.SIGSTOP)
     busy = Timer(1.0, agent.signal, [signal.SIGCONT])

@@ -1,4 +1,4 @@
-"""A run that is looked at is the same run: same tracks, same ledger, and nothing of the page stays."""
+"""Watching a run does not change it: same tracks, same ledger, and no process of the page stays."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ UPGRADE = (
 
 @dataclass(frozen=True)
 class Done:
-    """What a run of some frames leaves: its ledger, and its tracks as written."""
+    """The results of a run: its ledger, and the bytes of its tracks."""
 
     edges: tuple[tuple[str, EdgeCount], ...]
     tracks: bytes
@@ -61,22 +61,22 @@ def demo(out: Path) -> Solo:
 
 
 @pytest.fixture(scope="module")
-def unseen(tmp_path_factory: pytest.TempPathFactory) -> Done:
-    """A run that nobody looks at."""
+def unwatched(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A run without a page."""
     out = tmp_path_factory.mktemp("unseen")
     return Done.by(demo(out).run(), out)
 
 
 @pytest.fixture
 def room_for_sockets() -> Iterator[Path]:
-    """A folder with a short name, for those of sockets have at most 107 bytes."""
+    """A folder with a short name: the path of a socket has at most 107 bytes."""
     with tempfile.TemporaryDirectory() as folder:
         yield Path(folder)
 
 
 @pytest.fixture
 def agent(tmp_path: Path) -> Iterator[Agent]:
-    """Another host, on this machine."""
+    """The agent of another host, on this machine."""
     home = tmp_path / "pc-left"
     home.mkdir()
     made = near_agent("pc-left", home)
@@ -86,7 +86,7 @@ def agent(tmp_path: Path) -> Iterator[Agent]:
 
 @contextmanager
 def stalled(host: str) -> Iterator[None]:
-    """A browser that asks for everything and takes nothing."""
+    """A browser that requests all pictures and reads nothing."""
     name, _, port = host.rpartition(":")
     with socket.socket() as page:
         page.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
@@ -96,7 +96,7 @@ def stalled(host: str) -> Iterator[None]:
 
 
 def told(page: ClientConnection, kind: str, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-    """The first thing of a type that fits."""
+    """The first message of this kind that fits."""
     while True:
         said = page.recv(timeout=60)
         if isinstance(said, str):
@@ -106,7 +106,7 @@ def told(page: ClientConnection, kind: str, fits: Callable[[dict[str, Any]], boo
 
 
 def cameras_seen(page: ClientConnection) -> set[str]:
-    """Those of the first pictures, until there is one of each of six and changes are possible."""
+    """Cameras of the first pictures, until each of the six has sent one and changes are possible."""
     seen: set[str] = set()
     changes = False
     while len(seen) < 6 or not changes:
@@ -140,9 +140,9 @@ def watched(out: Path, *options: str) -> Iterator[tuple[subprocess.Popen[str], s
 
 
 def test_unread_previews_change_neither_ledger_nor_tracks(
-    tmp_path: Path, room_for_sockets: Path, unseen: Done
+    tmp_path: Path, room_for_sockets: Path, unwatched: Done
 ) -> None:
-    """The page is there and asks for pictures, 60 a second, and then takes none: taps do not wait for it."""
+    """A browser requests 60 pictures a second and reads none: taps do not wait for it."""
     make_gate(room_for_sockets).watched = True
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as page:
         page.bind(str(room_for_sockets / SOCKET))
@@ -151,14 +151,14 @@ def test_unread_previews_change_neither_ledger_nor_tracks(
         run.tap(tappings(shown_ports(run.plan), room_for_sockets, rate=60.0))
         taps = [tap for runner in run.worker.runners for _, output in runner.outputs for tap in output.taps]
         assert len(taps) == 14  # six cameras, six detectors, tracks and forecasts
-        assert Done.by(run.run(), tmp_path) == unseen
+        assert Done.by(run.run(), tmp_path) == unwatched
 
 
 @pytest.mark.thorough
 def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
-    tmp_path: Path, room_for_sockets: Path, unseen: Done, agent: Agent, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, room_for_sockets: Path, unwatched: Done, agent: Agent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """One browser looks and records, one has stalled; half of the cameras are on another host."""
+    """One browser watches and records, one has stalled; half of the cameras are on another host."""
     placement = tmp_path / "two.yaml"
     placement.write_text("workers: {left: {host: pc-left, cameras: [cam0, cam1, cam2]}}\n")
     monkeypatch.setenv("TMPDIR", str(room_for_sockets))
@@ -194,7 +194,7 @@ def test_a_watched_run_on_two_hosts_is_the_same_and_the_page_ends_with_it(
         now["sent"] <= then["sent"] for now, then in zip(status["edges"], summary["edges"], strict=True)
     )
     assert {path["sink"] for path in status["paths"]} == {"save"}
-    assert (tmp_path / "tracks.csv").read_bytes().startswith(unseen.tracks)
+    assert (tmp_path / "tracks.csv").read_bytes().startswith(unwatched.tracks)
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")

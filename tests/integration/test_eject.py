@@ -1,4 +1,4 @@
-"""A built-in plugin is a stranger's package: its folder, unchanged, serves from a package of its own."""
+"""A built-in plugin works unchanged as an external package."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STAGES = {
     "jsonl": "json_lines:JsonLines",
 }
 COMPILED = shutil.ignore_patterns("__pycache__")
-"""Files come and go there whenever a process imports something for the first time."""
+"""Folders whose files change when a process imports a module for the first time."""
 TESTS = """
 import pytest
 from followspot.plugins.registry import load_stage
@@ -36,7 +36,7 @@ def test_every_promise_of_a_stage_is_kept(name: str) -> None:
 
 
 def installed(project: Path, site: Path) -> None:
-    """Build the project's wheel and unpack it where Python finds it: all that installing a pure one means."""
+    """Build the project's wheel and unpack it on Python's path: that installs a pure wheel."""
     command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(project / "dist")]
     subprocess.run(command, cwd=project, check=True, capture_output=True)
     (wheel,) = (project / "dist").glob("*.whl")
@@ -45,7 +45,7 @@ def installed(project: Path, site: Path) -> None:
 
 
 def without_the_plugin(where: Path) -> Path:
-    """The project as if the plugin had never been part of it."""
+    """A copy of the project without the plugin."""
     where.mkdir()
     for name in ("README.md", "LICENSE", "core", "plugins", "tools"):
         source = ROOT / name
@@ -62,7 +62,7 @@ def without_the_plugin(where: Path) -> Path:
 
 
 def ejected(where: Path) -> Path:
-    """A new package with the plugin's folder in it, as it is."""
+    """A new package that contains the plugin's folder unchanged."""
     package = new_plugin("ejected", where)
     shutil.copytree(ROOT / "plugins" / PLUGIN, package / PLUGIN, ignore=COMPILED)
     project = package / "pyproject.toml"

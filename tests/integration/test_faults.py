@@ -1,4 +1,4 @@
-"""Signals and deaths: outputs complete, the culprit named, nothing left behind."""
+"""Signals and killed workers: outputs are complete, the worker is named, nothing is left behind."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PLACEMENTS = [(), ("--placement", "stage"), ("--placement", "stage", "--edges", 
 
 
 def running(out: Path) -> bool:
-    """Whether tracks are being written."""
+    """True if tracks are being written."""
     path = out / "ticks.csv"
     return path.exists() and path.stat().st_size > 0
 
@@ -80,7 +80,7 @@ def worker_of(launcher: int, stage: str) -> int:
 
 
 def check_counts(finished: Finished) -> None:
-    """Even then every message is delivered, or lost with the worker that died or on the way to it."""
+    """Check that every message was delivered, or lost with the dead worker or on its way to it."""
     parts = ("delivered", "dropped", "late", "unmatched", "invalid", "lost", "in_flight")
     for edge in finished.summary["edges"]:
         assert edge["sent"] == sum(edge[part] for part in parts)
@@ -108,7 +108,7 @@ def test_workers_listen_on_loopback_only_and_end_when_their_launcher_is_killed(
 
 
 def listening(pids: list[int]) -> set[str]:
-    """Addresses at which processes wait for others."""
+    """Addresses on which processes listen."""
     inodes = {
         str(link.readlink())[8:-1]
         for pid in pids
@@ -137,7 +137,7 @@ save: {uses: ticks.write, in: {number: a}, with: {path: no/such/folder.csv}}
         assert finished.edge("a.", "save.")["sent"] == 0
 
 
-def test_truth_that_cannot_be_read_does_not_cost_the_summary(tmp_path: Path) -> None:
+def test_unreadable_truth_does_not_prevent_the_summary(tmp_path: Path) -> None:
     (tmp_path / "truth.csv").write_text("frame,time,object\n0,0,red\n")
     (tmp_path / "room.yaml").write_text(
         "room: r\ntruth: {uses: cameras.truth_csv, with: {path: truth.csv}}\n"

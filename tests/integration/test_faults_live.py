@@ -1,4 +1,4 @@
-"""Live runs outlive their workers: joins go on, the dead come back, every message is accounted for."""
+"""Live runs survive their workers: joins go on, dead workers restart, every message is accounted for."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SHORT = PAIR.replace("[more, less]", "[more, less, short]") + "short: {uses: tic
 
 
 class Live:
-    """A live run with a worker for each of two sources, and one that joins them."""
+    """A live run with one worker for each of two sources, and one that joins them."""
 
     def __init__(self, folder: Path, *options: str, stages: str = PAIR, placement: str = PLACEMENT) -> None:
         graph = write_graph(folder, stages)
@@ -56,26 +56,26 @@ class Live:
         return len(path.read_text().splitlines()) if path.exists() else 0
 
     def first(self) -> str:
-        """The first line: another one once a new writer has begun the file anew."""
+        """The first line; it changes when a restarted writer truncates the file."""
         return (self.out / "ticks.csv").read_text().partition("\n")[0]
 
     def kill_writer(self, pid: int) -> None:
-        """Kill the worker that writes, and wait for the first line of the one that comes back."""
+        """Kill the worker that writes, and wait for the first line of its successor process."""
         first = self.first()
         os.kill(pid, signal.SIGKILL)
         assert wait_until(lambda: self.first() not in ("", first)), "its file was not begun anew"
 
     def last(self) -> int:
-        """The newest number that is written whole."""
+        """The number in the newest complete line."""
         return int((self.out / "ticks.csv").read_text().splitlines()[-2].split(",")[2])
 
     def go_on(self, count: int = 10) -> None:
-        """Wait until so many more lines are written."""
+        """Wait until `count` further lines are written."""
         wanted = self.lines() + count
         assert wait_until(lambda: self.lines() >= wanted), "nothing is written any more"
 
     def workers(self) -> list[int]:
-        """Process ids of those that live, first those that were never started again, as they are placed."""
+        """Process ids of the live workers in order of start: those never restarted first, as placed."""
         return [pid for pid in children(self.process.pid) if alive(pid)]
 
     def victim(self, name: str) -> int:
@@ -110,7 +110,7 @@ def test_a_camera_that_is_killed_comes_back_and_the_rest_goes_on(tmp_path: Path,
 
 
 def joined(out: Path, after: int) -> bool:
-    """Whether a line after the first ones is a sum of both sources, or of the left one alone."""
+    """True if a line after the first `after` is a sum of both sources, or of the left one alone."""
     lines = [line.split(",") for line in (out / "ticks.csv").read_text().splitlines()[after:]]
     values = [int(line[2]) for line in lines if len(line) == 4]
     return any(value < 1_000_000 for value in values) or any(b - a > 1 for a, b in pairwise(values))
@@ -162,7 +162,7 @@ save: {uses: ticks.write, in: {number: c}}
     (tmp_path / "placement.yaml").write_text(placement)
     process = start(graph, out, "--placement", str(tmp_path / "placement.yaml"), "--restart")
     assert wait_until(lambda: (out / "ticks.csv").exists() and (out / "ticks.csv").stat().st_size > 0)
-    os.kill(children(process.pid)[0], signal.SIGKILL)  # its source begins anew, and b waits for feedback
+    os.kill(children(process.pid)[0], signal.SIGKILL)  # its source starts again, and b waits for feedback
     finished = finish(process, out)
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
     assert balanced(finished.summary)

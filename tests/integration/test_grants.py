@@ -1,4 +1,4 @@
-"""What operators, and other processes of the user, cannot make a worker send to or open."""
+"""Operators and other processes of the user cannot make a worker send to or open what is not granted."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_an_agent_sends_where_its_owner_allows(
 
 
 def test_a_tap_cannot_make_a_run_send_elsewhere(tmp_path: Path) -> None:
-    """Its own graph may send anywhere; what is put at its ports from outside tells those who look on."""
+    """The run's own graph may send anywhere; a tap placed by another process may not."""
     graph = write_graph(tmp_path, "a: {uses: ticks.live, with: {count: 1000000}}")
     process = start(graph, tmp_path / "out")
     found = []

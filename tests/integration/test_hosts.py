@@ -44,7 +44,7 @@ def command(*words: str | Path) -> None:
 
 
 def spread(room: Path, to: Path) -> Path:
-    """The room with four of its cameras on other hosts: one line more for each."""
+    """The room with four of its cameras on other hosts, by one more line for each."""
     lines = []
     for line in room.read_text().splitlines():
         lines.append(line)

@@ -1,4 +1,4 @@
-"""Cables are pulled, routers and desks are away: the rest goes on, and what comes back takes part again."""
+"""Pulled cables, routers that are down, suspended operators: the run goes on, and hosts rejoin it."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def ended(process: subprocess.Popen[str], out: Path) -> Finished:
 
 
 def held(pair: Pair) -> Finished:
-    """The run ends as if nothing had happened, but for what was lost on the way."""
+    """End the run; it is ok, and every message that did not arrive is counted as lost."""
     finished = pair.ended()
     assert finished.code == 0, finished.errors + json.dumps(finished.summary)
     assert balanced(finished.summary), finished.summary["edges"]
@@ -65,7 +65,7 @@ def held(pair: Pair) -> Finished:
     return finished
 
 
-def test_a_cable_that_is_out_for_longer_than_anybody_waits_comes_back(hosts: Hosts) -> None:
+def test_a_host_whose_cable_was_out_takes_part_again(hosts: Hosts) -> None:
     pair = Pair(hosts)
     pair.flows()
     with pair.away("cable"):
@@ -87,7 +87,7 @@ def test_a_cable_that_is_out_for_longer_than_anybody_waits_comes_back(hosts: Hos
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("fault", FAULTS)
-def test_whatever_was_between_two_hosts_for_a_minute_they_take_part_again(hosts: Hosts, fault: str) -> None:
+def test_two_hosts_take_part_again_after_a_minute_apart(hosts: Hosts, fault: str) -> None:
     pair = Pair(hosts, routed=fault.startswith("router"))
     pair.flows()
     with pair.away(fault):
@@ -98,7 +98,7 @@ def test_whatever_was_between_two_hosts_for_a_minute_they_take_part_again(hosts:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("fault", ["cable", "operator suspended"])
-def test_what_a_host_gave_up_is_taken_up_again_and_the_news_say_so(hosts: Hosts, fault: str) -> None:
+def test_a_run_that_a_host_has_ended_is_resumed_and_the_news_say_so(hosts: Hosts, fault: str) -> None:
     pair = Pair(hosts, agent=("--operator-timeout", "5"))
     pair.flows()
     with pair.away(fault):
@@ -110,7 +110,7 @@ def test_what_a_host_gave_up_is_taken_up_again_and_the_news_say_so(hosts: Hosts,
 
 
 @pytest.mark.thorough
-def test_a_run_that_is_ended_while_a_cable_is_out_says_what_it_could_not_end(hosts: Hosts) -> None:
+def test_a_run_that_ends_while_a_cable_is_out_names_the_silent_host(hosts: Hosts) -> None:
     pair = Pair(hosts)
     pair.flows()
     with pair.away("cable"):
@@ -131,8 +131,8 @@ def test_a_run_that_is_ended_while_a_cable_is_out_says_what_it_could_not_end(hos
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("part", ["operator", "desk"])
-def test_a_replay_whose_desk_was_suspended_is_whole_or_has_failed(hosts: Hosts, part: str) -> None:
-    """A source waits for a reader that it hears of; one whose whole host is silent misses messages."""
+def test_a_replay_with_suspended_processes_is_complete_or_fails(hosts: Hosts, part: str) -> None:
+    """A source waits for a suspended reader; a reader whose whole host is silent misses messages."""
     hosts.agent("pc-left", "--plugin", STAGES)
     graph = write_graph(hosts.folder, REPLAY)
     placement = hosts.folder / "hosts.yaml"

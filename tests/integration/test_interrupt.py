@@ -1,4 +1,4 @@
-"""Ctrl-C ends a run that keeps a slow pace at once: neither its sources nor its summary wait on."""
+"""Ctrl-C ends a run at a slow pace at once: neither its sources nor its summary wait."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ class Tell(Stage):
 
 
 def interrupted(process: subprocess.Popen[str], came: Path) -> Finished:
-    """The end of a run after Ctrl-C, which comes when its first frame has gone through."""
+    """The end of a run that gets Ctrl-C after its first frame."""
     wait_until(lambda: process.poll() is not None or (came.exists() and came.stat().st_size > 0), 60.0)
     process.send_signal(signal.SIGINT)
     return finish(process, came.parent)  # gives up long before the second frame is due
 
 
 def slow(folder: Path, name: str) -> Path:
-    """A shipped room that plays in real time, at a frame in 1000 s."""
+    """A shipped room that plays in real time, one frame every 1000 s."""
     before, fps, after = (GRAPHS / "rooms" / name).read_text().partition("fps: ")
     assert fps
     path = folder / name
@@ -80,7 +80,7 @@ def test_the_truth_of_a_room_in_real_time_is_read_at_once(tmp_path: Path) -> Non
     assert truth is not None
 
 
-def test_the_truth_of_a_run_that_was_stopped_is_given_up_when_it_takes_long(tmp_path: Path) -> None:
+def test_reading_the_truth_of_a_stopped_run_has_a_time_limit(tmp_path: Path) -> None:
     plan = compile_graph(GRAPHS / "glowballs.yaml")
     with pytest.raises(FollowspotError, match="the truth of 0 frames took"):
         room_truth(plan, 100, seconds=0.0)

@@ -1,4 +1,4 @@
-"""Nothing is lost in silence: what each kind of trouble leaves in the ledger, and what the user is told."""
+"""Each kind of fault is counted in the ledger and reported to the user."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_policy_skip_leaves_the_message_out_and_counts_it(tmp_path: Path) -> Non
     assert any("cannot add to 7" in warning for warning in finished.summary["warnings"])
 
 
-def test_policy_restart_builds_the_stage_anew(tmp_path: Path) -> None:
+def test_policy_restart_builds_a_new_stage(tmp_path: Path) -> None:
     finished = run(write_graph(tmp_path, CHAIN), "--set", "b.raise_at=7", "--set", "b.on_error=restart")
     assert finished.code == 0
     stages = {s["stage"]: s for w in finished.summary["workers"] for s in w["stages"]}

@@ -1,4 +1,4 @@
-"""What a slow reader costs in a live run: its own messages, by the policy of its edge, and nobody else's."""
+"""A slow reader in a live run loses only its own messages, by the policy of its edge."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ line:   {{uses: ticks.write, in: {{number: ten}}, with: {{path: line.csv}}}}
 """
 DEPTH = 8
 IN_HAND = 4
-"""Messages before the edge: two in the source's box, one that is being sent, one that is being taken."""
+"""Messages outside the edge: two in the source's buffer, one being sent, one being taken."""
 APART = """
 placement: apart
 workers:
@@ -51,7 +51,7 @@ def test_a_slow_reader_never_holds_up_the_fast_branch_and_what_it_gets_is_not_ol
 
 
 def check_overload(finished: Finished) -> None:
-    """A stage ten times too slow, on an edge that says nothing: what it gets has waited for few others."""
+    """A stage ten times too slow, on an edge without a policy: its messages waited for few others."""
     waited = finished.values("line.csv")
     assert max(waited) <= DEPTH + IN_HAND, "the line before it grew"
     counts = finished.edge("other.", "ten.")

@@ -1,4 +1,4 @@
-"""Stages of live runs that go to another worker or host, also where clocks differ: all is accounted for."""
+"""Moves of stages of live runs between workers and hosts, also with different clocks."""
 
 from __future__ import annotations
 
@@ -41,14 +41,14 @@ PATIENCE = 90.0
 
 
 def values(out: Path) -> list[int]:
-    """What was written since its writer last began."""
+    """The values that the writer has written since its last start."""
     path = out / "ticks.csv"
     lines = path.read_text().splitlines() if path.exists() else []
     return [int(fields[2]) for line in lines if len(fields := line.split(",")) == 4]
 
 
 def refusal(run: str) -> str:
-    """Why a stage cannot go to a place that is not there, with those that are: agents come in their time."""
+    """The error of a move to an unknown place; it lists the known ones, which include agents once found."""
     with pytest.raises(FollowspotError) as refused:
         run_here(run).move(["b"], "three")
     return str(refused.value)
@@ -121,7 +121,7 @@ def test_a_stage_moves_to_a_host_whose_clock_is_an_hour_off(tmp_path: Path) -> N
 
 
 def check_clocks(finished: Finished) -> None:
-    """Times are those of the left host, the summary tells by how much the right one is off, and warns."""
+    """Check that times are those of the left host, and that the summary gives and warns of the offset."""
     times = [int(line.split(",")[1]) for line in finished.lines()]
     assert times == sorted(times)
     assert abs(times[0] - time.time_ns()) < 600e9, "not an hour off"

@@ -1,4 +1,4 @@
-"""What a calibration that is slightly off costs, once the clips of the targets have corrected it.
+"""Accuracy with a slightly wrong calibration, after `calibrate targets` has corrected it.
 
 Needs `../shared/data/glowballs-dev`: its noisy calibration has errors of 0.2 to 0.75 px, as a good
 self-calibration leaves them; exact images of the balls are the truth.
@@ -24,21 +24,21 @@ ROOT = Path(__file__).parent.parent.parent
 DATA = ROOT.parent / "shared" / "data" / "glowballs-dev"
 FUSIONS = ("balls.mean_shift", "balls.bundle")
 MADE = "dev3"
-"""Sequence of the rooms that are made first."""
+"""Sequence from which the rooms are made."""
 OTHERS = [pytest.param(name, marks=pytest.mark.thorough) for name in ("dev1", "dev2", "dev4")]
 
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/glowballs-dev")
 
 
 class Rooms(NamedTuple):
-    """The room with its true calibration, and as `calibrate targets` made it of the noisy one."""
+    """The room with its true calibration, and the one that `calibrate targets` made of the noisy one."""
 
     true: Path
     corrected: Path
 
 
 class Result(NamedTuple):
-    """Of each target: RMSE (mm), and mean distance of its reprojection from its exact images (px)."""
+    """For each target: RMSE, mm, and mean distance of its reprojection from its exact images, px."""
 
     rmse_mm: Array
     overlay_px: Array
@@ -52,7 +52,7 @@ def command(*words: str | Path) -> str:
 
 @pytest.fixture(scope="module")
 def rooms(tmp_path_factory: pytest.TempPathFactory) -> Rooms:
-    """Both with the same templates."""
+    """Both rooms, with the same templates."""
     folder = tmp_path_factory.mktemp("rooms")
     found = Rooms(folder / "true.yaml", folder / "corrected.yaml")
     for path, name in zip(found, ("calibration.json", "calibration_noisy.json"), strict=True):
@@ -64,7 +64,7 @@ def rooms(tmp_path_factory: pytest.TempPathFactory) -> Rooms:
 
 
 def tracked(room: Path, sequence: str, fusion: str, out: Path) -> Result:
-    """A run of the default graph; no target may be lost, taken for another or seen while it is hidden."""
+    """Run the default graph; no target may be lost, confused with another, or seen while it is hidden."""
     other = out.with_suffix(".yaml")
     other.write_text(room.read_text().replace(MADE, sequence))
     graph, choice = ROOT / "graphs/glowballs.yaml", f"fuse.uses={fusion}"
@@ -78,7 +78,7 @@ def tracked(room: Path, sequence: str, fusion: str, out: Path) -> Result:
 
 
 def overlay(room: Path, sequence: str, out: Path, target: str) -> float:
-    """How far off a circle around the target would be drawn in the pictures: mean over all cameras, px."""
+    """Mean error of a circle drawn around the target, over all cameras, px."""
     truth = np.load(DATA / sequence / "truth.npz")
     number = truth["objects"].tolist().index(target)
     with (out / "tracks.csv").open() as file:
@@ -96,7 +96,7 @@ def overlay(room: Path, sequence: str, out: Path, target: str) -> float:
 def test_a_noisy_calibration_costs_less_than_half_of_the_accuracy(
     rooms: Rooms, sequence: str, fusion: str, tmp_path: Path
 ) -> None:
-    """Mean over the targets of each sequence; in the pictures next to nothing is lost."""
+    """Means over the targets of each sequence; the reprojection error hardly grows."""
     true = tracked(rooms.true, sequence, fusion, tmp_path / "true")
     found = tracked(rooms.corrected, sequence, fusion, tmp_path / "corrected")
     assert (found.rmse_mm / true.rmse_mm).mean() < 1.5

@@ -1,4 +1,4 @@
-"""Replays that are paused, stepped and resumed: what they write is what they write without."""
+"""Replays that are paused, stepped and resumed write the same bytes as without."""
 
 from __future__ import annotations
 

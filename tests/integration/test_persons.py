@@ -18,7 +18,7 @@ ROOT = Path(__file__).parent.parent.parent
 GRAPHS = ROOT / "graphs"
 DATA = ROOT.parent / "shared" / "data" / "persons-dev"
 PERIOD = 3
-"""Pictures from one that the detector looks at to the next."""
+"""Pictures from one that the detector processes to the next."""
 
 needs_recordings = pytest.mark.skipif(not DATA.is_dir(), reason="needs ../shared/data/persons-dev")
 
@@ -30,14 +30,14 @@ def command(*words: str | int | Path) -> str:
 
 
 def room_of(tmp_path: Path, *cameras: str) -> Path:
-    """A room file for some of the recordings."""
+    """A room file with some of the recordings."""
     room = tmp_path / "room.yaml"
     command("room", "import", DATA / "calib.json", "--videos", DATA, "--only", *cameras, "-o", room)
     return room
 
 
 def tracked(room: Path, graph: str, frames: int, out: Path, *options: str | Path) -> dict[str, Any]:
-    """The summary of a run over the first frames."""
+    """The summary of a run of the first `frames` frames."""
     files = (GRAPHS / graph, "--room", room, "--out", out)
     asked = ("--frames", frames, "--json", "--quiet", "--set", f"hog.frame_interval={PERIOD}", *options)
     summary: dict[str, Any] = json.loads(command("run", *files, *asked))

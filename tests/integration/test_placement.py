@@ -59,14 +59,14 @@ def test_every_placement_and_kind_of_edge_gives_the_same_bytes(
     assert [{k: e[k] for k in e if k != "kind"} for e in other.summary["edges"]] == counts
 
 
-def test_forced_edges_are_what_they_say(tmp_path: Path) -> None:
+def test_forced_edges_have_the_forced_kind(tmp_path: Path) -> None:
     graph = write_graph(tmp_path, GRAPH)
     for kind in ("reference", "ring", "zenoh"):
         finished = run(graph, "--edges", kind, "--frames", "3", out=kind)
         assert {edge["kind"] for edge in finished.summary["edges"]} == {kind}, finished.errors
 
 
-def test_latest_in_a_loop_of_a_live_run_is_the_newest_there_is(tmp_path: Path) -> None:
+def test_latest_in_a_loop_of_a_live_run_is_the_newest_message(tmp_path: Path) -> None:
     graph = write_graph(
         tmp_path,
         """

@@ -150,7 +150,7 @@ def test_a_truncated_video_is_named_and_the_others_go_on(rooms: dict[str, Path],
 
 
 def _own_copy(room: Path, folder: Path, cut: dict[str, float]) -> Path:
-    """The room with videos of its own; of some only the first part of the file, or none of it."""
+    """A copy of the room and its videos. cut: share of the file that is kept, for some cameras."""
     text = room.read_text()
     for video in sorted((DATA / "dev3").glob("*.mkv")):
         copy = folder / video.name

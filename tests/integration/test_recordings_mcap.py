@@ -1,4 +1,4 @@
-"""Recorders that are killed, and that run for long."""
+"""Recorders that are killed, and recorders that run for long."""
 
 from __future__ import annotations
 
@@ -65,8 +65,8 @@ def test_a_killed_recorder_loses_at_most_its_last_chunk(killed: tuple[Path, int]
     assert len(found) >= 400 - PER_CHUNK - 1
 
 
-def test_a_recorder_needs_no_more_memory_the_longer_it_records(killed: tuple[Path, int]) -> None:
-    """It wrote 90 MB: a hundred chunks."""
+def test_the_memory_of_a_recorder_does_not_grow(killed: tuple[Path, int]) -> None:
+    """The recorder wrote 90 MB: a hundred chunks."""
     path, grown = killed
     assert path.stat().st_size > 80_000_000
     assert grown < 10_000

@@ -1,4 +1,4 @@
-"""Sampled inputs in cycles, by whole runs: exact if an edge has a delay, else refused in replays."""
+"""Sampled inputs in cycles, in whole runs: exact if an edge has a delay, else refused in replays."""
 
 from __future__ import annotations
 

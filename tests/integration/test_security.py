@@ -1,4 +1,4 @@
-"""Which requests an agent answers, and whose: real sessions over TLS on loopback, real certificates."""
+"""The requests that an agent answers or rejects: real sessions over TLS on loopback, real certificates."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_a_replayed_request_is_refused_and_counted(certs: Path, agent: Agent, en
 
 
 def test_a_captured_request_is_rejected_by_another_agent(certs: Path, agent: Agent, endpoint: str) -> None:
-    """The agent on the left keeps what the desk asked of it."""
+    """The left agent captures a request of the operator."""
     captured: list[bytes] = []
 
     def capture(query: zenoh.Query) -> None:

@@ -1,4 +1,4 @@
-"""Which host may send on a port, and report for its readers: real sessions over TLS, real certificates."""
+"""The hosts that may send on a port and report for its readers: real sessions over TLS, real certificates."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ def test_a_reader_anywhere_reports_credit_to_a_writer_for_its_own_host_alone(
     assert agent.heard == [own]
 
 
-def test_no_host_declares_a_reader_on_another_host_to_be_there_or_done(
+def test_no_host_declares_a_reader_of_another_host_alive_or_done(
     certs: Path, agent: Agent, endpoint: str
 ) -> None:
-    """Its token, or the end of it, would let the writer wait for nobody, or for ever."""
+    """A forged token, or its end, would make the writer not wait at all, or wait for ever."""
     said = ("alive/5/0", "done/5/0/0")
     own = {f"{reader_key(PORT, 'pc-left')}/{word}" for word in said}
     foreign = [f"{reader_key(PORT, host)}/{word}" for host in ("", "desk", "pc-right", "*") for word in said]

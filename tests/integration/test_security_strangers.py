@@ -1,4 +1,4 @@
-"""Who does not get in at all: no certificate, a foreign or expired one, no TLS."""
+"""Peers that cannot connect: without a certificate, with a foreign or expired one, without TLS."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Graphs that change while they run: nothing is lost, and what cannot be built changes nothing."""
+"""Hot swaps in running graphs: nothing is lost, and a failed swap changes nothing."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ workers:
 
 
 class Going:
-    """A run that goes on, of which there may be others on this machine."""
+    """A running graph; other runs may go on on this machine."""
 
     def __init__(self, folder: Path, stages: str, workers: int) -> None:
         self.out = folder / "out"
@@ -79,7 +79,7 @@ class Going:
         assert wait_until(lambda: len(self.values()) >= wanted), "nothing is written any more"
 
     def step(self) -> int:
-        """What the newest number adds to the one before, both of one look: the file grows meanwhile."""
+        """Difference of the newest two numbers, from one read because the file grows."""
         before, newest = self.values()[-2:]
         return newest - before
 
@@ -87,7 +87,7 @@ class Going:
         assert wait_until(lambda: self.values(file)[-1] > value)
 
     def workers(self) -> list[int]:
-        """Process ids, in the order of the graph until one is started again."""
+        """Process ids of the workers, in the order of the graph until one is restarted."""
         return children(self.process.pid)
 
     def stopped(self) -> Finished:
@@ -134,7 +134,7 @@ REFUSED = [
     (["c.step=7", "b.step=7", "b.forgetful=true"], "stage b cannot carry on"),
     (["c.step=7", "c.broken=true", "b.step=7"], "stage c (ticks.tally) cannot be built"),
 ]
-"""The stages b and c are in two workers; where one of them cannot, the other one goes on as it was, too."""
+"""Stages b and c are in two workers; if one cannot be replaced, the other keeps its old stage, too."""
 
 
 def test_a_failed_swap_changes_nothing_and_a_replacement_keeps_its_state_after_a_death(
@@ -203,7 +203,7 @@ def test_a_run_under_an_agent_is_changed_without_its_operator(tmp_path: Path) ->
 
 
 def heard_by_a_stranger(endpoint: str, keys: list[str], more: int) -> list[list[int]]:
-    """Values of ports that no edge carries over Zenoh: by Zenoh, msgpack and numpy alone (docs/wire.md)."""
+    """Values of ports without Zenoh edges, read by Zenoh, msgpack and numpy alone (docs/wire.md)."""
     config = zenoh.Config()
     config.insert_json5("connect/endpoints", json.dumps([endpoint]))
     config.insert_json5("scouting/multicast/enabled", "false")

@@ -1,4 +1,4 @@
-"""What is gone looks gone: in `top`, on the page and in its metrics, in the progress, in the exit code."""
+"""Absent hosts and workers show as absent in `top`, page, metrics, progress and exit code."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ PATIENCE = 60.0
 
 
 class Watched:
-    """A live run in two workers, as those see it who look on."""
+    """A live run in two workers, as its observers see it."""
 
     def __init__(self, folder: Path, placement: str, *options: str, stages: str = LIVE) -> None:
         self.out = folder / "out"
@@ -61,18 +61,18 @@ class Watched:
         threading.Thread(target=lambda: self.said.extend(self.process.stderr or ()), daemon=True).start()
 
     def looked(self, *words: str) -> subprocess.CompletedProcess[str]:
-        """A command that looks at the run."""
+        """The output of a command that reads the run."""
         whole = [*COMMAND, *words]
         return subprocess.run(whole, capture_output=True, text=True, check=False, timeout=PATIENCE)
 
     def top(self) -> dict[str, Any]:
-        """What `followspot top` tells."""
+        """The output of `followspot top` as data."""
         done = self.looked("top", str(self.process.pid), "--json")
         assert done.returncode == 0, done.stderr
         return dict(json.loads(done.stdout))
 
     def status(self) -> dict[str, Any]:
-        """What the page is told."""
+        """The status that the page gets."""
         return dict(json.load(urlopen(self.url + "status", timeout=PATIENCE)))
 
     def metrics(self) -> dict[str, str]:
@@ -80,7 +80,7 @@ class Watched:
         return dict(re.findall(r"^([a-z_]+(?:\{.*\})?) (\S+)$", text, re.MULTILINE))
 
     def until(self, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
-        """What the page is told when it fits."""
+        """The first status of the page that fits."""
         told: list[dict[str, Any]] = []
 
         def looks() -> bool:
@@ -116,7 +116,7 @@ def watched(folder: Path, placement: str, *options: str, stages: str = LIVE) -> 
 
 
 def workers(pid: int) -> list[int]:
-    """Workers that a process started, in that order."""
+    """Process ids of the workers of a process, in the order of their start."""
     found = children(pid)
     return [child for child in found if b"worker.main" in Path(f"/proc/{child}/cmdline").read_bytes()]
 
@@ -167,7 +167,7 @@ def test_a_dead_host_is_absent_in_top_page_and_metrics(tmp_path: Path, agent: Ag
 
 
 def test_an_absent_worker_at_the_end_is_an_error(tmp_path: Path) -> None:
-    """It cannot come back, for its plugin is broken by then."""
+    """The worker cannot restart, because its plugin is broken by then."""
     plugin = tmp_path / "brittle.py"
     shutil.copy(STAGES, plugin)
     stages = LIVE.replace("ticks.", "brittle.")
