@@ -93,7 +93,7 @@ def trial(variant: str, room: str, persons: PersonsScore) -> Trial:
 
 
 def column(key: str, *scores: PersonsScore) -> float:
-    return next(c for c in PERSON_COLUMNS if c.key == key).value(scores)
+    return next(c for c in PERSON_COLUMNS if c.key == key).of(scores)
 
 
 def test_figures_of_persons_stand_at_the_end_of_a_run(

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import random
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from fuzzing.mutation import broken_bytes
 from fuzzing.target import Target
 
 _SIZE = (64, 48)
+_CODECS = (("mkv", "MJPG"), ("mkv", "FFV1"), ("mp4", "mp4v"), ("avi", "XVID"), ("webm", "VP80"))
 _FRAMES = 8
 _MOST_PLAYED = 1000
 """A damaged file that claims to go on for ever is left after so many pictures."""
@@ -50,6 +52,12 @@ def _damaged(data: bytes, rng: random.Random) -> bytes:
     return bytes(found)
 
 
+def _chosen(samples: Sequence[tuple[str, bytes]], rng: random.Random) -> tuple[str, bytes]:
+    """The suffix and the damaged content of a sample."""
+    suffix, data = rng.choice(samples)
+    return suffix, _damaged(data, rng)
+
+
 def _played(stage: Video | Images) -> int:
     """Play to the end as a worker does. Raises FollowspotError if not all pictures came."""
     count = 0
@@ -71,13 +79,7 @@ def video_target() -> Target:
     """Video files of several containers and codecs."""
     folder = Path(tempfile.mkdtemp(prefix="followspot-fuzz-"))
     samples = []
-    for suffix, codec in (
-        ("mkv", "MJPG"),
-        ("mkv", "FFV1"),
-        ("mp4", "mp4v"),
-        ("avi", "XVID"),
-        ("webm", "VP80"),
-    ):
+    for suffix, codec in _CODECS:
         path = folder / f"whole.{suffix}"
         writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*codec), 30.0, _SIZE)
         if not writer.isOpened():
@@ -88,16 +90,12 @@ def video_target() -> Target:
         samples.append((suffix, path.read_bytes()))
     context = Context(name="camera/cam0", camera=_camera())
 
-    def make(rng: random.Random) -> tuple[str, bytes]:
-        suffix, data = rng.choice(samples)
-        return suffix, _damaged(data, rng)
-
     def take(made: tuple[str, bytes]) -> object:
         path = folder / f"broken.{made[0]}"
         path.write_bytes(made[1])
         return _played(Video(context, path=path))
 
-    return Target(make, take, (FollowspotError,))
+    return Target(partial(_chosen, samples), take, (FollowspotError,))
 
 
 def images_target() -> Target:
@@ -108,10 +106,6 @@ def images_target() -> Target:
         _, data = cv2.imencode(f".{suffix}", _pictures()[0])
         samples.append((suffix, data.tobytes()))
     context = Context(name="camera/cam0", camera=_camera())
-
-    def make(rng: random.Random) -> tuple[str, bytes]:
-        suffix, data = rng.choice(samples)
-        return suffix, _damaged(data, rng)
 
     def take(made: tuple[str, bytes]) -> object:
         path = folder / f"frame.{made[0]}"
@@ -126,7 +120,7 @@ def images_target() -> Target:
             raise FollowspotError(" ".join(warnings))
         return count
 
-    return Target(make, take, (FollowspotError,))
+    return Target(partial(_chosen, samples), take, (FollowspotError,))
 
 
 def _frames(stage: Images) -> Iterator[object]:

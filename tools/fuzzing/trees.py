@@ -109,23 +109,9 @@ _TEXTS: tuple[Tree, ...] = (
     *("../../../etc/passwd", "/etc/passwd", "/dev/zero", "/dev/full", "/proc/self/mem", "~", ".", "..", "/"),
     *("${x}", "${", "${least}", "a.b", "a.b.c", ".", "*", "**", "$x", "?", "#", "@", "a/b", "cam0", "track"),
     *("0", "1e5", "1e400", "nan", "inf", "-1", "9" * 30, "true", "null", "None", "[1, 2]", "{a: 1}"),
-    *(
-        "sim.camera",
-        "balls.kalman",
-        "sinks.csv",
-        "cameras.video",
-        "cameras.device",
-        "room.source",
-        "sinks.osc",
-    ),
-    *(
-        "recording.port[sim.camera.out]",
-        "recording.port[",
-        "cameras",
-        "cameras[kind=color]",
-        "cameras[",
-        "latest",
-    ),
+    *("sim.camera", "balls.kalman", "sinks.csv", "cameras.video", "cameras.device"),
+    *("room.source", "sinks.osc", "recording.port[sim.camera.out]", "recording.port["),
+    *("cameras", "cameras[kind=color]", "cameras[", "latest"),
 )
 _ODD: tuple[Tree, ...] = (
     *(None, True, False, [], [[]], [None], [1_000_000, 1_000_000], [0] * 1000, ["x"] * 100, Pairs([])),

@@ -23,19 +23,8 @@ from typing import Any
 from mutation.tree import TOKEN, Mutant, Tree, end
 
 SOURCES = ("core", "plugins", "tools")
-PYTEST = (
-    "-m",
-    "pytest",
-    "-q",
-    "-p",
-    "mutation.probe",
-    "-p",
-    "no:cacheprovider",
-    "-p",
-    "no:xdist",
-    "-p",
-    "no:faulthandler",
-)
+_WITHOUT = ("no:cacheprovider", "no:xdist", "no:faulthandler")
+PYTEST = ("-m", "pytest", "-q", *(word for name in ("mutation.probe", *_WITHOUT) for word in ("-p", name)))
 ONLY = ("-m", "not thorough", "--hypothesis-profile", "ci")
 CONFIG = """[run]
 context = ${PYTEST_CURRENT_TEST-}

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from statistics import fmean
 from typing import Any
 
 _SUMS = ("identity_switches", "hidden_frames", "false_positions")
@@ -21,7 +22,7 @@ def figures_of(summary: Mapping[str, Any]) -> dict[str, float]:
     for key in dict.fromkeys(key for one in targets for key in one if key != "frames"):
         values = [one[key] for one in targets if _known(one.get(key))]
         if values:
-            found[key] = sum(values) if key in _SUMS else max(values) if key in _MOST else _mean(values)
+            found[key] = sum(values) if key in _SUMS else max(values) if key in _MOST else fmean(values)
     persons = summary.get("persons", {}).get(_ALL)
     return found | (_flat(persons) if isinstance(persons, Mapping) else {})
 
@@ -39,7 +40,3 @@ def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, float]:
 
 def _known(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import cv2
@@ -34,11 +33,8 @@ def recall(pictures: Pictures, rate: float) -> dict[str, Any]:
     weights = np.ravel(cv2.HOGDescriptor.getDefaultPeopleDetector())
     hit = np.array([_score(hog, weights, p.pixels, p.box) > least for p in pictures.persons], bool)
     known = np.array([person.body >= 0 for person in pictures.persons], bool)
-    return {name: {"recall": share(hit[rows])} for name, rows in _kinds(known) if rows.any()}
-
-
-def _kinds(known: Array) -> Sequence[tuple[str, Array]]:
-    return ("rooms", known), ("streets", ~known)
+    kinds = ("rooms", known), ("streets", ~known)
+    return {name: {"recall": share(hit[rows])} for name, rows in kinds if rows.any()}
 
 
 def _score(hog: cv2.HOGDescriptor, weights: Array, pixels: Array, box: Array) -> float:

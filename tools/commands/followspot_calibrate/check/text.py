@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.tables import table
-from followspot_calibrate.check.against import Comparison
+from followspot_calibrate.check.against import CameraDifference, Comparison
 from followspot_calibrate.check.agreement import Agreement
 from followspot_calibrate.check.findings import Drift, Findings
 
@@ -163,19 +163,13 @@ def _drift_data(one: Drift) -> dict[str, Any]:
 def _against_data(one: Comparison | None) -> dict[str, Any] | None:
     if one is None:
         return None
-    cameras = {
-        each.name: {
-            "other": each.other,
-            "center_mm": _rounded(each.center_mm),
-            "angle_deg": _rounded(each.angle_deg),
-            "mean_px": _rounded(each.mean_px),
-            "focal_percent": _rounded(each.focal_percent),
-            "principal_px": _rounded(each.principal_px),
-            "lens_px": _rounded(each.lens_px),
-        }
-        for each in one.cameras
-    }
+    cameras = {each.name: _difference(each) for each in one.cameras}
     return {"scale": _rounded(one.scale), "cameras": cameras}
+
+
+def _difference(one: CameraDifference) -> dict[str, Any]:
+    figures = {key: value for key, value in vars(one).items() if key not in ("name", "other")}
+    return {"other": one.other, **{key: _rounded(value) for key, value in figures.items()}}
 
 
 def _matrix(values: Array) -> Sequence[Sequence[float | None]]:

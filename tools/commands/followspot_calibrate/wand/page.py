@@ -27,12 +27,8 @@ def page_of(room: Room, result: Calibrated) -> Page:
         np.where(settled.used[..., None], settled.residual, np.nan),
         planes=room.planes if result.alignment.method == "centers" else None,
         warnings=result.warnings,
-        more=[_figures(result), _shared(result)],
+        more=[plain_table("Figures", ("", ""), told(result)), _shared(result)],
     )
-
-
-def _figures(result: Calibrated) -> Section:
-    return plain_table("Figures", ("", ""), told(result))
 
 
 def _shared(result: Calibrated) -> Section:
