@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from rich.console import Console, Group, RenderableType
@@ -54,6 +55,11 @@ def plain(part: RenderableType) -> str:
     with console.capture() as capture:
         console.print(part)
     return "\n".join(line.rstrip() for line in capture.get().splitlines())
+
+
+def is_screen(stream: TextIO) -> bool:
+    """Whether the stream is a terminal that can renew what it shows."""
+    return stream.isatty() and os.environ.get("TERM", "").lower() not in ("dumb", "unknown")
 
 
 def literal_console(**options: Any) -> Console:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 from followspot.library.execute import Progress
-from followspot.tables import BAD_STYLE, literal_console
+from followspot.tables import BAD_STYLE, is_screen, literal_console
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -22,7 +22,7 @@ class ProgressBar:
     """Shows frames done, the rate, the time left and faults. Its `show` is what a run calls."""
 
     def __init__(self) -> None:
-        self.terminal = sys.stderr.isatty()
+        self.terminal = is_screen(sys.stderr)
         self._line = time.monotonic(), 0
         """When the last line was printed, s, and how many frames were done then."""
         self._faulty = False

@@ -59,6 +59,15 @@ def test_quiet_runs_draw_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     assert seen.getvalue() == "warning\n"
 
 
+def test_a_terminal_that_cannot_go_back_gets_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen = terminal(monkeypatch)
+    monkeypatch.setenv("TERM", "dumb")
+    with closing(ProgressBar()) as bar:
+        bar.show(Progress(7, 0, ("host a is absent",)), None)
+    assert "7 frames" in seen.getvalue()
+    assert "\x1b" not in seen.getvalue()
+
+
 def test_a_pipe_gets_a_line_now_and_then_and_when_faults_come_and_go(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

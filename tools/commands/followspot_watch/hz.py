@@ -16,7 +16,7 @@ from followspot.cli.agent_options import network_of
 from followspot.library.handle import LOSSES, RunHandle, connected_run, is_unheard
 from followspot.messages import Message
 from followspot.plugins.registry import use_plugin_files
-from followspot.tables import blocks, grid, line, plain
+from followspot.tables import blocks, grid, is_screen, line, plain
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
@@ -70,7 +70,7 @@ def hz(args: argparse.Namespace) -> int:
     with connected_run(args.run, network_of(args)) as run:
         measured = Measured(run, tapped_ports(args.port, run))
         with subscribed(run, measured.ports, SINK, window=args.seconds) as subscriber:
-            if not args.json and sys.stdout.isatty():
+            if not args.json and is_screen(sys.stdout):
                 _watch(subscriber, measured)
                 return 0
             with suppress(KeyboardInterrupt):

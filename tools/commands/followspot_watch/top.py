@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import LIMIT_MS, LOSSES, RunHandle, connected_run
-from followspot.tables import blocks, grid, line, plain
+from followspot.tables import blocks, grid, is_screen, line, plain
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
 
@@ -36,7 +36,7 @@ def top(args: argparse.Namespace) -> int:
         picture = RunMonitor(run.plan())
         picture.take(run.status())
         try:
-            if args.json or not sys.stdout.isatty():
+            if args.json or not is_screen(sys.stdout):
                 time.sleep(_FIRST)
                 picture.take(run.status())
                 data = _data(run, picture)
