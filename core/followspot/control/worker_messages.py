@@ -15,7 +15,7 @@ from followspot.ranges import Count, Nanoseconds
 
 
 class WorkerMessage(Request):
-    """Base of these messages."""
+    """Base of all messages from a worker."""
 
     roles: ClassVar[tuple[Role, ...]] = ("host",)
 

@@ -16,7 +16,7 @@ from followspot.transport.zenoh.network import Network
 
 Side = Literal["sending", "receiving"]
 Correction = tuple[Nanoseconds, Nanoseconds]
-"""What to add to capture times and to the monotonic clock of a host, ns."""
+"""Offsets to add to capture times and to the monotonic clock of a host, ns."""
 
 
 class WorkerOrder(Request):
@@ -54,25 +54,26 @@ class TakeRing(WorkerOrder):
 
 
 class SendStates(WorkerOrder):
-    """Tell the host a checkpoint of every stage."""
+    """Send the host a checkpoint of every stage."""
 
 
 class SetClock(WorkerOrder):
-    """Correct the clocks from now on."""
+    """Apply a new clock correction."""
 
     correction: Correction
 
 
 class LeaveRun(WorkerOrder):
-    """Tell the host a checkpoint of every stage and exit, in the middle of the streams."""
+    """Send the host a checkpoint of every stage and exit, though the streams have not ended."""
 
 
 class HoldSources(Relayed):
-    """Hold all sources of a replay: they send nothing, and what was sent is processed.
+    """Hold all sources of a replay; stages process the messages already sent.
 
-    id: of the order; the same id changes only `until`; held: False lets them go on; source: one that sends
-    `count` messages more before it holds, "" for none; until: capture time that the others reach before they
-    hold, ns. Where that source runs, the others follow its newest capture time without being told.
+    id: of the order; an order with the same id changes only `until`; held: False lets the sources go on;
+    source: a source that sends `count` more messages before it holds, "" for none; until: capture time that
+    the other sources reach before they hold, ns. In the worker of `source` the others follow its newest
+    capture time without a further order.
     """
 
     id: str
@@ -82,7 +83,7 @@ class HoldSources(Relayed):
     until: Nanoseconds = -1
 
     def check(self, plan: Plan, *, remote: bool) -> None:
-        """Raises FollowspotError if the run is live, or has no such source."""
+        """Raise FollowspotError if the run is live or has no such source."""
         if plan.live:
             raise FollowspotError("a live run cannot be paused: its devices do not wait")
         fed = {edge.to_stage for edge in plan.edges}
@@ -92,12 +93,12 @@ class HoldSources(Relayed):
             raise FollowspotError(f'there is no source "{self.source}"; {remedy}')
 
     def replaces(self, other: Relayed) -> bool:
-        """The newest order counts alone."""
+        """Only the newest order counts."""
         return isinstance(other, HoldSources)
 
 
 RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, HoldSources)
-"""Orders that come from the operator."""
+"""Orders that the operator relays to all workers."""
 ORDERS = by_verb(
     (
         BuildWorker,

@@ -37,5 +37,5 @@ class WorkerReport:
     absent: bool = False
 
     def to_data(self) -> dict[str, Any]:
-        """JSON types."""
+        """The report in JSON types."""
         return asdict(self)

@@ -19,14 +19,14 @@ class HostChange:
     def __init__(self, order: ChangeOrder | None = None, plan: Plan | None = None) -> None:
         """order: None before the first change; plan: says which worker has which stage."""
         self.order = order
-        self.parts: dict[str, ChangeOrder] = {}
+        self.orders: dict[str, ChangeOrder] = {}
         """The order for each worker."""
         self._answers: dict[str, ChangeStatus] = {}
         self._expires = time.monotonic() + _TIMEOUT
         if order is not None and plan is not None:
             for worker in dict.fromkeys(plan.worker_of(stage.name) for stage in order.stages):
                 own = tuple(stage for stage in order.stages if plan.worker_of(stage.name) == worker)
-                self.parts[worker] = order.model_copy(update={"stages": own})
+                self.orders[worker] = order.model_copy(update={"stages": own})
 
     def blocks(self, order: ChangeOrder) -> bool:
         """True if another change is under way, so that this order must wait."""
@@ -45,7 +45,7 @@ class HostChange:
 
         It must if the order was to take over, because the replacements of other workers may have done so.
         """
-        if self.order is None or worker not in self.parts or self._answered(worker):
+        if self.order is None or worker not in self.orders or self._answered(worker):
             return False
         if self.order.step == "take_over":
             self._answers[worker] = ChangeStatus(self.order.id, "done")
@@ -60,7 +60,7 @@ class HostChange:
         errors = [answer.error for answer in self._answers.values() if answer.phase == "failed"]
         if errors:
             return ChangeStatus(self.order.id, "failed", "; ".join(errors))
-        if self.order.step != "discard" and not all(self._answered(worker) for worker in self.parts):
+        if self.order.step != "discard" and not all(self._answered(worker) for worker in self.orders):
             return ChangeStatus(self.order.id, "building")
         return ChangeStatus(self.order.id, _AFTER[self.order.step])
 

@@ -124,12 +124,12 @@ class LocalHost:
         change = HostChange(order, self.plan)
         if self.status().all("over"):
             raise FollowspotError("the run has ended")
-        for name in change.parts:
+        for name in change.orders:
             if self.workers[name].phase != "running":
                 raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
         self._change = change
-        for name, part in change.parts.items():
-            self.workers[name].tell(part)
+        for name, own_order in change.orders.items():
+            self.workers[name].tell(own_order)
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move; the next `attend` does it."""
@@ -151,7 +151,7 @@ class LocalHost:
         self.supervisor.look(time.monotonic())
         for worker in self.workers.values():
             if not worker.busy and self._change.died(worker.name):
-                self.pool.change(self._change.parts[worker.name].stages)
+                self.pool.change(self._change.orders[worker.name].stages)
         while self._moves:
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()
@@ -199,7 +199,7 @@ class LocalHost:
     def _changed(self, worker: str, answer: ChangeStatus) -> None:
         """Take a worker's answer; once replacements have taken over, restarted workers get them, too."""
         if self._change.heard(worker, answer):
-            self.pool.change(self._change.parts[worker].stages)
+            self.pool.change(self._change.orders[worker].stages)
 
     def tell(self, level: Level, line: str, worker: str = "") -> None:
         """Log a line; it becomes news unless it is an error."""

@@ -40,7 +40,7 @@ class Found:
 
     @property
     def label(self) -> str:
-        """For lists of runs."""
+        """Text for lists of runs."""
         return f"{self.graph} ({self.run[:8]})"
 
 
@@ -68,17 +68,17 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
 
 def found(client: RpcClient) -> list[Found]:
     """The runs of all agents that answer, the newest run of each agent last."""
-    parts: dict[str, dict[str, ListedRun]] = {}
+    by_run: dict[str, dict[str, ListedRun]] = {}
     for agent in sorted(agents(client.session)):
-        for part in client.ask(agent, ListRuns()):
-            parts.setdefault(part.run, {})[agent] = part
-    return [_found(run, hosts) for run, hosts in parts.items()]
+        for listed in client.ask(agent, ListRuns()):
+            by_run.setdefault(listed.run, {})[agent] = listed
+    return [_found(run, hosts) for run, hosts in by_run.items()]
 
 
 def _found(run: str, hosts: Mapping[str, ListedRun]) -> Found:
     """A run from the listing of each of its hosts."""
-    graph, *_ = (part.graph for part in hosts.values())
-    return Found(run, graph, tuple(hosts), all(part.over for part in hosts.values()))
+    graph, *_ = (listed.graph for listed in hosts.values())
+    return Found(run, graph, tuple(hosts), all(listed.over for listed in hosts.values()))
 
 
 class Attachment:
@@ -112,7 +112,8 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
                 f"there is no run {wanted or ''}".rstrip() + f"; runs in reach: {listing(runs)}"
             )
         orders = {name: _order(client, name, run.run) for name in run.hosts}
-        watched = {name: replace(order, restart=False) for name, order in orders.items()}  # begins nothing
+        # without restart, because an observer must not resume the run
+        watched = {name: replace(order, restart=False) for name, order in orders.items()}
         order = orders[run.hosts[0]]
         unlisted = {worker.host for worker in plan_from_data(order.plan).workers} - {"", *watched}
         watched |= dict.fromkeys(sorted(unlisted), watched[run.hosts[0]])
@@ -123,18 +124,18 @@ def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
                 host.watch(silent=host.name in unlisted)
             yield Attachment(run, coordinator)
             if all(host.status().all("over") for host in coordinator.hosts):
-                for every in coordinator.hosts:
-                    every.close()
+                for member in coordinator.hosts:
+                    member.close()
         finally:
             _stop_polling(coordinator)
 
 
 def handle_of(attachment: Attachment, network: Network) -> RunHandle:
-    """The run that is looked at, as one of another operator; network: leads to its agents."""
+    """A handle on the watched run. network: leads to its agents."""
     coordinator = attachment.coordinator
 
     def stop() -> None:
-        for host in coordinator.hosts:  # no thread watches the run here, to see that it is to end
+        for host in coordinator.hosts:  # no thread here watches the run, so `run.stop` would have no effect
             host.stop()
 
     dispatcher = run_dispatcher(coordinator, Surroundings(network=network), stop)
@@ -142,7 +143,7 @@ def handle_of(attachment: Attachment, network: Network) -> RunHandle:
     def ask(request: Request, timeout: float) -> Any:
         try:
             return dispatcher.dispatch(request)
-        except InputError as error:  # one answer, wherever the run is
+        except InputError as error:  # as the handle of a run on this machine raises
             raise FollowspotError(str(error)) from None
 
     return RunHandle(attachment.found.run, attachment.found.graph, ask)
@@ -156,7 +157,7 @@ def _stop_polling(coordinator: Coordinator) -> None:
 
 
 def _view(orders: Mapping[str, RunOrder]) -> Plan:
-    """The plan of a run, the parameters of each stage from the host that it runs on: others have none."""
+    """The plan of a run; the parameters of a stage come from its host, because other hosts lack them."""
     plans = {name: plan_from_data(order.plan) for name, order in orders.items()}
     own = [s for name, plan in plans.items() for s in plan.stages if plan.host_of(s.worker) == name]
     return with_stages(next(iter(plans.values())), own)

@@ -54,11 +54,11 @@ class _Change:
     ) -> None:
         self.id = uuid4().hex
         self.fresh = fresh
-        self.parts: Mapping[str, tuple[PlannedStage, ...]] = {
+        self.replacements: Mapping[str, tuple[PlannedStage, ...]] = {
             host.name: tuple(stage for stage in stages if plan.host_of(stage.worker) == host.name)
             for host in hosts
         }
-        self.hosts = [host for host in hosts if self.parts[host.name]]
+        self.hosts = [host for host in hosts if self.replacements[host.name]]
 
     def do(self, step: Step, phase: ChangePhase) -> None:
         """Do one step on all hosts and wait until it is done. Raises FollowspotError."""
@@ -89,4 +89,4 @@ class _Change:
         return reached
 
     def _order(self, host: Host, step: Step) -> ChangeOrder:
-        return ChangeOrder(id=self.id, step=step, stages=self.parts[host.name], fresh=self.fresh)
+        return ChangeOrder(id=self.id, step=step, stages=self.replacements[host.name], fresh=self.fresh)

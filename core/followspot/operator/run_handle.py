@@ -125,18 +125,19 @@ class RunHandle:
         self.ask(PlaceTaps(taps=tuple(taps)), ANSWER_TIMEOUT)
 
     def pause(self) -> None:
-        """Hold all sources of a replay; what they have sent is processed. A live run refuses."""
+        """Hold all sources of a replay; stages process the messages already sent. A live run refuses."""
         self.ask(HoldSources(id=uuid4().hex), ANSWER_TIMEOUT)
 
     def resume(self) -> None:
-        """Let the sources go on."""
+        """Let the held sources go on."""
         self.ask(HoldSources(id=uuid4().hex, held=False), ANSWER_TIMEOUT)
 
     def step(self, count: int = 1, *, source: str | None = None) -> int:
-        """Let a replay go on for the next `count` capture times of a source, and pause; the newest one, ns.
+        """Let a replay go on for the next `count` capture times of a source, then pause it again.
 
-        source: for example ``camera/cam0``; the first camera's unless told. Every other source sends until it
-        has reached that time. Returns when the sources have sent this; stages may still process it.
+        source: for example ``camera/cam0``; by default the first camera's. Every other source sends until it
+        has reached the same time. Returns the newest capture time, ns, when the sources have sent these
+        messages; stages may still process them. Raises NoAnswer if no source sends for 60 s.
         """
         plan = self.plan()
         fed = {edge.to_stage for edge in plan.edges}
@@ -144,7 +145,7 @@ class RunHandle:
         chosen = source or min(sources, key=lambda stage: stage.camera is None).name
         order = HoldSources(id=uuid4().hex, source=chosen, count=count)
         self.ask(order, ANSWER_TIMEOUT)
-        names, seen, patient = {stage.name for stage in sources}, None, 0.0
+        names, times, deadline = {stage.name for stage in sources}, None, 0.0
         while True:
             found = self._stages(names)
             if found is None:
@@ -154,9 +155,9 @@ class RunHandle:
                 self.ask(order, ANSWER_TIMEOUT)
             if names == found.keys() and all(_has_stepped(stage, order) for stage in found.values()):
                 return order.until
-            if seen != (seen := {stage.stage: stage.time for stage in found.values()}):
-                patient = time.monotonic() + _STALLED
-            if time.monotonic() > patient:
+            if times != (times := {stage.stage: stage.time for stage in found.values()}):
+                deadline = time.monotonic() + _STALLED
+            if time.monotonic() > deadline:
                 raise NoAnswer(f"no source has sent anything for {_STALLED:.0f} s")
             time.sleep(_POLL_INTERVAL)
 
@@ -186,7 +187,7 @@ class RunHandle:
 
 
 def _has_stepped(source: StageStatus, order: HoldSources) -> bool:
-    """Whether a source has sent all that the order lets it send."""
+    """True if a source has sent all messages that the order allows."""
     if source.state == "over":
         return True
     return source.state == "paused" and source.hold == order.id and source.time >= order.until

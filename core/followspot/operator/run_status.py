@@ -56,7 +56,7 @@ class RunStatus:
         """Each edge with its counts."""
         for number, edge in enumerate(plan.edges):
             row = self.counts[number * COLUMNS : (number + 1) * COLUMNS]
-            if row:  # empty until all hosts have answered once
+            if row:  # a status may have no counts yet
                 yield edge, tally(row)
 
 
