@@ -35,13 +35,14 @@ def stages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def graph(tmp_path: Path) -> Path:
-    """Two sources 3 ms apart, joined; they send little until the file `gate` is in the output folder."""
+    """Three sources, one 3 ms later, joined; they send little until the output folder has a file `gate`."""
     return write_graph(
         tmp_path,
         f"""
 a: {{uses: gated.count, with: {{count: {COUNT}}}}}
 b: {{uses: gated.count, with: {{count: {COUNT}, shift: 3000000}}}}
-c: {{uses: gated.sum, in: {{numbers: [a, b]}}}}
+d: {{uses: gated.count, with: {{count: {COUNT}}}}}
+c: {{uses: gated.sum, in: {{numbers: [a, b, d]}}}}
 w: {{uses: gated.write, in: {{number: c}}}}
 """,
     )
@@ -66,11 +67,11 @@ def command(*words: object) -> str:
 
 def sources(run: RunHandle) -> dict[str, StageStatus]:
     stages = (stage for worker in run.status().workers for stage in worker.stages)
-    return {stage.stage: stage for stage in stages if stage.stage in "ab"}
+    return {stage.stage: stage for stage in stages if stage.stage in "abd"}
 
 
 def paused(run: RunHandle) -> bool:
-    return [stage.state for stage in sources(run).values()] == ["paused", "paused"]
+    return [stage.state for stage in sources(run).values()] == ["paused"] * 3
 
 
 def paused_and_stepped(run: fs.OwnRun, gates: Path) -> None:
@@ -85,6 +86,7 @@ def paused_and_stepped(run: fs.OwnRun, gates: Path) -> None:
     after = sources(run)
     assert after["a"].fired == before["a"].fired + 5
     assert after["b"].time - PERIOD < after["a"].time <= after["b"].time
+    assert after["d"].time == after["a"].time
     until(lambda: sources(run)["a"].idle_s > 2.0)  # a worker that hangs is killed sooner
     assert paused(run)
     assert run.step() == after["a"].time + PERIOD
