@@ -26,7 +26,7 @@ class Line(NamedTuple):
 
 
 def read(journal: Path) -> list[Line]:
-    """All lines; none where nothing was ever written."""
+    """All lines; none if nothing was ever written."""
     if not journal.exists():
         return []
     words = (line.split() for line in journal.read_text().splitlines())

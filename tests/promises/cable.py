@@ -1,4 +1,4 @@
-"""A cable between two sessions that can be held still and cut: what is in it then is lost."""
+"""A cable between two sessions that a test can hold and cut; bytes in a cable that is cut are lost."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ class Cable:
         threading.Thread(target=self._accept, daemon=True).start()
 
     def hold(self) -> None:
-        """Nothing arrives for now, in either direction."""
+        """Let no byte arrive, in either direction."""
         self._moves.clear()
 
     def release(self) -> None:
-        """What was held arrives."""
+        """Let the bytes arrive that were held."""
         self._moves.set()
 
     def cut(self) -> None:
-        """What is on its way is gone, and nobody gets through."""
+        """Lose the bytes that are on their way, and refuse connections."""
         with self._lock:
             self._open = False
             for end in self._ends:
@@ -46,7 +46,7 @@ class Cable:
         self._moves.set()
 
     def mend(self) -> None:
-        """Whoever tries again gets through."""
+        """Accept connections again."""
         self._open = True
 
     def close(self) -> None:
@@ -75,7 +75,7 @@ class Cable:
                 threading.Thread(target=self._pump, args=(one, other), daemon=True).start()
 
     def _pump(self, one: socket.socket, other: socket.socket) -> None:
-        """Carry bytes one way; what came while the cable was held and then cut goes nowhere."""
+        """Carry bytes one way; those that came while the cable was held and then cut are lost."""
         with contextlib.suppress(OSError):
             while data := one.recv(1 << 16):
                 self._moves.wait()
@@ -87,7 +87,7 @@ class Cable:
 
 
 def session(*, listen: int = 0, connect: Sequence[str] = ()) -> zenoh.Session:
-    """A peer that meets those alone that it is told of: gossip would lead around the cable."""
+    """A peer that connects only to the ports that it is given: gossip would lead around the cable."""
     here = (f"tcp/127.0.0.1:{listen}",) if listen else ()
     config = config_of(Network(listen=here, connect=tuple(connect)))
     config.insert_json5("scouting/gossip/enabled", "false")

@@ -1,8 +1,8 @@
-"""What an edge promises, without sockets, memory or sessions: the judge of those that have them.
+"""A model of what an edge promises, without sockets, memory or sessions: it judges real edges.
 
-It knows of an edge what `followspot.transport.edge` says, and nothing of how it is done. A port speaks; each
-reader that is there is owed every word, in order. Watermarks that follow each other may become the last of
-them. Messages that are on their way when a link is cut come as invalid, in their place. Nothing else goes.
+The model knows what `followspot.transport.edge` says, and nothing of any implementation. Each reader that is
+present is owed every word of the port, in order. Of watermarks that follow each other, only the last must
+come. Messages that are on their way when a link is cut come as missing, in their place. All others arrive.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from itertools import takewhile
 from typing import NamedTuple
 
 END = 2**63 - 1
-"""The watermark of a stream that is over."""
+"""The watermark of a stream that has ended."""
 ABSENT = END - 1
-"""The watermark of a stream that says nothing for now."""
+"""The watermark of a stream whose source is away."""
 
 
 class Spoken(NamedTuple):
@@ -69,7 +69,7 @@ class Owed:
     watermark: int = -END
     """The latest watermark that it received, unless absence was said."""
     _heard: Advance | None = None
-    """The last that it received, where that was a watermark."""
+    """The last word that it received, if that was a watermark."""
 
     def say(self, word: Spoken | Advance) -> None:
         """The writer sends something, and this reader is there."""
@@ -145,7 +145,7 @@ class Owed:
             self.given = self.got = self.consumed = 0
 
     def _join(self, word: Word) -> None:
-        """The first that comes says where this reader was let in; absence alone, or the end, may be any."""
+        """The first word tells where this reader joined; absence or the end tell nothing."""
         if self.joins and self._is_due(word) and not (isinstance(word, Advance) and word.watermark >= ABSENT):
             while not self._is(self.due[0], word):
                 self.given -= isinstance(self.due.popleft(), Spoken)
@@ -202,7 +202,7 @@ class Owed:
         ]
 
     def _skip_watermarks(self) -> None:
-        """Watermarks in a row may have become the last of them; where a link was cut, all may be gone."""
+        """Only the last watermark in a row must come; none, if the link was cut."""
         row = self._next_watermarks()
         gone = self.leaks and row[-1:] != [Advance(END)]
         told_before = self.vague and all(word.watermark >= ABSENT for word in row)

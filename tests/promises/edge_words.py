@@ -38,7 +38,7 @@ def intact(message: Message) -> bool:
 
 
 def word(token: Token) -> Word:
-    """What a token says. Raises AssertionError where its content is damaged."""
+    """What a token says. Raises AssertionError if its content is damaged."""
     if isinstance(token, Watermark):
         return Advance(token.time)
     if isinstance(token, Invalid):

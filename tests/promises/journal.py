@@ -18,7 +18,7 @@ import followspot as fs
 
 
 class Note(fs.Message):
-    """A number, who made it, and some bytes: with enough of them it travels in a slot of a ring."""
+    """A number, its maker, and some bytes: with enough of them it travels in a slot of a ring."""
 
     value: int
     by: str
@@ -51,7 +51,7 @@ class Keeper:
         return note
 
     def asked(self, what: str) -> bool:
-        """Whether somebody has put a file there that asks this stage to misbehave."""
+        """Whether a file asks this stage to misbehave."""
         return os.path.exists(os.path.join(self.books, f"{what}.{self.context.name}"))  # noqa: PTH110, PTH118
 
     def linger(self) -> None:

@@ -39,7 +39,7 @@ class Journaled:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave nothing behind where the test failed; workers end when their operator does."""
+        """Leave nothing behind if the test failed; workers end when their operator does."""
         if self.process.poll() is None:
             self.process.kill()
             self.process.communicate()
@@ -68,7 +68,7 @@ class Journaled:
     def hang(self, worker: str) -> None:
         """Until its host has had enough."""
         pid = self.signal(worker, signal.SIGSTOP)
-        assert wait_until(lambda: not alive(pid), FOREVER), "nobody minds that it hangs"
+        assert wait_until(lambda: not alive(pid), FOREVER), "the host does not notice that it hangs"
         self.killed.add(pid)
 
     def suspend(self, worker: str) -> None:

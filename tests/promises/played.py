@@ -95,7 +95,7 @@ def told(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def differences(expected: Played, found: Played) -> list[str]:
-    """Where two runs differ: files, ports from which message on, and what was told; empty where nowhere."""
+    """Differences of two runs: files, ports with the first message that differs, and output."""
     lines = [f"file {name}" for name in _unlike(expected.files, found.files)]
     for port in _unlike(expected.ports, found.ports):
         a, b = expected.ports.get(port, ()), found.ports.get(port, ())

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import select
 import socket
 from collections.abc import Iterable
@@ -34,12 +36,12 @@ class RingEnds(RuleBasedStateMachine):
         self.sent: list[Picture] = []
         self.number = self.time = 0
         self.over = self.asleep = self.silent = False
-        self.deaf: set[int] = set()
+        self.dead: set[int] = set()
         """Readers that died, which the writer may not have noticed."""
         self.informed: set[int] = set()
-        """Of these, who had been sent the end, and all before it."""
+        """Of these, readers that had been sent the end, and all before it."""
         self.unsure: set[int] = set()
-        """Of these, who may have been, for something waited for one of the others at least."""
+        """Of these, readers that may have been: a datagram waited for one of the readers."""
         self.writer: RingWriter | None = None
 
     def turn_until_all_sleep(self) -> None:
@@ -91,10 +93,10 @@ class RingEnds(RuleBasedStateMachine):
     def notice(self) -> None:
         """The writer has looked after its readers: the dead hold up nothing any more."""
         assert self.writer is not None
-        lost = self.deaf - self.informed
+        lost = self.dead - self.informed
         assert lost - self.unsure <= self.writer.lost <= lost
-        self.mourn(index for index, owed in enumerate(self.port.readers) if owed and index in self.deaf)
-        for index in self.deaf:
+        self.mourn(index for index, owed in enumerate(self.port.readers) if owed and index in self.dead)
+        for index in self.dead:
             self.port.readers[index] = None
         self.asleep = False
 
@@ -108,7 +110,7 @@ class RingEnds(RuleBasedStateMachine):
 
     def welcome(self, index: int, sock: socket.socket) -> None:
         self.readers[index] = RingReader(sock, Picture)
-        self.deaf.discard(index)
+        self.dead.discard(index)
         self.informed.discard(index)
         self.unsure.discard(index)
         self.port.readers[index] = owed = Owed()
@@ -147,5 +149,10 @@ def lies_in_a_slot(message: Picture) -> bool:
     return isinstance(array.base, Lease)
 
 
-def open_descriptors() -> int:
-    return len(list(Path("/proc/self/fd").iterdir()))
+def open_descriptors() -> set[tuple[int, int]]:
+    """Number and inode of each; other threads may close theirs at any time."""
+    found = set()
+    for path in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(OSError):  # it is closed already
+            found.add((int(path.name), os.fstat(int(path.name)).st_ino))
+    return found

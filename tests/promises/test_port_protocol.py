@@ -1,4 +1,4 @@
-"""Whatever befalls the ends of a port's edges, the ledger knows each message, and nobody waits for ever."""
+"""Whatever happens to the ends of a port, the ledger counts each message, and no end waits for ever."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Reader:
 
 
 class PortOfRun(RuleBasedStateMachine):
-    """One output port, its worker, and those who read it, one here and three in workers of their own."""
+    """One output port, its worker, and its readers: one here and three in workers of their own."""
 
     @initialize(depth=st.sampled_from([1, 2, 4]), live=st.booleans())
     def begin(self, depth: int, live: bool) -> None:
@@ -69,7 +69,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.accounted = [0] * len(EDGES)
         """Messages that readers took or threw away, by edge."""
         self.astray = [0] * len(EDGES)
-        """Messages of which nobody can tell any more what became of them, until the run ends."""
+        """Messages whose fate no end can know until the run ends."""
         self.announced = -END
         """How far the port last said to be, or that it is absent."""
         self.over = self.ended_once = False
@@ -77,7 +77,7 @@ class PortOfRun(RuleBasedStateMachine):
         """Whether nothing waited in the last sender when it died."""
         self.readers: dict[int, Reader] = {}
         self.unheard: deque[Spoken] = deque()
-        """What was sent on the edge that drops when nobody read it: the next reader may get it."""
+        """What was sent on the edge that drops without a reader: the next reader may get it."""
         self.sender: Worker | None = None
         self.sender_begins()
 
@@ -201,13 +201,13 @@ class PortOfRun(RuleBasedStateMachine):
             while readable(reader.worker):
                 self.reader_looks(edge)
             assert reader.queue.watermark in (END, ABSENT) or not self.live, (
-                "nobody tells that the sender is away"
+                "no end tells that the sender is away"
             )
 
     @precondition(lambda self: not self.sender)
     @rule()
     def sender_begins(self) -> None:
-        """Another one, with rings to those who are there; the others come back later."""
+        """Another one, with rings to the readers that are present; the others come back later."""
         pairs = {edge: socket.socketpair(*PAIR) for edge in FAR}
         self.output = OutputPort(Picture, self.ledger.words, lateness=LATENESS)
         self.output.waits_for_readers = not self.live
@@ -236,7 +236,7 @@ class PortOfRun(RuleBasedStateMachine):
 
     @precondition(lambda self: self.speaks)
     @rule(times=st.sampled_from([0, 1, 260]))
-    def sender_is_started_again_while_nobody_reads(self, times: int) -> None:
+    def sender_is_started_again_while_no_reader_reads(self, times: int) -> None:
         """What it had sent is longer than readers take at a time."""
         self.advance(times)
         if self.output.has_room():
@@ -294,7 +294,7 @@ class PortOfRun(RuleBasedStateMachine):
                 self.reader_looks(edge)
                 self.take(edge, ROUNDS)
         else:
-            raise AssertionError("somebody is woken again and again for nothing")
+            raise AssertionError("an end is woken again and again for nothing")
         for edge in EDGES:
             assert self.count(edge).in_flight == self.astray[edge], f"{edge}: {self.count(edge)}"
         for edge, reader in self.readers.items():
@@ -339,7 +339,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader.owed.clear()
 
     def expect(self, spoken: Spoken) -> None:
-        """All who are there are owed this message."""
+        """All readers that are present are owed this message."""
         self.produced += 1
         for edge in FAR:
             if edge in self.readers:

@@ -70,7 +70,7 @@ class ZenohEdge(ZenohEnds):
         if really == 7:
             self.over = True
             self.announced.add(END)
-            for owed in self.owed:  # whoever is there or comes back is told
+            for owed in self.owed:  # readers that are there or come back are told
                 owed.say(Advance(END))
             self.writer.send(Watermark(END))
 
@@ -88,7 +88,7 @@ class ZenohEdge(ZenohEnds):
 
     @rule(index=st.integers(0, 1), count=st.integers(1, 4), what=st.sampled_from(["read", "consume", "look"]))
     def act(self, index: int, count: int, what: str) -> None:
-        """Somebody does something, whether or not there is a reason."""
+        """An end acts, whether or not there is a reason."""
         if what == "read":
             self.read(index)
         elif what == "consume":
@@ -117,7 +117,7 @@ class ZenohEdge(ZenohEnds):
     @precondition(lambda self: self.speaks and not self.apart)
     @rule(count=st.integers(4, 12), size=st.sampled_from([SMALL, 40_000]))
     def flow(self, count: int, size: int) -> None:
-        """As in a run: who waits for credit sleeps, who reads gives it."""
+        """As in a run: the writer sleeps without credit, and readers give it."""
         for _ in range(count):
             self.until(lambda: self.credit_after_reading() > 0)
             self.credit_is_no_more_than_readers_have_given()
@@ -172,7 +172,7 @@ class ZenohEdge(ZenohEnds):
     @precondition(lambda self: not self.replaced)
     @rule(index=st.integers(0, 1))
     def reader_is_replaced(self, index: int) -> None:
-        """Nobody hears from it, so another one comes; then it is heard again, and leaves."""
+        """It seems gone, so another incarnation comes; then it is back for a while, and leaves."""
         reader = self.readers[index]
         if reader is not None:
             self.replaced.append(reader)
@@ -211,7 +211,7 @@ class ZenohEdge(ZenohEnds):
     @precondition(lambda self: self.speaks and not self.replaced and not self.apart)
     @rule()
     def writer_is_replaced(self) -> None:
-        """Nobody hears from it, so another one comes; then it is heard again, and leaves."""
+        """It seems gone, so another incarnation comes; then it is back for a while, and leaves."""
         assert self.writer is not None
         self.replaced.append(self.writer)
         self.writer = None
@@ -253,9 +253,9 @@ class ZenohEdge(ZenohEnds):
             assert self.writer.credit() <= max(0, self.depth - max(strict, default=0))
 
     @invariant()
-    def who_sleeps_is_woken_by_credit(self) -> None:
+    def credit_wakes_a_writer_that_sleeps(self) -> None:
         if self.asleep and self.writer is not None and self.writer.credit():
-            assert readable(self.writer.filenos(), TIMEOUT), "there is credit, and nobody is woken"
+            assert readable(self.writer.filenos(), TIMEOUT), "there is credit, and the writer is not woken"
             self.asleep = False
 
     def teardown(self) -> None:
@@ -273,7 +273,7 @@ class ZenohEdge(ZenohEnds):
 
     @rule()
     def come_to_rest(self) -> None:
-        """Cables are mended, whoever is away returns: all comes, and all credit is there again."""
+        """Cables are mended and ends return: every message comes, and all credit is there again."""
         while self.replaced:
             self.replaced_end_leaves()
         if self.apart:
@@ -290,7 +290,7 @@ class ZenohEdge(ZenohEnds):
             owed.rest()
 
     def end_it(self) -> None:
-        """The end comes to everybody, and the writer knows."""
+        """The end comes to every reader, and the writer knows."""
         if not self.over:
             self.end(7)
         self.until(lambda: self.all_joined)
@@ -301,7 +301,7 @@ class ZenohEdge(ZenohEnds):
         assert self.writer is not None
         for index in range(READERS):
             self.consume(index, len(self.taken[index]))
-        self.who_sleeps_is_woken_by_credit()
+        self.credit_wakes_a_writer_that_sleeps()
         self.writer.want_credit()
         self.asleep = not self.writer.credit()
         return self.writer.credit()

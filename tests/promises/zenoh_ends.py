@@ -42,7 +42,7 @@ class ZenohEnds(RuleBasedStateMachine):
         self.writers_before = self.writer_host = 0
         self.writer: ZenohWriter | None = None
         self.replaced: list[ZenohWriter | ZenohReader] = []
-        """Ends in whose place others came, who do not know it."""
+        """Ends that other incarnations have replaced, and that do not know it."""
         self.announced: set[int] = set()
         self.number = self.time = 0
         self.over = self.silent = self.asleep = self.apart = False
@@ -132,7 +132,7 @@ class ZenohEnds(RuleBasedStateMachine):
             self.taken[index].append(eras[0])
 
     def until(self, condition: Callable[[], bool]) -> None:
-        """Let everybody act when woken, as workers do, until it is so."""
+        """Let all ends act when woken, as workers do, until the condition holds."""
         limit = time.monotonic() + TIMEOUT
         while not condition():
             assert time.monotonic() < limit, f"it never happened within {TIMEOUT:.0f} s; {self.state()}"

@@ -1,4 +1,4 @@
-"""Every port of a worker for any Zenoh client (docs/wire.md): put while somebody listens, else free."""
+"""Publish every port of a worker to Zenoh clients (docs/wire.md), at no cost without a subscriber."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from followspot.worker.scheduler import Worker
 
 
 class PublishedPort:
-    """A tap of one output port that is there while somebody subscribes to its key. It waits for nobody."""
+    """A tap of one output port that exists while its key has a subscriber. It waits for none."""
 
     def __init__(self, session: zenoh.Session, key: str, output: OutputPort, worker: Worker) -> None:
         self._output = output
@@ -31,7 +31,7 @@ class PublishedPort:
             self._follow()
 
     def __call__(self, message: Message) -> None:
-        """Put the message, or drop it where the network is full or the session closed."""
+        """Put the message, or drop it if the network is full or the session closed."""
         with suppress(zenoh.ZError, InvalidMessage):
             self._publisher.put(pack(message))
 

@@ -110,7 +110,7 @@ def _picture(data: bytes, shape: Sequence[int]) -> Array:
     height, width = _claimed(data)
     channels = shape[2] if len(shape) == 3 else 1
     if (height, width) != tuple(shape[:2]):
-        raise InvalidMessage(f"a picture of {width} x {height} px came where {tuple(shape)} belongs")
+        raise InvalidMessage(f"a picture of {width} x {height} px came instead of {tuple(shape)}")
     import cv2
 
     try:

@@ -88,7 +88,7 @@ class Network:
         return Own(own.role, own.name)
 
     def for_worker(self, hub: Sequence[str]) -> Network:
-        """The network of a worker: a free port where this one listens, connected to the hub's locators."""
+        """The network of a worker: free ports at these endpoints, connected to the hub's locators."""
         listen = tuple(_any_port(e) for e in self.listen)
         return replace(self, listen=listen, connect=tuple(hub), discover=False)
 
@@ -99,7 +99,7 @@ def secured(endpoints: Sequence[str]) -> tuple[str, ...]:
 
 
 def everywhere(certificates: str) -> tuple[str, ...]:
-    """Listen on a free port of all addresses of this host, for those who discover it."""
+    """Listen on a free port of all addresses of this host, for peers that discover it."""
     return ((_SECURE if certificates else "tcp/") + _EVERYWHERE,)
 
 

@@ -30,7 +30,7 @@ _SETTINGS: dict[str, Any] = {
 def config_of(network: Network, *, routes: bool = False) -> zenoh.Config:
     """The configuration of a session: the one place where endpoints and certificates become Zenoh's.
 
-    Raises FollowspotError where an endpoint is open to other hosts without certificates or consent, or these
+    Raises FollowspotError if an endpoint is open to other hosts without certificates or consent, or these
     cannot be used.
     """
     if network.exposed and not network.insecure:

@@ -194,7 +194,7 @@ class ZenohWriter:
         number = NUMBER.pack(self._incarnation, flow.tokens, flow.messages)
         flow.tokens += 1
         try:
-            if reached(self._publisher):  # a put that nobody gets is still copied
+            if reached(self._publisher):  # a put without a subscriber is still copied
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
             flow.lose_all()
