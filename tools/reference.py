@@ -23,6 +23,9 @@ HEAD = """# Stages
 Every stage that comes with followspot, as it describes itself: `followspot plugins NAME` prints the same.
 `Latest` inputs are sampled and never fire; `Joined` inputs take one message of each edge. This page is
 written by `python tools/reference.py`.
+
+Units: `1` is a number or a ratio, `sigma` a number of standard deviations. In a description, sigma is one
+standard deviation.
 """
 _FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
 """Path of this checkout; names of files that come with a plugin begin at the plugin."""

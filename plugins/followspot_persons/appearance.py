@@ -82,7 +82,9 @@ class Appearance(Stage):
             description="particles per person; raising it improves poses and costs time",
         )
         minimum_score: float = Field(
-            0.8, unit="1", description="smallest score of a box that initiates a person"
+            0.8,
+            unit="1",
+            description="smallest score of a box that initiates a person; raising it avoids mistakes",
         )
         confirmation_score: float = Field(
             4.0, unit="1", description="sum of scores that confirms a person; raising it avoids false persons"

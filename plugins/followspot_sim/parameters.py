@@ -62,6 +62,5 @@ class CameraParams(SimParams):
         ge=-1,
         le=1,
         unit="s",
-        description="how much later than its time stamps say this camera takes its pictures, which nobody "
-        "tells the room",
+        description="delay of this camera's pictures after their time stamps, unknown to the room",
     )

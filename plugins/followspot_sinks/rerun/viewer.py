@@ -26,7 +26,7 @@ class Rerun(Stage):
         viewer: OutputHost = Field(
             "", description="address of a running viewer, rerun+http://HOST:PORT/proxy, instead of a file"
         )
-        name: str = Field("", description="what it is called there; this stage's name unless told")
+        name: str = Field("", description="name in the viewer; by default this stage's name")
 
     params: Params
     stream: Any = None
