@@ -11,7 +11,7 @@ from followspot.tracking import Blobs, Forecast
 from followspot_balls.search import lost_targets, search_radius
 
 SCALE = 1.5
-"""Reach of a target's image over its travel from frame to frame (Jin & Qian 2008, eq. 3)."""
+"""Search radius of a target's image over its travel from frame to frame (Jin & Qian 2008, eq. 3)."""
 NANOSECOND = 1e-9
 
 

@@ -141,7 +141,7 @@ class ColorBlobs(Stage):
 def blobs_of(
     pictures: Sequence[Array], regions: Regions, templates: Templates, p: ColorBlobs.Params
 ) -> Found:
-    """Blobs of targets in their windows, of all views at once; of lost ones in whole pictures, one by one."""
+    """Blobs of targets in their windows, for all views at once; lost targets are sought in whole pictures."""
     limits = Limits(p.minimum_saturation, p.minimum_brightness, p.overexposed_brightness)
     count = len(regions.circles.lost) // len(pictures)
     found = [NOTHING]
@@ -161,7 +161,7 @@ def blobs_of(
 
 @lru_cache(maxsize=8)
 def joint_templates(stages: tuple[ColorBlobs, ...]) -> Templates:
-    """Of the views of several stages."""
+    """Templates of the views of several stages."""
     return Templates(*map(np.concatenate, zip(*(stage.templates for stage in stages), strict=True)))
 
 

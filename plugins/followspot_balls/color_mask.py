@@ -14,7 +14,9 @@ from followspot_balls.strip import Strip, Windows, clusters, cut, row_and_column
 
 
 class Limits(NamedTuple):
-    """When a pixel shows a hue: saturation and value at least that; white: value of an overexposed core."""
+    """Smallest saturation and value of a pixel that shows a hue; white: smallest value of an overexposed
+    core.
+    """
 
     saturation: int
     value: int
@@ -22,7 +24,7 @@ class Limits(NamedTuple):
 
 
 class Lit(NamedTuple):
-    """The P bright pixels of a picture: few, so that all else is asked of them alone."""
+    """The P bright pixels of a picture. They are few, which makes further tests cheap."""
 
     place: Array
     """(P,) flat index."""

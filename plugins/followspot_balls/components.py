@@ -11,7 +11,7 @@ from followspot.messages import Array
 from followspot_balls.strip import REACH, Strip, Windows, at_border, row_and_column
 
 MOST = 256
-"""Components kept, the largest first: more of them are noise, and pairs grow with the square."""
+"""Largest number of components per view, largest first: more are noise, and pairs grow with the square."""
 NEIGHBOURHOOD = np.ones((REACH, REACH), np.uint8)
 
 
@@ -30,11 +30,11 @@ class Components:
     pixels: Array
     """(P,) flat index of the pixels in the strip."""
     row: Array
-    """(P,) of the strip, in which each lies."""
+    """(P,) row in the strip."""
     column: Array
-    """(P,) likewise."""
+    """(P,) column in the strip."""
     label: Array
-    """(P,) number of the component of each."""
+    """(P,) component of each pixel."""
 
 
 NOTHING = Components(*np.empty((8, 0), int))

@@ -19,17 +19,17 @@ CONTRAST = 40
 SMALLEST = 4
 """Area below which a bright spot is no target but noise, px."""
 COMPACT = 0.4
-"""Least area over that of a disc as wide: people and stripes have less, a ball that moves fast still more."""
+"""Smallest area over that of a disc of the same width: below it are people and stripes, but no fast ball."""
 AS_BRIGHT = 0.85
-"""Level over the brightest in the frame from which a spot may be the target, which then is the largest."""
+"""Level over the brightest in the frame above which a spot may be the target; the largest of these is."""
 RING, ISLAND = 5, 0.5
-"""Width of the square that widens a spot to its surroundings, px, and how bright these may be beside it."""
+"""Width of the ring around a spot, px, and its largest brightness over that of the spot."""
 MOST = 20
-"""Spots of a frame that are looked at, the largest first."""
+"""Number of tested spots of a frame, the largest first."""
 DIMMER = 0.35
 """Level over the usual one of the clip below which a spot is lit, but does not glow."""
 APART = 4.0
-"""Ratio to the usual area of the clip beyond which a spot is something else."""
+"""Largest ratio of a spot's area to the usual area of the clip."""
 
 
 class Spot(NamedTuple):
@@ -96,7 +96,7 @@ def _brightest(number: int, level: Array, room: Array, edge: float) -> Spot | No
 
 
 def _stands_out(risen: Array, inside: Array) -> bool:
-    """Whether a spot is an island: a part of a lit shirt is not, the rest of the shirt is around it."""
+    """Whether a spot is isolated: a part of a lit shirt is surrounded by the rest of the shirt."""
     near = cv2.dilate(inside.view(np.uint8), np.ones((3, 3), np.uint8))
     ring = cv2.dilate(near, np.ones((RING, RING), np.uint8)) > near
     return bool(risen[ring].mean() < ISLAND * risen[inside].mean())

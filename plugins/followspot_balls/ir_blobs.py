@@ -116,7 +116,7 @@ class IrBlobs(Stage):
 
 @lru_cache(maxsize=8)
 def joint_limits(stages: tuple[IrBlobs, ...]) -> Limits:
-    """Of the views of several stages."""
+    """Limits of the views of several stages."""
     return Limits(*map(np.array, zip(*(stage.limits for stage in stages), strict=True)))
 
 
@@ -185,7 +185,7 @@ def measured(
 
 
 def circles_of(circles: Circles, view: Array, views: int) -> Circles:
-    """Search regions for each of N blobs, of the view that it is seen in: (N, T, ...).
+    """Search regions in the view of each of N blobs: (N, T, ...).
 
     circles: of all views, so many; view: (N,).
     """

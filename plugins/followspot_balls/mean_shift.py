@@ -113,7 +113,7 @@ class MeanShift(Stage):
         return np.where(appearing(candidates, lost).T, p.recovery_epipolar_sigma, p.epipolar_sigma)
 
     def credit(self, xyz: Array, center: Array, recovery: Array, lost: Array) -> Array:
-        """Of candidates as the densest: by their distance from the forecast; for lost targets as evidence.
+        """Factor of the candidates' densities: from their distance to the forecast, or from their evidence.
 
         xyz: (N, 3) m; center: (M, 3) m; recovery: (N,); lost: (M,). Returns (M, N).
         """

@@ -13,7 +13,7 @@ TINY = np.finfo(float).tiny
 
 
 class Sample(NamedTuple):
-    """N candidates as M targets see them."""
+    """N candidates with weights for M targets."""
 
     xyz: Array
     """(N, 3) m."""
@@ -25,7 +25,7 @@ class Sample(NamedTuple):
     """(M, 3) m."""
 
     def rows(self, chosen: Array) -> Sample:
-        """As some of the targets see them."""
+        """The sample of some of the targets."""
         return self._replace(weights=self.weights[chosen], bandwidth=self.bandwidth[chosen])
 
 
@@ -37,7 +37,7 @@ class Modes(NamedTuple):
     held: Array
     """(M, N) weight of each candidate inside the kernel, 0 outside."""
     steps: Array
-    """(M,) steps until the centre rested."""
+    """(M,) steps until convergence."""
 
 
 def seek_modes(start: Array, sample: Sample, tolerance: float, steps: int) -> Modes:
@@ -72,7 +72,7 @@ def weighted_mean(xyz: Array, weights: Array) -> Array:
 
 
 def densest(sample: Sample, credit: Array) -> Array:
-    """The candidate around which each target's are densest.
+    """The densest candidate of each target.
 
     credit: (M, N) factor of each candidate's density, 0 if it must not be chosen. Returns (M, 3) m.
     """

@@ -1,4 +1,4 @@
-"""How large a whole target's blob would be in each camera."""
+"""The expected area of a whole target's blob in each camera."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from followspot.tracking import LOST, PREDICTED, TRACKED, Forecast
 MARGIN = 2
 """Margin of a window around a ball on its search circle, px: blobs at the window's edge may be cut off."""
 FARTHEST_OFF = 0.1
-"""Cosine of the angle from the optical axis up to which outlines become longer."""
+"""Smallest cosine of the angle from the optical axis for the elongation of outlines."""
 TINY = np.finfo(float).tiny
 
 
@@ -55,7 +55,7 @@ class RoomRegions(NamedTuple):
     inside: Array
     """(C * T,) bool, which have a window."""
     corners: Array
-    """(C * T, 2) int px, of the windows; elsewhere of no meaning."""
+    """(C * T, 2) int px, of the windows; undefined without one."""
     sides: Array
     """(C * T,) int px, likewise."""
 
@@ -72,7 +72,7 @@ class Images(NamedTuple):
 
 
 class Pictures(NamedTuple):
-    """Those of the C views of a room."""
+    """Picture sizes of the C views of a room."""
 
     half: Array
     """(C, 1, 2) px, half of their width and height."""
@@ -88,7 +88,7 @@ def lost_targets(forecast: Forecast | None, count: int) -> Array:
 
 
 def tracked_targets(forecast: Forecast | None, count: int) -> Array:
-    """Which of `count` targets had a place in the frame before; none, at first. Returns (T,) bool."""
+    """Which of `count` targets had a position in the previous frame; initially none. Returns (T,) bool."""
     if forecast is None or len(forecast.state) != count:
         return np.zeros(count, bool)
     return np.asarray((forecast.state == TRACKED) | (forecast.state == PREDICTED))
@@ -191,14 +191,14 @@ def room_views(room: Room) -> Views:
 
 @lru_cache(maxsize=8)
 def room_pictures(room: Room) -> Pictures:
-    """How large the pictures of its cameras are."""
+    """The picture sizes of a room's cameras."""
     size = np.array([camera.size for camera in room.cameras.values()]).reshape(-1, 1, 2)
     return Pictures(size / 2, size.max(axis=2, initial=0))
 
 
 @lru_cache(maxsize=8)
 def target_radii(room: Room) -> Array:
-    """Of each target, (T,) m."""
+    """Radius of each target, (T,) m."""
     return np.array([target.radius for target in room.targets.values()])
 
 
@@ -213,13 +213,15 @@ def elongation(local: Array) -> Array:
 
 
 def distances(points: Array, centers: Array) -> Array:
-    """Between all of both: (N, 2) and (T, 2) or (N, T, 2) px -> (N, T)."""
+    """Distances between all points and centres: (N, 2) and (T, 2) or (N, T, 2) px -> (N, T)."""
     right, down = points[:, :1] - centers[..., 0], points[:, 1:] - centers[..., 1]
     return np.asarray(np.sqrt(right * right + down * down))
 
 
 def within(circles: Circles, pixel: Array) -> Array:
-    """Which points lie in which target's search region: (N, 2) px -> (N, T) bool; in a lost one's all do."""
+    """Which points lie in which target's search region: (N, 2) px -> (N, T) bool; a lost target's region is
+    the whole picture.
+    """
     inside = distances(pixel, circles.center) <= circles.radius
     inside |= circles.lost
     return inside

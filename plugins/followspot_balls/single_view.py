@@ -16,7 +16,7 @@ PLANE = 0.01
 
 
 class Sight(NamedTuple):
-    """Blobs as seen from the images of forecasts."""
+    """Blobs relative to the images of forecasts."""
 
     offset: Array
     """(..., 2) px, from the forecast's image to the blob."""
@@ -24,7 +24,7 @@ class Sight(NamedTuple):
     """(..., 2, 3) px/m, derivative of the image by the place."""
 
     def where(self, rows: Any) -> Sight:
-        """Some of them, by mask or index."""
+        """The sights that a mask or an index selects."""
         return Sight(self.offset[rows], self.slope[rows])
 
 

@@ -20,7 +20,7 @@ REACH = 9
 GAP = REACH // 2
 """Empty columns after each part, px."""
 RIM = 1
-"""Empty rows above and below the parts, px, for the edges of what touches them."""
+"""Empty rows above and below the parts, px, so that filters see the edges of blobs there."""
 BLOCK = 4
 """Side of the blocks that clusters consist of, px. Clusters are a whole block or more apart, which is out of
 each other's reach."""
@@ -88,7 +88,7 @@ def window_strip(windows: Windows) -> Strip:
 
 
 def whole_strip(width: int) -> Strip:
-    """Of the whole picture as the only part."""
+    """A strip with the whole picture as its only part."""
     return Strip(np.zeros(width, int), np.zeros((1, 2), int))
 
 
@@ -126,7 +126,7 @@ def at_border(row: Array, column: Array, part: Array, windows: Windows) -> Array
 
 
 def row_and_column(index: Array, width: int) -> tuple[Array, Array]:
-    """Of flat indices in a picture of that width: (P,) each."""
+    """Row and column of flat indices in a picture of that width: (P,) each."""
     row = index // width  # numpy.divmod takes twice as long
     return row, index - row * width
 

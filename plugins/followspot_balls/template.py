@@ -19,7 +19,7 @@ from followspot_balls.hue import BINS, bhattacharyya, hue_bin, normalised
 COLOR_EDGE, INFRARED_EDGE = 0.7, 0.45
 """Edge of a blob over its brightest pixel, as in the detectors."""
 VIVID = 80
-"""Least saturation of a pixel that shows its hue."""
+"""Smallest saturation of a pixel that shows its hue."""
 ALIKE = 0.6
 """Smallest similarity of a spot's hues with those of the clip; a spot of another colour is no target."""
 

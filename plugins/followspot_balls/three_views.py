@@ -1,4 +1,4 @@
-"""Three blobs of which each makes a pair with both others: hardly chance, however poor the pairs are."""
+"""Triples of blobs that all pair with each other: rarely a coincidence, even if the pairs are weak."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from followspot.tracking import Candidates, Pairs
 
 
 def threefold(pairs: Pairs | Candidates, possible: Array, sure: Array) -> Array:
-    """Which possible pairs are sides of a triangle of possible ones of which one is sure.
+    """Which possible pairs are sides of a triangle of possible pairs with at least one sure side.
 
     possible: (N, T) bool, for each target; sure: (N, T) bool, some of them. Returns (N, T) bool.
     """

@@ -111,7 +111,7 @@ class VerifyPairs(Stage):
         return aligned(xy, view, targets, delay, self.P, forecast, self.params.minimum_alignment_radius)
 
     def off_plane(self, order: Array, ends: Array) -> Array:
-        """How far pairs are off each plane: (planes, M) px.
+        """Homography error of pairs for each plane: (planes, M) px.
 
         order: (M,) of the two cameras, among all ordered pairs of them; ends: (M, 2, 2) px.
         """

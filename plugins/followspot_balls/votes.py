@@ -19,11 +19,11 @@ SMOOTH = np.array([6.0, 13.0, 6.0], np.float32)
 SCHARR = 32.0
 """Gain of Scharr's filters, which take the slopes."""
 GAIN = SMOOTH.sum() ** 2 * SCHARR
-"""Of both together. They are whole numbers, so that sums are exact, in whichever order they are taken."""
+"""Gain of both filters together. They are integers, so that sums are exact in any order."""
 NEAR = 1.2
 """Largest distance of a voting pixel from the edge, px: the width of the blurred step."""
 FAINTEST = 0.08
-"""Least slope of a voting pixel, peaks per px."""
+"""Smallest slope of a voting pixel, peaks per px."""
 UNHEARD = 1e-9
 """Weight of the centroid itself, so that it stays if there is no vote."""
 SPREADS = (2.0, 1.4, 1.0, 0.8)
@@ -63,7 +63,7 @@ def disc_centers(level: Array, strip: Strip, blobs: Components, radius: Array, e
 
 
 def rim_band(blobs: Components, known: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Pixels of some components and next to them: flat index, and number of the component among these.
+    """Pixels of these components and their neighbours: flat index, and number among the components.
 
     known: (K,) which components; shape: of the strip.
     """

@@ -1,4 +1,4 @@
-"""Whether a video file is all there: the size that its container declares, against the size it has.
+"""Completeness of a video file: the size that its container declares against its actual size.
 
 A recording that was cut off still opens and plays up to the cut; only the container remembers the rest.
 """

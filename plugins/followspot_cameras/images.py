@@ -50,12 +50,12 @@ class Images(Stage):
             )
 
     def length(self) -> int:
-        """Pictures that will come."""
+        """Number of pictures."""
         return len(self.chosen)
 
     @property
     def chosen(self) -> list[Path]:
-        """The files from the first to the last that is to be played."""
+        """The files between `start_frame` and the last frame."""
         first, frames = self.params.start_frame, self.params.frames
         return self.files[first : first + frames if frames else None]
 

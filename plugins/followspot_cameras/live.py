@@ -1,4 +1,4 @@
-"""Cameras that deliver in their own time: grab, and connect again when they fall silent."""
+"""Live cameras: grab pictures, and connect again when they stop."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Capture(Protocol):
         """Decode the grabbed picture, into `image` if it fits."""
 
     def release(self) -> None:
-        """Let the camera go."""
+        """Release the camera."""
 
 
 class LiveCamera(Stage, ABC):
@@ -44,7 +44,7 @@ class LiveCamera(Stage, ABC):
 
     @abstractmethod
     def connect(self) -> Capture:
-        """Open the camera once; whether that worked shows in `isOpened`."""
+        """Open the camera once; `isOpened` gives the result."""
 
     @cached_property
     def stopped(self) -> Event:

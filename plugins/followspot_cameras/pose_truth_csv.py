@@ -45,7 +45,7 @@ class PoseTruthCsv(Stage):
         return len(self.truth.time)
 
     def process(self) -> Source[PoseTruth]:
-        """One message per time, with the persons who are there."""
+        """One message per time, with the persons that are present."""
         truth = self.truth
         persons = np.array(truth.persons, "i4")
         there = np.isfinite(truth.pose[..., 0])

@@ -1,4 +1,4 @@
-"""Which recording belongs to which camera: one video, or one folder of pictures, named like it."""
+"""The recordings of cameras: one video, or one folder of pictures, named like the camera."""
 
 from __future__ import annotations
 

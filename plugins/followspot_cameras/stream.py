@@ -24,7 +24,7 @@ class Stream(LiveCamera):
         @field_validator("url")
         @classmethod
         def known_scheme(cls, url: str) -> str:
-            """Nothing but network streams: ffmpeg would also open files and devices by an address."""
+            """Accept network streams only, because ffmpeg would also open files and devices by an address."""
             parts = urlsplit(url)
             if parts.scheme not in SCHEMES or not parts.hostname:
                 raise ValueError(
@@ -50,7 +50,7 @@ class Stream(LiveCamera):
 
 
 def public_address(url: str) -> str:
-    """The address as it may be shown: credentials stand in user info and query."""
+    """The address without credentials, which are in user info and query."""
     parts = urlsplit(url)
     host = parts.netloc.rpartition("@")[2]
     return f"{parts.scheme}://{host}{parts.path}"

@@ -26,7 +26,7 @@ class TruthCsv(Stage):
         return len(self.truth.time)
 
     def process(self) -> Source[Truth]:
-        """One message per time, with the objects that are there."""
+        """One message per time, with the objects that are present."""
         truth = self.truth
         there = np.asarray(np.isfinite(truth.xyz).all(axis=2))
         for f, time in enumerate(truth.time):

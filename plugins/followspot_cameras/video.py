@@ -101,7 +101,7 @@ class Video(Stage):
 
 
 def open_video(path: Path) -> cv2.VideoCapture:
-    """A decoder with a second thread, which works ahead while the graph has the first. Raises InputError."""
+    """A decoder with a second thread that decodes ahead of the graph. Raises InputError."""
     try:
         require_regular(path)
     except OSError as error:

@@ -18,9 +18,10 @@ some taps may not have reached; the monotonic time, ns, after which a tap may ch
 hints: two taps that write at once cost one preview."""
 SIZE = 32
 MAX_LEAD = 8
-"""Frames from naming a moment to it, at most: as many as may be under way between stages."""
+"""Largest number of frames between the choice of a time and that time: those that are in flight between
+stages."""
 _BACKWARDS = 1_000_000_000
-"""Capture time that must have been jumped back, ns, for a moment to be given up: a recording began anew."""
+"""Backward jump of the capture time, ns, that discards a chosen time: a recording has started again."""
 
 
 class Gate:
@@ -52,7 +53,7 @@ class Gate:
         return newest if time >= newest else self.words[BEFORE]
 
     def due(self, now: int, time: int) -> bool:
-        """Whether the next moment is to be named.
+        """Whether the next time is to be chosen.
 
         now: ns of the monotonic clock; time: capture time of a source's newest message, ns.
         """
@@ -60,7 +61,7 @@ class Gate:
         return now >= words[NEXT] and (time >= words[MOMENT] or time + _BACKWARDS < words[MOMENT])
 
     def name(self, moment: int, next_at: int) -> None:
-        """Name a moment, ns of capture time; the next one is due at `next_at`, ns of the monotonic clock."""
+        """Choose a capture time, ns; the next one is due at `next_at`, ns of the monotonic clock."""
         self.words[NEXT] = next_at
         self.words[BEFORE] = self.words[MOMENT]
         self.words[MOMENT] = moment

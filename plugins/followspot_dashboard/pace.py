@@ -1,4 +1,4 @@
-"""How far ahead a moment is named: no further than the graph comes until the next one is due."""
+"""The lead of a chosen capture time: no more than the graph processes until the next one is due."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from followspot_dashboard.gate import MAX_LEAD
 
 
 class Pace:
-    """Frames of one source: how far they lie apart in capture time, and how many come in a while."""
+    """Frames of one source: their interval in capture time, and their rate."""
 
     def __init__(self) -> None:
         self._newest = 0
@@ -21,7 +21,7 @@ class Pace:
         self._frames += 1
 
     def ahead(self, now: int, period: int) -> int:
-        """Capture time, ns, from the newest frame to a moment that comes within `period`, ns.
+        """Capture time, ns, from the newest frame to a time that is reached within `period`, ns.
 
         now: of the monotonic clock; counts frames anew. Half a frame is added to whole ones, so that jitter
         of the capture times does not part the cameras.

@@ -9,7 +9,7 @@ from followspot.messages import Array, column, stamped
 from followspot.tracking import Frame
 
 QUALITY = 70
-"""Of the JPEG, of 100."""
+"""Quality of the JPEG, of 100."""
 
 
 class Picture(Message):
@@ -22,7 +22,7 @@ class Picture(Message):
 
 
 def picture_of(frame: Frame, longest: int) -> Picture | None:
-    """The preview of a frame; longest: side that it may have, px. None for a frame without pixels."""
+    """The preview of a frame; longest: its longest side, px. None for a frame without pixels."""
     height, width, channels = frame.pixels.shape
     if not (height and width) or channels not in (1, 3):
         return None

@@ -17,7 +17,7 @@ class Turn(Protocol):
 
 
 class GateTurn:
-    """Moments that a gate names; leads: whether this tap does."""
+    """The times of a gate; leads: whether this tap chooses them."""
 
     def __init__(self, gate: Gate, period: int, *, leads: bool) -> None:
         """period: between two moments, ns."""
@@ -37,7 +37,7 @@ class GateTurn:
         return False
 
     def _lead(self, pace: Pace, captured: int) -> None:
-        """Name the next moment if it is due."""
+        """Choose the next time if it is due."""
         pace.add(captured)
         now = time.monotonic_ns()
         if self._gate.due(now, captured):
@@ -45,7 +45,7 @@ class GateTurn:
 
 
 class GridTurn:
-    """Moments at whole periods of capture time, the same on every host without a word between them."""
+    """Times at whole periods of capture time, equal on all hosts without communication."""
 
     def __init__(self, period: int) -> None:
         """period: between two moments, ns."""

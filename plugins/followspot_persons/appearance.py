@@ -1,4 +1,4 @@
-"""The slow instance: finds people by detector and edges, and learns what they look like (section 5)."""
+"""The slow instance: finds people by detector and edges, and learns their appearance (section 5)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NEAR, FAR = 0.5, 1.5
 """Distance between the boxes of a person at which they may belong together, in heights: at once, and more for
 each second since the last one, for a body is 0.7 m high to the waist and people walk a metre a second."""
 MISS = 1.5
-"""Trust that a person loses without a box."""
+"""Loss of a person's trust per picture without a box."""
 TRUSTED = 12.0
 """Largest trust in a person."""
 UNUSUAL = 0.12
@@ -65,7 +65,7 @@ class Acquaintance:
 
 
 class Appearance(Stage):
-    """Find people with a detector, fit the body model, learn their colours, and know them again."""
+    """Find people with a detector, fit the body model, learn their colours, and recognise them."""
 
     per_camera = True
 
@@ -148,7 +148,7 @@ class Appearance(Stage):
         return self.appearances(frame.camera)
 
     def distance(self, person: Acquaintance) -> float:
-        """From the camera, m."""
+        """Distance of a person from the camera, m."""
         return float(np.hypot(*(person.track.pose[:2] - self.camera.center[:2])))
 
     def assigned(
@@ -283,7 +283,7 @@ class Appearance(Stage):
 
 
 def pictured(camera: Any, frame: Frame, gradients: Gradients) -> Picture:
-    """A frame and its gradients, flat, the colours smoothed a little against noise."""
+    """A frame and its gradients, flat, with slightly smoothed colours."""
     pixels = frame.pixels if frame.pixels.shape[2] == 3 else np.repeat(frame.pixels, 3, axis=2)
     colors: Array = cv2.blur(pixels, (3, 3)).reshape(-1, 3)
     return Picture(camera, gradients.magnitude.ravel(), gradients.orientation.ravel(), colors)

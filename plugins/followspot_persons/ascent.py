@@ -12,7 +12,8 @@ from followspot_persons.motion import limited
 
 ACROSS, DISTANCE, STATURE = range(3)
 STEPS = {ACROSS: 0.03, DISTANCE: 0.12, STATURE: 0.02, HEADING: 0.25, PAN: 0.25, TILT: 0.12}
-"""Of the first round, m and rad. The distance changes with the head's top kept at its place in the picture,
+"""Steps of the first round, m and rad. The distance changes with the head's top kept at its place in the
+picture,
 for along that line the picture changes least."""
 
 

@@ -1,4 +1,4 @@
-"""Which observation belongs to which person."""
+"""Association of observations with persons."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from followspot import Array
 
 BESIDE = 0.5
-"""Distance from the middle of a body that belongs to it still, in heights of its box: shoulders and arms."""
+"""Largest distance of shoulders and arms from the middle of a body, in heights of its box."""
 
 
 def matched(cost: Array, limit: float) -> list[tuple[int, int]]:
@@ -42,7 +42,7 @@ def box_distance(expected: Array, detected: Array, around: int = 0) -> Array:
 
 
 def on_body(boxes: Array, body: Array, around: int = 0) -> Array:
-    """Whether boxes are parts of bodies that have one: their middle lies on it or up to a height below.
+    """Whether boxes are parts of boxed bodies: their middle is on the body or up to a height below.
 
     boxes: (N, 4) px; body: (K, 4) px, upper bodies; around: columns of a full turn, 0 for none. Returns (N,).
     """

@@ -21,7 +21,7 @@ X, Y, HEIGHT, HEADING, PAN, TILT = range(6)
 ARM = 0.1
 """Length beside the axis that measures the scale across, m."""
 MIN_DISTANCE = 0.3
-"""Of a body from the camera's axis, m; nearer ones are seen as if they stood there."""
+"""Smallest distance of a body from the camera's axis, m; nearer ones are projected from there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class BodyView:
 
 
 def bearing(camera: Camera, pose: Array) -> Bearing:
-    """How bodies stand towards a camera. pose: (P, 6)."""
+    """Poses of bodies relative to a camera. pose: (P, 6)."""
     to_camera = camera.center[:2] - pose[:, :2]
     distance = np.hypot(to_camera[:, 0], to_camera[:, 1])
     toward = to_camera / np.maximum(distance, 1e-6)[:, None]

@@ -14,26 +14,26 @@ from followspot_persons.body_view import HEADING, PAN, TILT
 from followspot_persons.motion import limited, predicted
 
 MODE = np.radians(60)
-"""Particles within this angle of the best heading make the estimate."""
+"""Largest angle from the best heading of the particles in the estimate."""
 BINS = 24
-"""Of the histogram of headings whose peak is the best one."""
+"""Bins of the histogram of headings."""
 
 
 @dataclass(frozen=True)
 class Search:
-    """How the particles look for the pose."""
+    """Parameters of the particle search."""
 
     particles: int = 300
     random: float = 0.15
-    """Share of the particles that is placed at random."""
+    """Share of random particles."""
     climbing: float = 0.2
-    """Share of the particles, the best, that climb."""
+    """Share of the best particles with gradient ascent."""
     rounds: int = 1
 
 
 @dataclass(frozen=True, eq=False)
 class Estimate:
-    """Pose (6,), its sigma (6,): m and rad."""
+    """Pose (6,) and its sigma (6,): m and rad."""
 
     pose: Array
     sigma: Array
@@ -50,9 +50,9 @@ def condense(
 ) -> tuple[Array, Estimate]:
     """Particles after a picture, and their estimate. particles: (N, 6); eye: (3,) m, the camera's centre."""
     cloud = predicted(particles, velocity, seconds, eye, rng)
-    strewn = int(search.random * len(cloud))
-    if strewn:
-        cloud[:strewn] = scattered(cloud[:strewn], rng)
+    random = int(search.random * len(cloud))
+    if random:
+        cloud[:random] = scattered(cloud[:random], rng)
     value = fitness(cloud)
     climbers = int(search.climbing * len(cloud))
     if climbers and search.rounds:
@@ -65,7 +65,7 @@ def condense(
 
 
 def scattered(pose: Array, rng: np.random.Generator) -> Array:
-    """Particles placed at random about a person: a third turned back to front, the others anyhow."""
+    """Particles scattered about a person: a third turned by half a turn, the others at random."""
     out = pose.copy()
     third = len(out) // 3
     out[:third, HEADING] += np.pi

@@ -1,4 +1,4 @@
-"""How well edges of a picture agree with the outline of a body (Weinrich et al. 2010, section 3.2)."""
+"""The likelihood of a picture's edges given the outline of a body (Weinrich et al. 2010, section 3.2)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from followspot import Array
 
 UNITS = 256
-"""Of orientation, in pi."""
+"""Sigma of the orientation, in pi."""
 
 
 @cache

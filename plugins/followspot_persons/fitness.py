@@ -19,7 +19,7 @@ from followspot_persons.shape import ShapeModel
 
 @dataclass(frozen=True)
 class Weights:
-    """How much each cue counts."""
+    """Weights of the cues."""
 
     edge: float = 1.0
     color: float = 1.0
@@ -31,7 +31,7 @@ class Weights:
     heading: float = 0.5
     """Share of a detector's log-likelihoods of headings: those of frames in a row are not independent."""
     orientation_sigma: float = 0.4
-    """Of an edge's orientation, rad."""
+    """Sigma of an edge's orientation, rad."""
     box_width: float = 0.15
     """One sigma of the distance between box and body, in heights of the box."""
 
@@ -74,9 +74,9 @@ class Habits:
 UNSEEN_EDGE, UNSEEN_COLOR = 0.35, 0.45
 """Responses of features that a nearer person hides: between those of a person and of the background."""
 PAN_SIGMA, TILT_SIGMA = 0.6, 0.2
-"""Of relaxed heads, rad."""
+"""Sigma of pan and tilt of relaxed heads, rad."""
 SIDEWAYS = 0.05
-"""Share of walking in which the chest points anywhere but ahead."""
+"""Share of walking people whose chest does not point ahead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class Fitness:
         return self.agreement(view(self.picture.camera, self.shape, pose))
 
     def agreement(self, seen: BodyView) -> Array:
-        """Eq. 7 of the cues that count, for bodies in view."""
+        """Eq. 7 of the given cues, for bodies in view."""
         w = self.weights
         cues, shares = [self.edge(seen)], [w.edge]
         if self.colors is not None:

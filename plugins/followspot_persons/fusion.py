@@ -17,7 +17,7 @@ NANOSECOND = 1e-9
 FAMILIAR = 0.5
 """Factor on the distance to a camera's person that was assigned to this person before."""
 PLACE_GAIN, VELOCITY_GAIN = 0.7, 0.3
-"""Share of the difference to the forecast that place and velocity take over at a picture."""
+"""Gains of position and velocity for the difference from the forecast."""
 PERIOD = 1 / 60
 """Smallest time between two positions that give a velocity, s."""
 
@@ -117,7 +117,7 @@ class Fusion(Stage):
         return groups, sorted(free)
 
     def known(self, seen: Sightings, rows: Array) -> Array:
-        """Whether a camera's person was this one before: (people, rows)."""
+        """Whether a camera's person was assigned to this one before: (people, rows)."""
         names = [[(seen.names[i], int(seen.person[i])) for i in rows]] * len(self.people)
         return np.array(
             [

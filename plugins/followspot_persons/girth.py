@@ -1,4 +1,4 @@
-"""How wide a person's torso is against the body's height: learnt while the person is followed.
+"""The girth of a person's torso over the body height, learnt while the person is tracked.
 
 People of one height differ by a fifth, and a model of the wrong width fits best at the wrong distance. The
 paper had principal components of breast, stomach and shoulders and left them out for speed; one number a
@@ -18,13 +18,13 @@ from followspot_persons.fitness import Fitness
 from followspot_persons.shape import ShapeModel, with_girth
 
 GIRTHS = np.linspace(0.78, 1.14, 10)
-"""That are compared, in girths of the shape model."""
+"""Compared girths, in girths of the shape model."""
 USUAL, SPREAD = 0.96, 0.08
-"""Mean and one sigma of people's."""
+"""Mean and sigma of people's girths."""
 WEIGHT = 4.0
 """Power of the edge likelihood in one picture's evidence."""
 NEIGHBOURHOOD = (-0.12, -0.08, -0.04, 0.0, 0.04, 0.08, 0.12)
-"""Distances at which they are compared, relative to the pose's."""
+"""Compared distances, relative to the pose's."""
 MEMORY = 0.97
 """Share of the evidence that the next picture keeps."""
 

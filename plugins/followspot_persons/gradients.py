@@ -17,7 +17,7 @@ from followspot.tracking import Frame
 from followspot_persons.panorama import full_turn
 
 DIAGONAL = np.pi / 4
-"""From the axis x to the first axis of the Roberts cross."""
+"""Angle from the x axis to the first axis of the Roberts cross."""
 STRIP = 16
 """Rows of a block, so that intermediate results stay in the processor's cache."""
 

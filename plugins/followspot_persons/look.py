@@ -1,4 +1,4 @@
-"""The eye of the slow instance: it opens when the instance has time for one more picture (section 5)."""
+"""The input of the slow instance: one picture whenever the instance has time for it (section 5)."""
 
 from __future__ import annotations
 

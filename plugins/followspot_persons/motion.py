@@ -10,7 +10,7 @@ from followspot import Array
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT
 
 MAX_PAN, MAX_TILT = 1.3, 0.7
-"""Of a neck, rad."""
+"""Limits of pan and tilt of a neck, rad."""
 LOWEST, HIGHEST = 1.2, 2.2
 """Heights of standing people, m."""
 STEP = 0.6

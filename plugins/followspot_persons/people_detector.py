@@ -11,7 +11,7 @@ from followspot.tracking import Frame
 from followspot_persons.panorama import full_turn
 
 WINDOW = (64, 128)
-"""Of the detector, px."""
+"""Window of the detector, px."""
 UPPER = np.array([18.0, 14.0, 46.0, 56.0])
 """Position of the upper body of a standing person in the window, px."""
 STRIDE = (8, 8)

@@ -1,4 +1,4 @@
-"""The fast instance: follows known people by edges and colours at the cameras' rate (sections 4 and 5)."""
+"""The fast instance: tracks known people by edges and colours at the cameras' rate (sections 4 and 5)."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from followspot_persons.panorama import full_turn
 from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
-from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
+from followspot_persons.trail import SlowPose, Trail, carried_detection, carried_pose
 
 SPAWN_SIGMA = np.array([0.06, 0.06, 0.03, 0.3, 0.3, 0.1])
 """Sigma of particles about a pose of the slow instance: m, m, m, rad, rad, rad."""
@@ -52,7 +52,7 @@ class Followed:
 
 
 class PoseTracker(Stage):
-    """Follow the upper bodies and heads of known people in every picture."""
+    """Track the upper bodies and heads of known people in every picture."""
 
     per_camera = True
 
@@ -113,7 +113,7 @@ class PoseTracker(Stage):
         self.search = Search(self.params.particles, self.params.random_share, self.params.ascent_share)
         self.people: dict[int, Followed] = {}
         self.known: dict[int, Track] = {}
-        self.heard: dict[int, Hearing] = {}
+        self.slow_poses: dict[int, SlowPose] = {}
         self.boxed = -1
         self.time = -1
 
@@ -125,7 +125,7 @@ class PoseTracker(Stage):
         self.time = now
         if people is None:
             return self.poses(frame.camera)
-        self.listen(people, now)
+        self.take_slow_poses(people, now)
         if seconds > self.params.maximum_missed_time:
             self.delete_missed(people, now)
         picture = pictured(self.camera, frame, gradients)
@@ -144,15 +144,15 @@ class PoseTracker(Stage):
         away = {n: float(np.hypot(*(p.track.pose[:2] - eye))) for n, p in self.people.items() if n in known}
         return sorted(away, key=lambda n: away[n])
 
-    def listen(self, people: Appearances, now: int) -> None:
+    def take_slow_poses(self, people: Appearances, now: int) -> None:
         """Initiate persons that the slow instance has found, and mix its poses into the particles of tracked
         ones.
         """
         for number, pose, seen in zip(people.person.tolist(), people.pose, people.seen.tolist(), strict=True):
-            before = self.heard.get(number)
+            before = self.slow_poses.get(number)
             if (before is not None and seen <= before.time) or not np.isfinite(pose).all():
                 continue
-            self.heard[number] = Hearing(seen, pose)
+            self.slow_poses[number] = SlowPose(seen, pose)
             known = self.people.get(number)
             if known is None:
                 self.people[number] = Followed(number, self.initiated(number, before, now), now, seen)
@@ -161,20 +161,22 @@ class PoseTracker(Stage):
             then = known.trail.at(seen)
             told = pose if then is None else carried_pose(pose, then, track.pose)
             joining = max(1, int(JOINING * len(track.particles)))
-            particles = np.concatenate([track.particles[joining:], self.strewn(told, joining)])
+            particles = np.concatenate([track.particles[joining:], self.scattered_about(told, joining)])
             stature = track.stature + HEEDING * (float(pose[HEIGHT]) - track.stature)
             self.people[number] = replace(known, track=replace(track, particles=particles, stature=stature))
 
-    def initiated(self, number: int, before: Hearing | None, now: int) -> Track:
+    def initiated(self, number: int, before: SlowPose | None, now: int) -> Track:
         """The track of a person that the slow instance has just reported, with its past if it returns."""
-        hearing = self.heard[number]
-        age = (now - hearing.time) * NANOSECOND
-        places = self.strewn(hearing.forecast(before, age), self.params.particles, age)
+        slow_pose = self.slow_poses[number]
+        age = (now - slow_pose.time) * NANOSECOND
+        places = self.scattered_about(slow_pose.forecast(before, age), self.params.particles, age)
         past = self.known.get(number)
         return past.resumed(places) if past else Track.initiated(places)
 
-    def strewn(self, pose: Array, count: int, age: float = 0.0) -> Array:
-        """Particles about a pose `age` seconds old, (count, 6); some turned, for headings err easily."""
+    def scattered_about(self, pose: Array, count: int, age: float = 0.0) -> Array:
+        """Particles about a pose `age` seconds old, (count, 6); some are turned, because headings are often
+        wrong.
+        """
         sigma = np.hypot(SPAWN_SIGMA, age * STRAYING)
         particles = pose + sigma * self.rng.standard_normal((count, 6))
         turned = count // 5
@@ -237,7 +239,7 @@ class PoseTracker(Stage):
         known = set(people.person.tolist())
         for number, person in list(self.people.items()):
             silent = (
-                people.header.time - self.heard[number].time
+                people.header.time - self.slow_poses[number].time
             ) * NANOSECOND > self.params.maximum_unseen_time
             if (
                 silent

@@ -36,13 +36,13 @@ class Trail:
 
 
 @dataclass(frozen=True, eq=False)
-class Hearing:
+class SlowPose:
     """A pose (6,) of a person that the slow instance reported for a time, ns."""
 
     time: int
     pose: Array
 
-    def forecast(self, before: Hearing | None, seconds: float) -> Array:
+    def forecast(self, before: SlowPose | None, seconds: float) -> Array:
         """The pose some seconds later, with the velocity since the previous report."""
         apart = (self.time - before.time) * 1e-9 if before is not None else np.inf
         if before is None or apart > LONG_AGO:

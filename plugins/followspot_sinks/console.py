@@ -1,4 +1,4 @@
-"""Tracks for the eye."""
+"""Tracks as lines of text."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Console(Stage):
         self.next = 0
 
     def process(self, tracks: Tracks) -> None:
-        """Print one frame if the last one printed is long enough ago."""
+        """Print one frame if the last print was long enough ago."""
         time = tracks.header.time
         if time < self.next:
             return

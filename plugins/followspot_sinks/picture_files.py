@@ -12,9 +12,9 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 
 SMALLEST = 16
-"""Width and height that the codec takes at least, px; it wants even ones."""
+"""Smallest width and height for the codec, px; it needs even ones."""
 SLOWEST, FASTEST = 1.0, 240.0
-"""Frames per second that a video is written with at least and at most."""
+"""Smallest and largest frame rate of a video, 1/s."""
 
 
 class PictureFile(Protocol):

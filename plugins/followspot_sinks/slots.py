@@ -55,7 +55,7 @@ def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
 
 
 def _meant(numbers: Array) -> Array:
-    """Rows in which every number is one that can be sent: (N, K) -> (N,) bool."""
+    """Rows with sendable numbers only: (N, K) -> (N,) bool."""
     return np.asarray((np.abs(numbers) <= FARTHEST).all(axis=1))  # NaN is not
 
 
@@ -82,7 +82,9 @@ class PersonSlots:
         self._seen = np.zeros(count, "i8")
 
     def after(self, poses: Poses) -> Slots:
-        """The slots after one frame of persons; position is the top of the head. No number, no place."""
+        """The slots after one frame of persons; position is the top of the head. Rows with invalid numbers
+        are ignored.
+        """
         time, before = poses.header.time, self.slots
         self._release(time - self.hold)
         poses = poses.where(_meant(np.column_stack([poses.xy, poses.height, poses.heading])))
@@ -109,7 +111,7 @@ class PersonSlots:
         return self.slots
 
     def _release(self, oldest: int) -> None:
-        """Take back the slots of persons last seen before this time, ns."""
+        """Free the slots of persons last seen before this time, ns."""
         self._row = {person: row for person, row in self._row.items() if self._seen[row] >= oldest}
 
     def _place(self, person: int) -> bool:

@@ -10,7 +10,7 @@ from followspot.messages import Array
 from followspot_balls.bundle.points import BEHIND, Images
 
 RESERVED = 9.0
-"""Squared distance up to which a blob near a tracked target is not a lost one's, px^2: half a ball."""
+"""Squared distance from a tracked target up to which it keeps a blob from a lost one, px^2: half a ball."""
 
 
 class Claims(NamedTuple):
@@ -19,7 +19,7 @@ class Claims(NamedTuple):
     xy: Array
     """(C, K, 2) px, undistorted."""
     possible: Array
-    """(M, C, K) bool: may be the target's."""
+    """(M, C, K) bool: whether the blob may show the target."""
     sizes: Array
     """(C, K) area over that of a ball of unit radius at unit depth."""
     radius: Array

@@ -14,7 +14,7 @@ from followspot.messages import Array
 
 PARAMETERS = 4
 BEHIND = 1e-6
-"""Depth that stands for any behind the camera, m."""
+"""Depth of all points behind the camera, m."""
 
 
 class Images(NamedTuple):
@@ -27,7 +27,7 @@ class Images(NamedTuple):
 
 
 class Model(NamedTuple):
-    """How M points appear in C views: x ~ matrix p + offset for parameters p."""
+    """The projection of M points into C views: x ~ matrix p + offset for parameters p."""
 
     matrix: Array
     """(M, C, 3, 4)."""
@@ -44,7 +44,7 @@ class Belief(NamedTuple):
     """(M, 4, 4), the inverse of the covariance; 0 if nothing is known."""
 
     def and_also(self, other: Belief) -> Belief:
-        """Both of two independent beliefs."""
+        """The product of two independent beliefs."""
         return Belief(self.vector + other.vector, self.information + other.information)
 
     def relative(self, origin: Array) -> Belief:
@@ -53,7 +53,7 @@ class Belief(NamedTuple):
 
 
 def empty_belief(count: int) -> Belief:
-    """Nothing known of `count` points; to be filled."""
+    """An uninformative belief about `count` points."""
     return Belief(np.zeros((count, PARAMETERS)), np.zeros((count, PARAMETERS, PARAMETERS)))
 
 
@@ -69,7 +69,7 @@ class Views(NamedTuple):
 
 
 class Equations(NamedTuple):
-    """Weighted normal equations of a step d from the parameters they were set up at: normal d = right."""
+    """Weighted normal equations of a step d from the linearisation point: normal d = right."""
 
     normal: Array
     """(M, 4, 4)."""

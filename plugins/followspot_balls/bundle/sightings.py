@@ -1,4 +1,4 @@
-"""The blobs behind 3D candidates, each once, in a table of camera and slot."""
+"""The distinct blobs of 3D candidates, in a table of camera and slot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from followspot.tracking import Candidates
 
 
 class Sightings(NamedTuple):
-    """Blobs of C cameras, up to K in each; an empty slot is 0 and no target's."""
+    """Blobs of C cameras, up to K in each; an empty slot is 0 and belongs to no target."""
 
     xy: Array
     """(C, K, 2) px, undistorted."""
@@ -24,7 +24,7 @@ class Sightings(NamedTuple):
 
 
 def sightings(candidates: Candidates, cameras: int) -> Sightings:
-    """Collect the blobs that N > 0 candidates were made of; a blob takes part in several of them.
+    """Collect the blobs of N > 0 candidates, which may share blobs.
 
     cameras: of the room, C.
     """

@@ -32,12 +32,12 @@ from followspot_balls.search import lost_targets
 USED = 0.4
 """Weight above which a view counts as support: that of an error of three quarters of the cutoff."""
 VAGUE = 1e-3
-"""Least information on a place, 1/m^2: keeps equations of views that do not determine it solvable."""
+"""Smallest information on a position, 1/m^2: keeps underdetermined equations solvable."""
 PLACE = [0, 1, 2]
 DARK = 1e-6
-"""Least sigma of the glow, m: far from every plane there is none."""
+"""Smallest sigma of the glow, m, far from all planes."""
 STEPS = 3
-"""Of reweighted least squares; the start is one of the candidates, so the images may be linearised once."""
+"""Iterations of reweighted least squares; one linearisation suffices, because the start is a candidate."""
 
 
 class Fit(NamedTuple):
@@ -182,7 +182,9 @@ class Bundle(Stage):
         return positions if used.any(axis=1).all() else positions.where(positions.support > 0)
 
     def credit(self, candidates: Candidates, target: Array, lost: Array, forecast: Forecast | None) -> Array:
-        """Factor of the candidates' votes, (M, N): by their distance from the forecast, or as evidence."""
+        """Factor of the candidates' votes, (M, N): from their distance to the forecast, or from their
+        evidence.
+        """
         evidence = np.broadcast_to(recovery_credit(candidates), (len(target), len(candidates.xyz)))
         if forecast is None or lost.all():
             return evidence
@@ -190,7 +192,7 @@ class Bundle(Stage):
         return np.where(lost[:, None], evidence, np.exp(-distance2 / (2 * self.params.prior_sigma**2)))
 
     def votes(self, xyz: Array, credit: Array, claims: Claims) -> Array:
-        """How well all views agree with each candidate, as a place of each target: (M, N).
+        """Agreement of all views with each candidate as the position of each target: (M, N).
 
         xyz: (N, 3) m; credit: (M, N) factors, 0 for candidates that are not in question.
         """
@@ -218,7 +220,7 @@ class Bundle(Stage):
         return np.where(wide, p.recovery_cutoff_scale * p.outlier_cutoff, p.outlier_cutoff)[:, None]
 
     def expectation(self, target: Array, lost: Array, forecast: Forecast | None) -> Belief:
-        """The forecast of each target's place, with part of its information; none of lost targets."""
+        """The forecast of each target's position with a reduced weight; uninformative for lost targets."""
         vector, information = empty_belief(len(target))
         if forecast is not None and not lost.all():
             known = target[~lost]
@@ -243,7 +245,7 @@ class Bundle(Stage):
         return glowing_model(self.P, normal, self.color), Belief(vector, information)
 
     def refined(self, start: Array, claims: Claims, expected: Belief, cutoff: Array | float) -> Fit:
-        """The most likely places, from nearby ones: (M, 3) m.
+        """The most likely positions, from nearby starts (M, 3) m.
 
         The forecast helps to judge the views, for two that disagree cannot judge each other; the place
         comes from the views alone, because the filter adds the forecast itself.

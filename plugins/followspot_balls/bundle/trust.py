@@ -10,7 +10,7 @@ from followspot.room import Room
 from followspot_balls.outline import unit_outline
 
 WHOLE = 1.2
-"""Largest share of its outline that a blob alone shows; more is light of something else."""
+"""Largest area over the outline's of an unmerged blob; a larger blob includes other light."""
 
 
 class Outlines:

@@ -1,4 +1,4 @@
-"""How a thrown ball moves in a picture: the image of a parabola (Hartley & Zisserman, section 6.1).
+"""The motion of a thrown ball in a picture: the image of a parabola (Hartley & Zisserman, section 6.1).
 
 A free ball is at X(t) = X0 + V t + G t^2 / 2. A pinhole camera makes of it three quadratics in time up to
 scale, x ~ P X(t): the quotient of two quadratics for u, and of two with the same divisor for v. A plain
@@ -12,7 +12,7 @@ import numpy as np
 from followspot import Array
 
 STEPS = 3
-"""Solutions of the linear problem, each weighted by the depths of the one before."""
+"""Iterations of the linear problem, each weighted by the depths of the previous one."""
 
 
 def residual(time: Array, xy: Array) -> float:

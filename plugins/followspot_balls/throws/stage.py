@@ -12,9 +12,10 @@ from followspot_balls.throws.motion import Paths, assigned, initiated, predicted
 from followspot_balls.throws.parabola import bend, residual
 
 MEMORY = 240
-"""Blobs of a path that its shape is judged by: two seconds of a fast camera, longer than a throw."""
+"""Number of the newest blobs that determine a path's shape: two seconds of a fast camera, longer than a
+throw."""
 CLEAR = 5.0
-"""Least rise of a path over its residual: scatter that happens to bend is no throw."""
+"""Smallest rise of a path over its residual: excludes noise that looks curved."""
 NO_PATHS = initiated(0, np.empty(0, int), np.empty((0, 2)), (0.0, 0.0, 0.0))
 
 
@@ -136,7 +137,7 @@ class Throws(Stage):
         return self.without_deleted(paths, path), blob
 
     def remember(self, time: float, number: Array, xy: Array) -> None:
-        """Add a place (px) at a time (s) to each of some paths."""
+        """Append a position (px) at a time (s) to each of these paths."""
         for key, (u, v) in zip(number.tolist(), xy.tolist(), strict=True):
             self.points.setdefault(key, deque(maxlen=MEMORY)).append((time, u, v))
 

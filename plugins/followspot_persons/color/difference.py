@@ -23,7 +23,7 @@ SHIPPED = Path(__file__).with_name("color_relations.yaml")
 OBSERVATION = 0.0004
 """Smallest variance of a mean colour, however many observations there are: light varies over the room."""
 WIDEST_HUE = 1 / 12
-"""Variance of a hue that may be any."""
+"""Variance of an unknown hue."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ RAMP = 0.12
 NARROWEST = np.array([0.03, 0.06, 0.10], np.float32)
 """Smallest sigmas of hue, saturation and intensity, at which a Gaussian's peak counts as 1."""
 FLOOR = np.float32(0.03)
-"""Response of a feature that shows another colour altogether, an arm, a bag; not 0, for eq. 6 multiplies."""
+"""Smallest response of a feature, as of an arm or a bag; not 0, because eq. 6 multiplies."""
 
 
 def intensity_share(intensity: Array) -> Array:

@@ -10,9 +10,9 @@ from followspot import Array
 from followspot_persons.hsi import from_plane, plane
 
 FIRST_VARIANCE = np.array([0.04, 0.08, 0.12]) ** 2
-"""Of a feature that was seen once, in HSI."""
+"""Initial variance of a feature, in HSI."""
 FIRST_EVIDENCE = 2.0
-"""Observations that this guess of the variance is worth."""
+"""Weight of the initial variance, in observations."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,15 +20,15 @@ HEAD = (slice(2, 34), slice(16, 48))
 COARSE, FINE = (WIDTH // 8, HEIGHT // 8), (8, 8)
 """Cells across and down."""
 LOOKS = 9 * (COARSE[0] * COARSE[1] + FINE[0] * FINE[1]) + 2 * (COARSE[0] * COARSE[1] + FINE[0] * FINE[1])
-"""Numbers that describe a window."""
+"""Number of features of a window."""
 LOGARITHM = np.log(np.arange(256, dtype=np.float32) + 8)
-"""Of grey levels; it flattens in the dark, where there is noise."""
+"""Offset of the logarithm of grey levels, which suppresses noise in the dark."""
 SKIN = ((0.35, 0.2), (0.2, 0.15))
 """log(red / green) and log(green / blue) of skin, light to dark: mean and standard deviation."""
 
 
 def looks(windows: Array | Sequence[Array]) -> Array:
-    """Descriptions of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, LOOKS) f4."""
+    """Features of windows: (N, HEIGHT, WIDTH, 3) u8 -> (N, LOOKS) f4."""
     described = np.empty((len(windows), LOOKS), np.float32)
     for row, window in zip(described, windows, strict=True):
         row[:] = np.concatenate([*_edges(window), *_colours(window)])

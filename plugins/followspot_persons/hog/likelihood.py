@@ -1,4 +1,4 @@
-"""How well poses agree with the boxes of a detector, and with the headings it saw (section 3.2)."""
+"""The likelihood of a detector's boxes and headings given poses (section 3.2)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from followspot import Array
 
 NOTHING = 1e-3
-"""Likelihood of a pose without a box; not 0, for the combination multiplies."""
+"""Likelihood of a pose without a box; not 0, because the combination multiplies."""
 
 
 def box_likelihood(expected: Array, detected: Array, width: float, around: int = 0) -> Array:

@@ -14,11 +14,11 @@ from followspot_persons.panorama import full_turn
 from followspot_persons.standing import knows_floor, standing
 
 EDGE = 16
-"""How far a window may reach beyond the picture's border, which is repeated there, px of the window."""
+"""Largest part of a window beyond the picture, where the border is repeated, px of the window."""
 COLUMNS = 16
-"""Places across the picture at which the rows that may show people are asked for."""
+"""Number of columns at which the rows of people are computed."""
 SLACK = 1.12
-"""By which a height may miss the limits, since windows come in steps of place and size."""
+"""Tolerance of the height limits, because windows have discrete positions and sizes."""
 
 
 @dataclass(frozen=True)

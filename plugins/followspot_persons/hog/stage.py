@@ -15,13 +15,13 @@ from followspot_persons.hog.window import HEIGHT, WIDTH, cut, detector
 from followspot_persons.panorama import full_turn
 
 SAME = 0.45
-"""Overlap from which two boxes show the same body."""
+"""Smallest overlap of two boxes of the same body."""
 NESTED = 0.75
-"""Part of the smaller box within the larger one from which both show the same body."""
+"""Smallest share of the smaller box in the larger one for the same body."""
 CROWD = 4.0
 """Usual number of windows that show a body; false bodies show in fewer."""
 FAINT = -2.5
-"""Log-odds from which a window counts as one of them."""
+"""Smallest log-odds of these windows."""
 
 
 class Hog(Stage):

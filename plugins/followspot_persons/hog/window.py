@@ -16,13 +16,13 @@ from followspot import Array
 WIDTH, HEIGHT = 64, 80
 """px."""
 BODY = np.array([8.0, 6.0, 56.0, 78.0])
-"""Where the window holds the upper body, head top to waist: x0, y0, x1, y1, px."""
+"""Position of the upper body in the window, head top to waist: x0, y0, x1, y1, px."""
 TALL = BODY[3] - BODY[1]
 """Height of the upper body in the window, px."""
 STRIDE = 8
-"""Of the windows of a search, px: one cell."""
+"""Step of the windows of a search, px: one cell."""
 FEATURES = 2268
-"""Numbers that describe a window."""
+"""Number of features of a window."""
 
 
 @cache

@@ -18,7 +18,7 @@ SYSTEM_NAME, INFO_TRACKERS = 0x0001, 0x0002
 TRACKER_NAME = 0x0000
 VERSION = (2, 2)
 MOST_BYTES = 1400
-"""Of the trackers in one packet: with its headers it fits into an Ethernet frame."""
+"""Largest size of the trackers in one packet, which fits into an Ethernet frame with its headers."""
 
 
 def data_packets(slots: Slots, axes: Array, time: int, frame: int) -> list[bytes]:
@@ -47,7 +47,7 @@ def data_packets(slots: Slots, axes: Array, time: int, frame: int) -> list[bytes
 
 
 def info_packets(system: str, names: Sequence[str], time: int, frame: int) -> list[bytes]:
-    """The names behind the numbers; to be sent about once a second."""
+    """Packets with the names of the trackers; to be sent about once a second."""
     trackers = [
         _chunk(number, _chunk(TRACKER_NAME, name.encode()[:255]), parent=True)
         for number, name in enumerate(names, 1)

@@ -27,7 +27,7 @@ from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.sightings import blended, sightings_of
 from followspot_persons.spawning import farthest, spawned
 from followspot_persons.track import Track
-from followspot_persons.trail import Hearing, Trail, carried_detection, carried_pose
+from followspot_persons.trail import SlowPose, Trail, carried_detection, carried_pose
 
 FACING = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0.0]])
 SECOND = 1_000_000_000
@@ -116,10 +116,10 @@ def test_a_late_pose_is_carried_along_the_trail():
 
 
 def test_two_hearings_tell_where_a_walker_is_by_now():
-    first, second = Hearing(0, standing(1.0)), Hearing(SECOND // 2, standing(1.4))
+    first, second = SlowPose(0, standing(1.0)), SlowPose(SECOND // 2, standing(1.4))
     assert second.forecast(first, 0.5)[0] == pytest.approx(1.8)
     assert second.forecast(None, 0.5)[0] == 1.4
-    assert Hearing(10 * SECOND, standing(1.4)).forecast(first, 0.5)[0] == 1.4
+    assert SlowPose(10 * SECOND, standing(1.4)).forecast(first, 0.5)[0] == 1.4
 
 
 def test_who_comes_back_has_the_body_that_was_learnt():
