@@ -1,4 +1,4 @@
-"""A Zenoh session that is quiet, meshes by itself, and stays on this host unless told otherwise."""
+"""A Zenoh session: a peer that logs little, and that stays on this host unless told otherwise."""
 
 from __future__ import annotations
 
