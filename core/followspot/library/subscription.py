@@ -137,7 +137,7 @@ class Subscription(Closing):
             if other._holds_up:
                 both = f', or subscribe to both at once: ports=["{self.port},{other.port}"]'
                 raise FollowspotError(
-                    f"nobody reads {other.port}, which holds up the run: read it in a thread of its own, "
+                    f"no loop reads {other.port}, which holds up the run: read it in a thread of its own, "
                     f"close it{'' if other is self else both}"
                 )
 

@@ -96,14 +96,14 @@ def test_two_ports_in_one_subscription_come_as_they_are_made(tmp_path: Path) -> 
 def test_a_port_that_nobody_reads_is_named_before_it_holds_up_the_run_for_ever(tmp_path: Path) -> None:
     with (
         fs.run(GRAPH, frames=200, ports=["track.tracks", "color"], out=tmp_path) as run,
-        pytest.raises(fs.FollowspotError, match="nobody reads color, which holds up the run"),
+        pytest.raises(fs.FollowspotError, match="no loop reads color, which holds up the run"),
     ):
         list(run["track.tracks"])
 
 
 def test_waiting_for_a_run_that_waits_for_its_reader_says_so(tmp_path: Path) -> None:
     with fs.run(GRAPH, frames=200, ports=["track.tracks"], out=tmp_path) as run:
-        with pytest.raises(fs.FollowspotError, match=r"nobody reads track.tracks, which holds up the run"):
+        with pytest.raises(fs.FollowspotError, match=r"no loop reads track.tracks, which holds up the run"):
             run.wait()
         with pytest.raises(fs.InputError, match=r"there is no port \"colour\"\n +did you mean \"color\""):
             run["colour"]
