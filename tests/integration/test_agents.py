@@ -27,7 +27,7 @@ from tests.integration.running import (
 
 import followspot as fs
 from followspot.control.zenoh_rpc import agents
-from followspot.operator.discovery import await_named, operating
+from followspot.operator.discovery import await_named, operator_session
 from followspot.transport.zenoh.network import Network
 
 LIVE = """
@@ -241,7 +241,7 @@ def test_an_operator_waits_for_an_agent_that_is_slow_to_connect(tmp_path: Path) 
     busy.start()
     network = Network(connect=(agent.endpoint,))
     try:
-        with operating(network) as session:
+        with operator_session(network) as session:
             await_named(session, network)
             assert agents(session) == {"pc-left"}
     finally:

@@ -20,7 +20,7 @@ from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
 from followspot.operator.report import RunReport
@@ -191,7 +191,7 @@ class OwnRun(ScriptHandle):
             with ready as (coordinator, around):
                 self.run = coordinator.name
                 self._dispatcher = run_dispatcher(coordinator, around)
-                with reachable(self.run, self.graph, self._dispatcher):
+                with serve_requests(self.run, self.graph, self._dispatcher):
                     self._report = coordinator.execute(on_begin=self._begun.set)
         except BaseException as error:
             self._error = error

@@ -18,7 +18,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.operator.connect import chosen, listing
 from followspot.operator.coordinator import Coordinator, order_of
-from followspot.operator.discovery import Agents, await_named, operating, reached
+from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
 from followspot.operator.progress import OnProgress
 from followspot.operator.remote_host import RemoteHost
 from followspot.operator.report import RunReport
@@ -29,7 +29,7 @@ from followspot.worker.wiring import RunOptions
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundRun:
     """A run under agents. hosts: names of the hosts whose agents list it; over: it has ended on all."""
 
     run: str
@@ -55,7 +55,7 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
             f"workers without a host cannot be left alone: {', '.join(here)}; give them one with --host NAME"
         )
     order = order_of(plan, options, restart=True, detached=True)
-    with reached(plan, network, media) as (hosts, _):
+    with discovered_hosts(plan, network, media) as (hosts, _):
         coordinator = Coordinator(plan, hosts, order)
         if not coordinator.begin():
             report = coordinator.watch()
@@ -66,7 +66,7 @@ def detach(plan: Plan, options: RunOptions, network: Network, media: Path) -> st
     return order.run
 
 
-def found(client: RpcClient) -> list[Found]:
+def find_runs(client: RpcClient) -> list[FoundRun]:
     """The runs of all agents that answer, the newest run of each agent last."""
     by_run: dict[str, dict[str, ListedRun]] = {}
     for agent in sorted(agents(client.session)):
@@ -75,16 +75,16 @@ def found(client: RpcClient) -> list[Found]:
     return [_found(run, hosts) for run, hosts in by_run.items()]
 
 
-def _found(run: str, hosts: Mapping[str, ListedRun]) -> Found:
+def _found(run: str, hosts: Mapping[str, ListedRun]) -> FoundRun:
     """A run from the listing of each of its hosts."""
     graph, *_ = (listed.graph for listed in hosts.values())
-    return Found(run, graph, tuple(hosts), all(listed.over for listed in hosts.values()))
+    return FoundRun(run, graph, tuple(hosts), all(listed.over for listed in hosts.values()))
 
 
 class Attachment:
     """Watches a run of another operator; `stop` ends the watching, not the run."""
 
-    def __init__(self, found: Found, coordinator: Coordinator) -> None:
+    def __init__(self, found: FoundRun, coordinator: Coordinator) -> None:
         self.found = found
         self.coordinator = coordinator
         self.stopped = False
@@ -102,10 +102,10 @@ class Attachment:
 @contextmanager
 def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
     """Watch a run under agents; it goes on after the block. Raises FollowspotError if there is none."""
-    with operating(network) as session:
+    with operator_session(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)
-        runs = found(client)
+        runs = find_runs(client)
         run = chosen([run for run in runs if not run.over], wanted) or chosen(runs, wanted)
         if run is None:
             raise FollowspotError(

@@ -38,7 +38,7 @@ _DESCRIBE = {"verb": "describe"}
 
 
 @contextmanager
-def reachable(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[None]:
+def serve_requests(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[None]:
     """Serve requests of other processes while the block runs, each in a thread of its own.
 
     If the socket cannot be opened, the block runs without it and standard error says why.

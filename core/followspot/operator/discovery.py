@@ -28,7 +28,7 @@ _TIMEOUT = 5.0
 
 
 @contextmanager
-def operating(network: Network) -> Iterator[zenoh.Session]:
+def operator_session(network: Network) -> Iterator[zenoh.Session]:
     """An operator's Zenoh session. Raises FollowspotError if it cannot connect."""
     session = connected(network)
     try:
@@ -56,7 +56,7 @@ class Agents:
 
 
 @contextmanager
-def reached(
+def discovered_hosts(
     plan: Plan, network: Network, media: Path, start: Start = start_process
 ) -> Iterator[tuple[Sequence[Host], Others]]:
     """The hosts of a plan, the local one included, and the other hosts that may join the run.
@@ -65,7 +65,7 @@ def reached(
     Raises InputError if an agent is missing.
     """
     names = dict.fromkeys(worker.host for worker in plan.workers)
-    with operating(network) as session:
+    with operator_session(network) as session:
         await_agents(session, [name for name in names if name], network)
         hub = (*locators(session), *network.connect)
         others = Agents(RpcClient(session, network.own), media)

@@ -67,7 +67,7 @@ class _Change:
         deadline = time.monotonic() + _TIMEOUT
         waiting = list(self.hosts)
         while waiting:
-            waiting = [host for host in waiting if not self._reached(host, phase)]
+            waiting = [host for host in waiting if not self._is_done(host, phase)]
             if waiting and time.monotonic() > deadline:
                 raise FollowspotError(f"the change was not made within {_TIMEOUT:.0f} s")
             time.sleep(_POLL_INTERVAL)
@@ -78,15 +78,15 @@ class _Change:
             with suppress(FollowspotError):
                 host.change(self._order(host, "discard"))
 
-    def _reached(self, host: Host, phase: ChangePhase) -> bool:
+    def _is_done(self, host: Host, phase: ChangePhase) -> bool:
         """True once the host has done the step. Raises FollowspotError if it cannot do it."""
         status = host.status()
         if status.change.id == self.id and status.change.phase == "failed":
             raise FollowspotError(status.change.error)
-        reached = status.change.id == self.id and status.change.phase == phase
-        if not reached and status.all("over"):
+        done = status.change.id == self.id and status.change.phase == phase
+        if not done and status.all("over"):
             raise FollowspotError("the run has ended")
-        return reached
+        return done
 
     def _order(self, host: Host, step: Step) -> ChangeOrder:
         return ChangeOrder(id=self.id, step=step, stages=self.replacements[host.name], fresh=self.fresh)

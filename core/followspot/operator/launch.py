@@ -15,7 +15,7 @@ from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.host.worker_process import Process, start_process
 from followspot.log.run_log import OnLog
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.progress import OnProgress
 from followspot.operator.report import RunReport
@@ -54,7 +54,7 @@ def run_plan(
     """
     ready = prepared(plan, options, network=network, media=media, restart=restart, on_log=on_log)
     with ready as (run, around):
-        return _reachable(run, on_progress, around)
+        return _run_served(run, on_progress, around)
 
 
 @contextmanager
@@ -75,11 +75,11 @@ def prepared(
     """
     restart = restart or plan.live
     if network.public or any(worker.host for worker in plan.workers):
-        from followspot.operator.discovery import reached
+        from followspot.operator.discovery import discovered_hosts
 
         start = partial(_start_worker, in_process)
         order = order_of(plan, options, restart=restart)
-        with reached(plan, network, media, start) as (hosts, others):
+        with discovered_hosts(plan, network, media, start) as (hosts, others):
             around = Surroundings(options.out.resolve(), network.for_worker(network.connect))
             yield Coordinator(plan, hosts, order, on_log, others), around
             return
@@ -111,9 +111,9 @@ def _start_worker(in_process: Collection[str], name: str, end: socket.socket) ->
     return WorkerThread(name, end)
 
 
-def _reachable(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:
+def _run_served(run: Coordinator, on_progress: OnProgress | None, surroundings: Surroundings) -> RunReport:
     """Execute the run; meanwhile other processes of the user can find, watch and change it."""
-    with reachable(run.name, run.plan.graph, run_dispatcher(run, surroundings)):
+    with serve_requests(run.name, run.plan.graph, run_dispatcher(run, surroundings)):
         return interruptible(run, on_progress)
 
 

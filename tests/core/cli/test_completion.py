@@ -14,7 +14,7 @@ from followspot.cli.main import main
 from followspot.control.dispatch import Dispatcher
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import GetPlan
 
 ROOT = Path(__file__).parents[3]
@@ -25,7 +25,7 @@ RUN = f"run{os.getpid():x}"
 @pytest.fixture(scope="module")
 def run() -> Iterator[None]:
     plan = compile_graph(ROOT / "graphs" / "glowballs.yaml")
-    with reachable(
+    with serve_requests(
         f"{os.getpid():x}completed", RUN, Dispatcher("operator", {GetPlan: lambda _: plan_to_data(plan)})
     ):
         yield

@@ -23,7 +23,7 @@ from followspot.errors import FollowspotError
 from followspot.host.clocks.host import HostClock
 from followspot.log.record import LogPage, LogRecord
 from followspot.messages import MAX_TIME
-from followspot.operator.attach import found
+from followspot.operator.attach import find_runs
 from followspot.operator.remote_host import RemoteHost
 from followspot.ranges import MAX_EXACT
 from followspot.transport.keys import agent_key, request_key
@@ -214,4 +214,4 @@ def test_an_invalid_listing_of_runs_is_an_error_that_names_the_host(
     there, client = agent
     there.say("list_runs", runs)
     with pytest.raises(FollowspotError, match=f"host {HOST}: its answer to list_runs is invalid"):
-        found(client)
+        find_runs(client)

@@ -15,7 +15,7 @@ import pytest
 
 from followspot.control.dispatch import Dispatcher, Request, Role
 from followspot.errors import FollowspotError
-from followspot.operator.control_socket import MAX_REQUEST, reachable, runs_here
+from followspot.operator.control_socket import MAX_REQUEST, runs_here, serve_requests
 
 RUN = "feedc0de" * 4
 
@@ -55,7 +55,7 @@ def this() -> list[str]:
 
 
 def test_a_run_is_found_answers_and_leaves_no_socket() -> None:
-    with reachable(RUN, "graph", DOUBLING):
+    with serve_requests(RUN, "graph", DOUBLING):
         (run,) = [run for run in runs_here() if run.run == RUN]
         assert run.graph == "graph"
         assert run.ask(Double(number=21), 10.0) == 42
@@ -81,7 +81,7 @@ def test_pending_requests_are_answered_at_the_end_and_later_ones_are_not() -> No
         return "done"
 
     with socket.socket(socket.AF_UNIX) as silent:
-        with reachable(RUN, "graph", Dispatcher("operator", {Wait: slow})):
+        with serve_requests(RUN, "graph", Dispatcher("operator", {Wait: slow})):
             (run,) = [run for run in runs_here() if run.run == RUN]
             silent.connect(f"\0{socket_name()}")
             asking = threading.Thread(target=lambda: answers.append(run.ask(Wait(), 20.0)))
@@ -108,7 +108,7 @@ def test_pending_requests_are_answered_at_the_end_and_later_ones_are_not() -> No
     ],
 )
 def test_invalid_requests_are_refused_and_valid_ones_still_answered(line: bytes) -> None:
-    with reachable(RUN, "graph", DOUBLING):
+    with serve_requests(RUN, "graph", DOUBLING):
         (run,) = [run for run in runs_here() if run.run == RUN]
         with socket.socket(socket.AF_UNIX) as client:
             client.connect(f"\0{socket_name()}")
@@ -119,7 +119,7 @@ def test_invalid_requests_are_refused_and_valid_ones_still_answered(line: bytes)
 
 
 def test_a_request_above_the_limit_is_refused() -> None:
-    with reachable(RUN, "graph", Dispatcher("operator", {})):
+    with serve_requests(RUN, "graph", Dispatcher("operator", {})):
         with socket.socket(socket.AF_UNIX) as client:
             client.connect(f"\0{socket_name()}")
             sent = 0

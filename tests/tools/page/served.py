@@ -23,7 +23,7 @@ from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, Message, stamped
 from followspot.operator.changed import Changed, ChangedStage
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import (
     ChangeStages,
     GetPlan,
@@ -104,7 +104,7 @@ def served(out: Path) -> Iterator[Shown]:
     """The page of a run of the glowing balls. out: folder for its outputs."""
     made = Shown(compile_graph(GRAPH), out)
     name = f"{os.getpid():x}{out.name}"
-    with reachable(name, made.plan.graph, made.dispatcher()), shown(PageOrder(os.getpid())) as page:
+    with serve_requests(name, made.plan.graph, made.dispatcher()), shown(PageOrder(os.getpid())) as page:
         made.pid = page.pid
         made.serve(page.url)
         yield made

@@ -19,7 +19,7 @@ from followspot.graph.ship import plan_to_data
 from followspot.log.file import LogFile
 from followspot.log.record import LogPage, LogRecord
 from followspot.log.run_log import RunLog
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 
@@ -60,7 +60,7 @@ def run(tmp_path: Path) -> Iterator[str]:
             GetSurroundings: lambda _: Surroundings(tmp_path),
         },
     )
-    with reachable(NAME, "glowballs", dispatcher):
+    with serve_requests(NAME, "glowballs", dispatcher):
         yield NAME
 
 

@@ -29,7 +29,7 @@ from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
-from followspot.operator.control_socket import reachable
+from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
@@ -73,7 +73,7 @@ def run() -> Iterator[str]:
         over = replace(status, workers=(replace(worker, phase="over"),))
         return over if tapped else status
 
-    with reachable(NAME, plan.graph, answering(plan, status_now, tap)):
+    with serve_requests(NAME, plan.graph, answering(plan, status_now, tap)):
         yield NAME
 
 
@@ -191,7 +191,7 @@ def test_the_time_of_hz_begins_with_the_first_measurement(capsys: pytest.Capture
         begun.append(threading.Timer(0.5, lambda: [tell(wanted) for wanted in request.taps]))
         begun[0].start()
 
-    with reachable(f"late{NAME}", plan.graph, answering(plan, lambda _: status, tap)):
+    with serve_requests(f"late{NAME}", plan.graph, answering(plan, lambda _: status, tap)):
         assert said("hz", "track", "--run", f"late{NAME}", "--seconds", "0.1", "--json") == 0
     begun[0].join()
     found = {pace["port"]: pace for pace in json.loads(capsys.readouterr().out)}
