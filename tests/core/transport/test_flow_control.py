@@ -174,3 +174,15 @@ def test_when_the_session_closes_all_are_lost_that_have_not_taken_the_end() -> N
     flow.lose_all()
     assert flow.lost == {0}
     assert flow.credit() == DEPTH
+
+
+def test_a_report_takes_no_credit_back() -> None:
+    """A reader that was cut off reports less than it got credit for when it was back; a send raised then."""
+    flow = Flow()
+    flow.put(DEPTH)
+    flow.reports("near", DEPTH, DEPTH)
+    flow.leaves("far", 0)
+    flow.comes("far", 0)
+    assert flow.credit() == DEPTH
+    assert flow.reports("far", 1, 1)
+    assert flow.credit() == DEPTH

@@ -159,7 +159,8 @@ class FlowControl:
         if consumed > min(taken, self.messages) or taken > self.tokens:
             self.refused += 1
             return False
-        reader.consumed, reader.taken = consumed, taken
+        reader.consumed = max(reader.consumed, consumed)  # credit that was given is never taken back:
+        reader.taken = max(reader.taken, taken)  # a stage that has asked for it may be about to send
         reader.silent = False
         return True
 
