@@ -24,7 +24,7 @@ from followspot.transport.ring.memory import Memory
 from followspot.transport.ring.notification import ARENA, HELLO, INLINE, NOTIFICATION, SLOT, WATERMARK
 from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
-from followspot.transport.token import Invalid, Token, Watermark
+from followspot.transport.token import MAX_COUNT, Invalid, Token, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
 from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, reached, undeclare
 from fuzzing.extreme import extreme_integer, extreme_token
@@ -38,6 +38,8 @@ KINDS: tuple[type[Message], ...] = (
 _DEPTH = 4
 _OFTEN = 20
 """Inputs between two good messages."""
+_LAST = 1 << 20
+"""Numbers that are left to a writer before the largest."""
 _LONGEST = 20.0
 """Seconds until what must happen did not."""
 
@@ -145,8 +147,12 @@ class Pair:
         return self.writer.strangers + self.reader.strangers
 
     def agree(self) -> None:
-        """Let the writer's state match what the reader believed, if the writer could have meant it."""
-        if self.reader._writer != 0:  # another writer, which never comes
+        """Let the writer's state match what the reader believed, if the writer could have meant it.
+
+        Both ends begin again if it was another writer, which never comes, or one that has counted as far as
+        numbers go: what follows would be out of range.
+        """
+        if self.reader._writer != 0 or self.reader._tokens > MAX_COUNT - _LAST:
             self.end()
             self.begin(self.kind)
         elif (
@@ -184,7 +190,8 @@ class Pair:
         return tokens
 
     def passes(self, number: int) -> None:
-        """A good message arrives as it was sent."""
+        """A good message arrives as it was sent, once both ends have noticed if their link was cut."""
+        _await("the ends do not find each other again", self._joined)
         _await("no credit", lambda: self.writer.credit() > 0)
         good = sample(self.kind, random.Random(number))
         self.writer.send(good)
@@ -198,6 +205,12 @@ class Pair:
         if not (isinstance(tokens[-1], Message) and identical(tokens[-1], good)):
             raise AssertionError(f"a good message came as {str(tokens)[:300]}")
         self._taken(tokens)
+
+    def _joined(self) -> bool:
+        """Whether the reader knows where the writer is, after each did what a woken worker does."""
+        self.writer.drain()
+        self._taken(self.reader.poll())
+        return self.writer.matched() and self.reader._joined
 
     def _taken(self, tokens: list[Token]) -> None:
         self.reader.consumed(sum(not isinstance(token, Watermark) for token in tokens))
