@@ -148,7 +148,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 
 
 def _run(args: argparse.Namespace) -> int:
-    """Print the script with which a shell completes commands, graphs, stages, parameters, runs and ports
+    """Print the script with which a shell completes commands, graphs, stages, parameters, runs and ports.
 
     Examples:
       eval "$(followspot completion bash)"                      in ~/.bashrc

@@ -161,7 +161,7 @@ def _logs(args: argparse.Namespace) -> int:
 
 
 def _pause(args: argparse.Namespace) -> int:
-    """Pause a replay: its sources send nothing until it is resumed or stepped
+    """Pause a replay: its sources send nothing until it is resumed or stepped.
 
     What was sent is processed; outputs are the same as without pauses. Live runs cannot be paused.
 
@@ -175,7 +175,7 @@ def _pause(args: argparse.Namespace) -> int:
 
 
 def _resume(args: argparse.Namespace) -> int:
-    """Let a paused replay go on
+    """Resume a paused replay.
 
     Examples:
       followspot resume
@@ -186,7 +186,7 @@ def _resume(args: argparse.Namespace) -> int:
 
 
 def _step(args: argparse.Namespace) -> int:
-    """Let a replay go on for some capture times of one source, then pause it
+    """Step a replay: play the next N capture times of one source, then pause again.
 
     Every other source sends until it has reached the last of these times.
 
