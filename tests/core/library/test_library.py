@@ -6,6 +6,7 @@ import asyncio
 import inspect
 import signal
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -139,6 +140,15 @@ def test_an_exception_in_the_block_ends_the_run_and_is_the_one_that_is_raised(tm
     assert run.over()
 
 
+@pytest.fixture
+def interrupts() -> Iterator[None]:
+    """SIGINT raises KeyboardInterrupt, as in a notebook; test processes may ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupts")
 def test_ctrl_c_while_waiting_leaves_the_run_to_its_handle(tmp_path: Path) -> None:
     (tmp_path / "endless.yaml").write_text(ENDLESS)
     main = threading.main_thread().ident
