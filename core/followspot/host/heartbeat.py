@@ -8,8 +8,12 @@ from followspot.graph.plan import Plan
 
 SILENCE = 1.5
 """Seconds without a message after which a running worker counts as hanging; it sends five a second."""
-_FIRST_WAIT, _LONGEST_WAIT = 0.1, 5.0
-"""Shortest and longest wait before a restart, s; it doubles with each death in a row."""
+_FIRST_WAIT, _LONGEST_WAIT = 0.1, 2.0
+"""Shortest and longest wait before a restart, s; it doubles with each death in a row.
+
+With the silence after which a worker counts as hanging and the second that a start takes, a worker is back
+within five seconds however often it died before.
+"""
 _ROW_WINDOW = 10.0
 """Two deaths of a worker count as in a row if they are less than this apart, s."""
 _PAUSE = 0.6

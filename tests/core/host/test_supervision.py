@@ -21,7 +21,7 @@ def test_the_wait_before_a_restart_grows_with_each_death() -> None:
     back_off = BackOff()
     waits = [back_off.wait("main", 7.0 * number) for number in range(9)]
     assert waits[:3] == [0.1, 0.2, 0.4]
-    assert waits[-1] == 5.0
+    assert waits[-1] == 2.0
 
 
 def test_the_wait_is_short_again_after_a_long_life_and_separate_for_each_worker() -> None:
