@@ -189,7 +189,8 @@ def test_floods_of_small_frames_are_cut_off_and_counted(page: Shown, piece: byte
         with suppress(ConnectionError):
             for _ in range(100_000):
                 end.sendall(piece * (enough // 100 + 1))
-            raise AssertionError("the flood was never cut off")
+            while end.recv(1 << 16):  # small pieces may all lie in the socket before the page reads them
+                continue
     alive(page)
 
 
