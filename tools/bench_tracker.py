@@ -3,8 +3,8 @@
     python tools/bench_tracker.py --room room.yaml
 
 The room's cameras play videos, decoded into memory before the clock starts. Both sides run tracked, and
-searching: then no target is ever believed, so that all are sought in whole images. The first frames, in
-which targets that are to be tracked are still being found, are played before the clock starts. Rounds are
+searching: then no target is ever confirmed, so that all are sought in whole images. The first frames, in
+which the tracker still searches the targets, are played before the clock starts. Rounds are
 interleaved, time is CPU time of one process, and the ratio of each pair of one round is what counts on a
 noisy machine.
 What shares the caches of a core makes rounds slower, never faster: the fastest is that of a quiet machine.

@@ -1,16 +1,17 @@
-"""What is closed at the end of its ``with`` block."""
+"""Objects that a ``with`` block closes."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Self
 
 
-class Closing:
-    """Base of what a ``with`` block closes. Subclasses define `close`, which may be called twice."""
+class Closing(ABC):
+    """Base of objects that a ``with`` block closes at its end."""
 
+    @abstractmethod
     def close(self) -> None:
-        """Let go of everything."""
-        raise NotImplementedError
+        """Release everything; a second call does nothing."""
 
     def __enter__(self) -> Self:
         return self

@@ -120,7 +120,7 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
         camera.declare_queryable(
             "followspot/agent/pc-left/**", lambda query: query.reply(query.key_expr, b"{}")
         )
-        asker = RpcClient(agent.session, Own("camera", "pc-right"))
+        client = RpcClient(agent.session, Own("camera", "pc-right"))
 
         def answers(name: str) -> bool:
             replies = agent.session.get(request_key(name, "x", "camera", "pc-right"), timeout=1.0)
@@ -129,7 +129,7 @@ def test_a_camera_host_cannot_pass_for_another_agent(certs: Path, agent: Agent, 
         assert wait_for(lambda: answers("pc-left"))
         assert not answers("desk")
         with pytest.raises(FollowspotError, match="does not answer"):
-            asker.ask("desk", Stop(), timeout=1.0)
+            client.ask("desk", Stop(), timeout=1.0)
         for token in tokens:
             token.undeclare()  # type: ignore[no-untyped-call]
 

@@ -73,7 +73,7 @@ READERS: dict[str, Callable[[Path], object]] = {
     "plugin": lambda path: load_file(str(path.rename(path.with_name("odd.py")))),
     "room": load,
     "updated room": lambda path: update(path, planes={}),
-    "roster": read_host_registry,
+    "registry": read_host_registry,
     "timestamps": lambda path: read_timestamps(path, ["cam0"]),
     "CSV points": points("points.csv"),
     "NPZ points": points("points.npz"),

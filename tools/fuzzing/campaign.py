@@ -48,7 +48,7 @@ COUNTS = {
     "calibration": 1_500,
     "request": 3_000,
     "status": 500,
-    "roster": 500,
+    "registry": 500,
     "extreme_zenoh": 50_000,
     "extreme_ring": 50_000,
     "extreme_stage": 20_000,
@@ -62,7 +62,7 @@ MODULES = {
     "fuzzing.files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
     "fuzzing.documents": ("graph_values", "room_values", "placement_values", "runs"),
     "fuzzing.parameters": ("parameters",),
-    "fuzzing.control": ("request", "status", "roster"),
+    "fuzzing.control": ("request", "status", "registry"),
     "fuzzing.pictures": ("video", "images"),
 }
 _MOST_CRASHES = 20

@@ -82,7 +82,7 @@ def status_target() -> Target:
     )
 
 
-def roster_target() -> Target:
+def registry_target() -> Target:
     """Lists of hosts."""
     import tempfile
 

@@ -16,7 +16,7 @@ from followspot.errors import FollowspotError
 from followspot.plugins.hooks import Command, load_plan_options
 
 _SOON = 1.0
-"""Seconds to score a run that the user stopped, who should not wait for as long as the run took."""
+"""Seconds that scoring may take after the user has stopped a run."""
 
 if TYPE_CHECKING:
     from followspot.graph.plan import Plan

@@ -47,7 +47,7 @@ class WorkerThread:
         except ChannelClosed:
             pass
         except Exception:
-            self.main.tell_crash()
+            self.main.reporter.send_crash()
         finally:
             self.main.channel.close()
             self._exit_code = code

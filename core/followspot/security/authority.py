@@ -118,7 +118,7 @@ class Authority:
         certificate = self._issue(member, key, _alternative_names([name, *addresses]))
         self._members[name] = member
         self._write_host(name, key, certificate)
-        self._write_rosters()
+        self._write_registries()
         return self.folder / name
 
     def remove(self, name: str) -> None:
@@ -128,7 +128,7 @@ class Authority:
                 f"there is no host {name}; known: {', '.join(sorted(self._members)) or 'none'}"
             )
         shutil.rmtree(self.folder / name, ignore_errors=True)
-        self._write_rosters()
+        self._write_registries()
 
     def _issue(
         self, member: Member, key: ec.EllipticCurvePrivateKey, names: Iterable[x509.GeneralName]
@@ -152,7 +152,7 @@ class Authority:
         _write(home / "cert.pem", certificate.public_bytes(Encoding.PEM), 0o644)
         _write(home / "ca.pem", self._certificate.public_bytes(Encoding.PEM), 0o644)
 
-    def _write_rosters(self) -> None:
+    def _write_registries(self) -> None:
         _write(self.folder / REGISTRY, registry_text("", self._members).encode(), 0o644)
         for name in self._members:
             if (self.folder / name).is_dir():

@@ -19,7 +19,7 @@ from followspot.transport.zenoh.session import log_refusals
 _STYLE = re.compile(rb"\x1b\[[0-9;]*m")
 _TLS = re.compile(rb"zenoh_link_tls\S*: (?P<why>.*?)(?: Hint: .*)?$")
 """Leaves out Zenoh's hint, which does not fit."""
-_UNLISTED = re.compile(rb"access_control: (?P<who>[0-9a-f]+) did not match any configured ACL subject")
+_UNLISTED = re.compile(rb"access_control: (?P<peer>[0-9a-f]+) did not match any configured ACL subject")
 _STDOUT = 1
 _MAX_LINE = 1 << 16
 """Longest line, bytes; a longer line is read in pieces."""
@@ -65,5 +65,5 @@ class RejectedPeers:
             self.rejections.add("certificate" if "certificate" in why else "tls", "a peer", why.rstrip("."))
         elif found := _UNLISTED.search(line):
             why = "it has a certificate, but is not on the list of hosts; whatever it sends is ignored"
-            self.rejections.add("unlisted", f"peer {found['who'].decode()}", why)
+            self.rejections.add("unlisted", f"peer {found['peer'].decode()}", why)
         return found is not None

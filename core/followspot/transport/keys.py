@@ -5,7 +5,7 @@
 ``followspot/RUN/HOST/STAGE/PORT/.reader/READER/...``   reports of the port's readers on the host READER
 ``followspot/RUN/HOST/STAGE/PORT/look/TAP``    what a tap sends to observers on other hosts
 ``followspot/agent/HOST``                      presence of an agent
-``followspot/agent/HOST/VERB/ROLE/NAME``       requests to an agent: role and name of the asker, as certified
+``followspot/agent/HOST/VERB/ROLE/NAME``       requests to an agent: role and name of the client, as certified
 """
 
 from __future__ import annotations
@@ -41,5 +41,5 @@ def agent_key(host: str) -> str:
 
 
 def request_key(host: str, verb: str, role: str, name: str) -> str:
-    """Key of requests to an agent from an asker of this role and name; ``*`` stands for any."""
+    """Key of requests to an agent from an client of this role and name; ``*`` stands for any."""
     return f"{AGENTS}/{host}/{verb}/{role}/{name}"

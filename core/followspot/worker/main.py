@@ -12,31 +12,17 @@ import socket
 import sys
 import threading
 import time
-import traceback
 from collections.abc import Collection, Sequence
-from contextlib import suppress
 from functools import partial
-from itertools import count
 from pathlib import Path
 from typing import Any
 
-from followspot.control.checkpoint import state_from_data, state_to_data
+from followspot.control.checkpoint import state_from_data
 from followspot.control.dispatch import Dispatcher
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
-from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.worker_messages import (
-    Built,
-    Change,
-    Done,
-    Failed,
-    Listening,
-    Log,
-    Progress,
-    Ready,
-    Stages,
-    State,
-)
+from followspot.control.swap import ChangeOrder
+from followspot.control.worker_messages import Built, Done, Failed, Listening, Ready
 from followspot.control.worker_orders import (
     ORDERS,
     BuildWorker,
@@ -53,28 +39,25 @@ from followspot.plugins.registry import use_plugin_files
 from followspot.worker.build import build_worker
 from followspot.worker.clock import Clock
 from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
+from followspot.worker.host_reporter import HostReporter
 from followspot.worker.hot_swap import HotSwap
 from followspot.worker.ledger import COLUMNS, Ledger
 from followspot.worker.report import Warnings, missing, worker_report
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_status import Idleness, paths_now, stages_now
 from followspot.worker.taps import WorkerTaps
 from followspot.worker.wiring import RunOptions, Wiring
 
-_PROGRESS_PERIOD = 0.2
-"""Seconds between two reports of progress."""
-_STAGES_EVERY = 3
-"""Reports of progress from one picture of all stages to the next."""
 _REMINDER = 0.5
-"""Seconds, at the barrier, between two words to other workers that the ends of edges here are there."""
+"""Seconds between two announcements, at the barrier, that the ends of edges here exist."""
 GRACE = 3.0
-"""Seconds that a worker has to complete its outputs when its agent is gone."""
+"""Seconds that a worker has to complete its outputs after its host has gone."""
 
 
 class WorkerMain:
     """The life of one worker.
 
-    in_process: whether it is a thread of its host's process, which it leaves alone.
+    in_process: True for a worker that is a thread of its host's process: it installs no signal handlers and
+    never ends the process.
     """
 
     def __init__(self, channel: Channel, *, in_process: bool = False) -> None:
@@ -85,12 +68,10 @@ class WorkerMain:
         self.worker: Worker | None = None
         self.links: EdgeLinks | None = None
         self.taps: WorkerTaps | None = None
-        self.idleness = Idleness()
         self.restart = False
-        self.over = threading.Event()
+        self.reporter = HostReporter(channel, self.log, self.warnings)
         self._orders: list[Received] = []
         """Orders that came before the start."""
-        self._telling = threading.Lock()
 
     def live(self) -> None:
         """Build, start, run, report. Raises ChannelClosed when the host ends before the start."""
@@ -108,18 +89,18 @@ class WorkerMain:
             self.taps = WorkerTaps(name, self.worker, links, partial(self.warnings.add, "taps"))
             self._give_up(order.over)
             self.channel.send(Built())
-            if not order.incarnation:  # later ones find the others at work, and some perhaps not at all
+            if not order.incarnation:  # a restarted worker finds the others running, or some of them gone
                 links.wait_matched()
             self.worker.setup()
             self._restore(order.states)
-            self._tell_log()
+            self.reporter.send_log()
             self.channel.send(Ready(expected=self.worker.expected()))
             if self._started():
                 self._run()
         except FollowspotError as failure:
             error = str(failure)
         finally:
-            self.over.set()
+            self.reporter.stop()
             if self.taps is not None:
                 self.taps.close()
             if self.worker is not None:
@@ -128,9 +109,9 @@ class WorkerMain:
                 self.links.close()
         for edge, times in self.links.strangers().items() if self.links is not None else ():
             self.warnings.add(edge, f"refused {times} times what was malformed or not from its sender")
-        self._tell_log()
+        self.reporter.send_log()
         if self.worker is not None:
-            self._tell_stages(self.worker)
+            self.reporter.send_stages(self.worker)
             if not (error or self.restart or self.links is None or self.links.plan.live):
                 error = missing(self.worker)
             self.channel.send(Done(report=worker_report(name, self.worker, self.warnings, error)))
@@ -150,14 +131,14 @@ class WorkerMain:
         if uses_zenoh(plan, order.worker) or network.leads_somewhere:
             from followspot.transport.zenoh.session import connected, locators, log_refusals
 
-            if network.certificates:  # whoever started this process counts them
+            if network.certificates:  # the host counts the rejected peers that Zenoh logs
                 log_refusals()
             session = connected(network)
             self.channel.send(Listening(locators=tuple(locators(session))))
         return EdgeLinks(plan, sending, receiving, session, order.run, order.incarnation)
 
     def _build(self, order: BuildWorker, memory: int, links: EdgeLinks) -> Worker:
-        """Build the stages. memory: descriptor of that of the ledger."""
+        """Build the stages. memory: file descriptor of the ledger's memory."""
         use_plugin_files(links.plan.plugin_files)
         edges = len(links.plan.edges)
         ledger = Ledger(edges, _shared_words(memory, edges))
@@ -166,7 +147,7 @@ class WorkerMain:
         return build_worker(Wiring(links.plan), order.worker, ledger, options, links)
 
     def _started(self) -> bool:
-        """Wait at the barrier; False where the run is called off."""
+        """Wait at the barrier for the start; False if the run is stopped before."""
         assert self.links is not None
         while True:
             while not self.channel.waits(_REMINDER):
@@ -183,27 +164,30 @@ class WorkerMain:
             from followspot.worker.published_ports import published
 
             self.published = published(self.worker, self.links)
-        self.change = HotSwap(self.worker, self._tell_change)
+        self.change = HotSwap(self.worker, self.reporter.send_change)
         self._dispatcher = self._handlers(self.worker, self.links)
         self.worker.watch(self.channel.fileno(), self._listen)
         self.worker.pace.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
         if not self._in_process:
             signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
-        threading.Thread(target=self._tell_progress, name="progress", daemon=True).start()
+        self.reporter.start(self.worker, self._leave_soon)
         try:
             self.worker.run()
         finally:
             self.change.close()
 
     def _listen(self) -> bool:
-        """Something came from the host, or it is gone: a stop at once, all else between two firings."""
+        """Receive orders: a stop takes effect at once, all others between two firings.
+
+        Returns True if the host has gone.
+        """
         assert self.worker is not None
         try:
             received = self.channel.arrived()
         except ChannelClosed:
             self._leave_soon()
-            if self.restart:  # another one will take its place, so its streams are not over
+            if self.restart:  # another worker will continue these streams, so they must not end
                 self.worker.between_firings(_leave)
             self.worker.stop()
             return True
@@ -213,12 +197,12 @@ class WorkerMain:
         return False
 
     def _obey(self, received: Sequence[Received]) -> None:
-        """Orders to a running worker come between two firings."""
+        """Carry out orders; called between two firings."""
         for order, descriptors in received:
             self._dispatcher.dispatch(order, *descriptors)
 
     def _handlers(self, worker: Worker, links: EdgeLinks) -> Dispatcher:
-        """What the host may order while the worker runs."""
+        """The handlers of all orders to a running worker."""
         return Dispatcher(
             "worker",
             {
@@ -226,7 +210,7 @@ class WorkerMain:
                 **(self.taps.handlers if self.taps is not None else {}),
                 EndWorkers: lambda order: self._give_up(order.workers),
                 TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
-                SendStates: lambda _: self._tell_states(),
+                SendStates: lambda _: self.reporter.send_states(worker),
                 SetClock: self._set_clock,
                 LeaveRun: self._leave_run,
                 ChangeOrder: self.change.obey,
@@ -237,9 +221,10 @@ class WorkerMain:
         self.clock.captured, self.clock.steady = order.correction
 
     def _leave_run(self, _: LeaveRun) -> None:
-        """Raises ChannelClosed."""
-        self._tell_states()
-        raise ChannelClosed("this worker's stages go elsewhere")
+        """Send checkpoints and end the worker in the middle of its streams. Raises ChannelClosed."""
+        assert self.worker is not None
+        self.reporter.send_states(self.worker)
+        raise ChannelClosed("this worker's stages move to another worker")
 
     def _give_up(self, workers: Collection[str]) -> None:
         """These workers have ended: nothing more comes from the other ends of their edges."""
@@ -247,24 +232,8 @@ class WorkerMain:
         assert self.links is not None
         self.worker.give_up(rows_of(self.links.plan, workers))
 
-    def _tell_change(self, status: ChangeStatus) -> None:
-        with suppress(ChannelClosed):  # it is noticed where orders are read
-            self.channel.send(Change(status=status))
-
-    def _tell_states(self) -> None:
-        """What successors of the stages would need to carry on."""
-        assert self.worker is not None
-        for runner in self.worker.runners:
-            try:
-                state = state_to_data(runner.stage.state())
-            except Exception as error:
-                self.warnings.add(runner.name, f"its state cannot be kept: {error}")
-                continue
-            if state is not None:
-                self.channel.send(State(stage=runner.name, state=state))
-
     def _restore(self, states: dict[str, Any]) -> None:
-        """Carry on from what the stages of the worker that died had told."""
+        """Restore the checkpoints of the stages of the worker that died."""
         assert self.worker is not None
         for runner in self.worker.runners:
             if runner.name in states:
@@ -272,53 +241,22 @@ class WorkerMain:
                     runner.stage.restore(state_from_data(states[runner.name]))
                 except Exception as error:
                     self.warnings.add(
-                        runner.name, f"it starts anew, for its state cannot be restored: {error}"
+                        runner.name, f"it starts without its former state, which cannot be restored: {error}"
                     )
 
-    def _tell_progress(self) -> None:
-        assert self.worker is not None
-        for turn in count():
-            if self.over.wait(_PROGRESS_PERIOD):
-                return
-            progress = self.worker.progress()
-            try:
-                self.channel.send(Progress(fired=progress.fired, time=progress.time))
-                self._tell_log()
-                if turn % _STAGES_EVERY == 0:
-                    self._tell_stages(self.worker)
-            except ChannelClosed:
-                self._leave_soon()
-                return
-
     def _leave_soon(self) -> None:
-        """The agent is gone: outputs are completed within the grace, or not at all."""
+        """Exit after `GRACE` seconds: the host has gone, and the outputs are completed by then or never."""
         if not self._in_process:
             threading.Thread(target=_exit_later, daemon=True).start()
-
-    def tell_crash(self) -> None:
-        """The exception that is being handled ends the worker: its traceback is its last word."""
-        with suppress(ChannelClosed):
-            self.log.say("error", "", f"the worker breaks down\n{traceback.format_exc()}")
-            self._tell_log()
-
-    def _tell_log(self) -> None:
-        """From any thread; on return, what another thread has taken is told, too: "done" comes after all."""
-        with self._telling:
-            if records := self.log.take():
-                self.channel.send(Log(records=tuple(records)))
-
-    def _tell_stages(self, worker: Worker) -> None:
-        stages = tuple(self.idleness.noted(stages_now(worker, self.warnings.last)))
-        self.channel.send(Stages(stages=stages, paths=paths_now(worker)))
 
 
 def _leave() -> None:
     """End the worker in the middle of its streams. Raises ChannelClosed."""
-    raise ChannelClosed("the agent is gone")
+    raise ChannelClosed("the host has gone")
 
 
 def _exit_later() -> None:
-    """The agent is gone: leave the worker its grace, then end the process whatever it does."""
+    """End the process after `GRACE` seconds, whatever the worker does."""
     time.sleep(GRACE)
     os._exit(1)
 
@@ -331,16 +269,16 @@ def _shared_words(fd: int, edges: int) -> memoryview:
 
 def main() -> int:
     """Entry of the process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all; the agent decides
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C to all processes; the host decides
     channel = Channel(socket.socket(fileno=int(sys.argv[1])), ORDERS)
-    main = WorkerMain(channel)
+    worker = WorkerMain(channel)
     try:
-        with collecting(main.log):
-            main.live()
+        with collecting(worker.log):
+            worker.live()
     except ChannelClosed:
         return 1
     except Exception:
-        main.tell_crash()
+        worker.reporter.send_crash()
         raise
     return 0
 

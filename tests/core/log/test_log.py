@@ -81,10 +81,10 @@ def test_what_another_thread_has_taken_is_told_before_the_last_word() -> None:
 
     main = WorkerMain(Channel())  # type: ignore[arg-type]
     main.log.say("error", "fuse", "broken")
-    telling = threading.Thread(target=main._tell_log)
+    telling = threading.Thread(target=main.reporter.send_log)
     telling.start()
     assert taken.wait(20)
-    main._tell_log()
+    main.reporter.send_log()
     told.append("done")
     ended.set()
     telling.join()

@@ -193,7 +193,7 @@ def arrived_while_writing(pair: Pair, count: int) -> list[object]:
 
 
 def test_what_a_writer_tells_a_reader_is_not_for_the_one_that_takes_its_place(pair: Pair) -> None:
-    """Told again where to start, for nobody knew of its death, it was the next one that missed messages."""
+    """A writer told a dead reader again where to start; the next reader took that and missed messages."""
     pair.writer.send(frame(0))
     late = ZenohReader(pair.session, KEY, NAME, Frame, DEPTH, incarnation=1)
     until(lambda: bool(pair.writer._flow._changes))

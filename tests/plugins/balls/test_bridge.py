@@ -15,7 +15,7 @@ from followspot_balls.single_view import images
 ROOM = make_room()
 PLACE = (0.1, 0.2, 1.0)
 FAR = (1.5, -1.5, 1.0)
-NOBODY = positions_at({}, 0.0)
+UNMATCHED = positions_at({}, 0.0)
 
 Point = tuple[float, float, float]
 
@@ -46,7 +46,7 @@ def off_ray(camera: str, place: Array, point: Point) -> float:
 @pytest.mark.parametrize("camera", ["cam0", "cam1"])
 def test_one_view_corrects_the_forecast_across_its_ray_and_leaves_the_depth_to_it(camera: str) -> None:
     expected = (PLACE[0] + 0.01, PLACE[1] - 0.01, PLACE[2] + 0.01)
-    found = bridged(NOBODY, seen_in(camera, PLACE), forecast_at([expected, FAR]))
+    found = bridged(UNMATCHED, seen_in(camera, PLACE), forecast_at([expected, FAR]))
     assert found.target.tolist() == [0]
     assert found.predicted.tolist() == [True]
     assert off_ray(camera, found.xyz[0], PLACE) < 0.001
@@ -59,7 +59,7 @@ def test_one_view_corrects_the_forecast_across_its_ray_and_leaves_the_depth_to_i
 def test_a_ball_that_lies_on_the_floor_has_its_depth_from_there() -> None:
     place = (0.3, -0.2, RADIUS)
     expected = (place[0] + 0.05, place[1] - 0.03, RADIUS + 0.02)
-    found = bridged(NOBODY, seen_in("cam1", place), forecast_at([expected, FAR], sigma=0.05))
+    found = bridged(UNMATCHED, seen_in("cam1", place), forecast_at([expected, FAR], sigma=0.05))
     assert np.linalg.norm(found.xyz[0] - place) < 0.005
     assert np.sqrt(np.linalg.eigvalsh(found.covariance[0])[2]) < 0.05
 
@@ -90,23 +90,23 @@ def test_a_single_pair_far_from_the_forecast_counts_only_if_it_is_evident(
 
 def test_no_blob_near_the_forecast_no_place() -> None:
     away = (PLACE[0], PLACE[1], PLACE[2] + 0.3)
-    assert len(bridged(NOBODY, seen_in("cam0", away), forecast_at([PLACE, FAR])).target) == 0
+    assert len(bridged(UNMATCHED, seen_in("cam0", away), forecast_at([PLACE, FAR])).target) == 0
 
 
 def test_a_blob_that_is_nearer_to_another_target_is_that_one_s() -> None:
     beside = (PLACE[0] + 0.03, PLACE[1], PLACE[2])
-    found = bridged(NOBODY, seen_in("cam1", PLACE), forecast_at([beside, PLACE], sigma=0.05))
+    found = bridged(UNMATCHED, seen_in("cam1", PLACE), forecast_at([beside, PLACE], sigma=0.05))
     assert found.target.tolist() == [1]
 
 
 def test_light_as_large_as_no_ball_is_none() -> None:
     large = tuple(Blobs(**{**vars(b), "area": b.area * 3}) for b in seen_in("cam0", PLACE))
-    assert len(bridged(NOBODY, large, forecast_at([PLACE, FAR])).target) == 0
+    assert len(bridged(UNMATCHED, large, forecast_at([PLACE, FAR])).target) == 0
 
 
 @pytest.mark.parametrize("forecast", [None, Forecast.empty()])
 def test_without_forecast_nothing_is_bridged(forecast: Forecast | None) -> None:
-    assert bridged(NOBODY, seen_in("cam0", PLACE), forecast) is NOBODY
+    assert bridged(UNMATCHED, seen_in("cam0", PLACE), forecast) is UNMATCHED
 
 
 @pytest.mark.parametrize("forecast", [None, Forecast.empty()])

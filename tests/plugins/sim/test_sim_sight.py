@@ -18,7 +18,7 @@ from followspot_sim.visibility import judge, visible_fraction
 from followspot_sim.world import Scene
 
 ROOM = room_file.load(Path(__file__).parents[3] / "graphs/rooms/simulated.yaml")
-NOBODY = (np.empty((0, 2, 3)), np.empty(0), np.empty(0, int))
+UNMATCHED = (np.empty((0, 2, 3)), np.empty(0), np.empty(0, int))
 RADIUS = np.array([0.0762])
 
 
@@ -53,7 +53,7 @@ def test_a_bag_is_in_front_of_the_ball_in_it_and_a_ball_in_front_of_the_hand_tha
 
 @pytest.mark.parametrize("camera", ROOM.cameras.values(), ids=ROOM.cameras)
 def test_a_free_ball_in_the_middle_of_the_room_is_wholly_visible(camera):
-    scene = Scene(0.0, np.array([[0.0, 0.0, 1.0]]), *NOBODY)
+    scene = Scene(0.0, np.array([[0.0, 0.0, 1.0]]), *UNMATCHED)
     assert visible_fraction([camera], scene, RADIUS)[0, 0] == 1.0
 
 
@@ -71,7 +71,7 @@ def test_a_ball_half_behind_another_is_half_visible():
     side = np.cross(away, [0, 0, 1.0])
     side *= 0.0762 / np.linalg.norm(side)
     balls = np.array([[0.0, 0.0, 1.0], camera.center + 0.9 * away + side])
-    seen = visible_fraction([camera], Scene(0.0, balls, *NOBODY), np.repeat(RADIUS, 2))[0]
+    seen = visible_fraction([camera], Scene(0.0, balls, *UNMATCHED), np.repeat(RADIUS, 2))[0]
     assert seen[1] == 1.0
     assert 0.3 < seen[0] < 0.7
 
@@ -79,7 +79,7 @@ def test_a_ball_half_behind_another_is_half_visible():
 def test_a_ball_across_the_edge_of_the_picture_counts_what_is_inside():
     camera = ROOM.cameras["cam0"]
     ray = rays_of(camera)[120, 0]
-    half = visible_fraction([camera], Scene(0.0, (camera.center + 4 * ray)[None], *NOBODY), RADIUS)[0, 0]
+    half = visible_fraction([camera], Scene(0.0, (camera.center + 4 * ray)[None], *UNMATCHED), RADIUS)[0, 0]
     assert 0.4 < half < 0.7
 
 

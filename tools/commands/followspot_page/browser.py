@@ -14,7 +14,7 @@ from followspot_page.feed import Feed
 
 Do = Callable[[str], Awaitable[str]]
 """Carries out a browser's request and returns a line about it. Raises FollowspotError if that fails."""
-_PATIENCE = 30.0
+_TIMEOUT = 30.0
 """Seconds within which a browser must take a message."""
 _WAITING = 8
 """Answers that may wait for a slow browser."""
@@ -62,7 +62,7 @@ class Browser:
                 newer = [*self._feed.since(sent), *self._answers]
                 self._answers.clear()
                 for payload in newer:
-                    async with asyncio.timeout(_PATIENCE):
+                    async with asyncio.timeout(_TIMEOUT):
                         await self._put(payload)
                 sent = number
                 await self._changed.wait()

@@ -29,7 +29,7 @@ from followspot_recording.sink import RecordingSink
 
 _PERIOD = 0.5
 """Seconds between two lines."""
-_PATIENCE = 3.0
+_TIMEOUT = 3.0
 """Seconds for the senders to leave after the run has ended."""
 _BROKEN = (FollowspotError, InvalidMessage, ValueError, KeyError)
 """Errors of malformed messages and full disks."""
@@ -61,7 +61,7 @@ class RecorderProcess:
         """Complete the file: at once, or after all senders have left."""
         if self._remote is not None:
             self._remote.close()
-        self._local.close(0.0 if at_once else _PATIENCE)
+        self._local.close(0.0 if at_once else _TIMEOUT)
         with self._one:
             for sink in self._sinks.values():
                 try:
@@ -122,7 +122,7 @@ def _sinks(order: Order) -> dict[str, RecordingSink]:
 def main() -> int:
     """Entry of the process."""
     try:
-        taker = RecorderProcess(Order.model_validate_json(sys.stdin.readline()))
+        recorder = RecorderProcess(Order.model_validate_json(sys.stdin.readline()))
     except (FollowspotError, OSError) as error:
         _tell({"state": "failed", "error": str(error)})
         return 1
@@ -134,12 +134,12 @@ def main() -> int:
         over.set()
 
     threading.Thread(target=listen, daemon=True).start()
-    _tell(taker.told("on"))
-    while not (over.wait(_PERIOD) or taker.error):
-        _tell(taker.told("on"))
-    taker.close(at_once=bool(taker.error or "".join(heard).strip()))
-    _tell(taker.told("failed" if taker.error else "over"))
-    return 1 if taker.error else 0
+    _tell(recorder.told("on"))
+    while not (over.wait(_PERIOD) or recorder.error):
+        _tell(recorder.told("on"))
+    recorder.close(at_once=bool(recorder.error or "".join(heard).strip()))
+    _tell(recorder.told("failed" if recorder.error else "over"))
+    return 1 if recorder.error else 0
 
 
 def _tell(about: dict[str, Any]) -> None:

@@ -20,19 +20,17 @@ def followspot_commands() -> Sequence[Command]:
     ]
 
 
+def _add_output(parser: argparse.ArgumentParser) -> None:
+    help_text = "room file to write; an old file is replaced"
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="ROOM.yaml", help=help_text)
+
+
 def configure_import(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `room import`."""
     add = parser.add_argument
     add("calibration", type=Path, metavar="CALIBRATION", help="file or folder with calibrated cameras")
     add("--videos", type=Path, metavar="DIR", help="folder with the recordings; without it, no sources")
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="ROOM.yaml",
-        help="room file to write; an old file is replaced",
-    )
+    _add_output(parser)
     add("--only", nargs="+", default=[], metavar="CAMERA", help="import these cameras only")
     add("--infrared", nargs="+", default=[], metavar="CAMERA", help="names of infrared cameras")
     add("--allow-missing", action="store_true", help="accept cameras that have no recording and no source")
@@ -100,14 +98,7 @@ def configure_guess(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `room guess`."""
     add = parser.add_argument
     add("video", type=Path, metavar="VIDEO", help="video in which people walk")
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="ROOM.yaml",
-        help="room file to write; an old file is replaced",
-    )
+    _add_output(parser)
     add("--field", type=float, default=50.0, metavar="DEG", help="horizontal field of view (default: 50)")
     add("--person", type=float, default=1.72, metavar="M", help="usual height of people (default: 1.72)")
     add("--json", action="store_true", help="print the guess as one JSON object")
@@ -137,14 +128,7 @@ def configure_rectify(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of `room rectify`."""
     add = parser.add_argument
     add("room", type=Path, metavar="ROOM.yaml", help="room with videos")
-    add(
-        "-o",
-        "--output",
-        type=Path,
-        required=True,
-        metavar="ROOM.yaml",
-        help="room file to write; an old file is replaced",
-    )
+    _add_output(parser)
     add(
         "--scale",
         type=float,

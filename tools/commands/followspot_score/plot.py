@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from followspot.accuracy.persons.errors import PoseErrors, together
-from followspot.accuracy.persons.matching import NOBODY, match
+from followspot.accuracy.persons.matching import UNMATCHED, match
 from followspot.accuracy.persons.scoring import errors_of
 from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot.errors import writing
@@ -71,7 +71,7 @@ def _histograms(figure: Figure, errors: PoseErrors) -> None:
 def _plan(axes: Axes, poses: PoseTable, truth: PoseTruthTable, row: np.ndarray) -> None:
     """Paths on the floor, true and reported; a gap while a person has no pose."""
     for own in range(len(truth.persons)):
-        reported = np.where((row[:, own] != NOBODY)[:, None], poses.pose[row[:, own], :2], np.nan)
+        reported = np.where((row[:, own] != UNMATCHED)[:, None], poses.pose[row[:, own], :2], np.nan)
         first = own == 0
         axes.plot(*truth.pose[:, own, :2].T, color=TRUE, label="true" if first else None)
         axes.plot(

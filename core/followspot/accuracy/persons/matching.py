@@ -14,7 +14,7 @@ REACH = 0.5
 """Largest distance on the floor at which a pose covers a person, m; farther from everybody it is false."""
 LIMIT = 1.0
 """Largest distance at which a pose's errors still count as errors of a person, m."""
-NOBODY = -1
+UNMATCHED = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +39,11 @@ def match(poses: PoseTable, truth: PoseTruthTable) -> Matches:
     first.
     """
     frames, persons = truth.visible.shape
-    row = np.full((frames, persons), NOBODY)
-    identity = np.full((frames, persons), NOBODY)
+    row = np.full((frames, persons), UNMATCHED)
+    identity = np.full((frames, persons), UNMATCHED)
     frame = frame_of(poses, truth.time)
     apart = np.full(len(poses.time), np.inf)
-    held = np.full(persons, NOBODY)
+    held = np.full(persons, UNMATCHED)
     order = np.argsort(frame, kind="stable")
     starts = np.searchsorted(frame[order], np.arange(frames + 1))
     for f in range(frames):
@@ -62,12 +62,12 @@ def match(poses: PoseTable, truth: PoseTruthTable) -> Matches:
 def frame_of(poses: PoseTable, time: Array) -> Array:
     """(N,) the frame that each pose belongs to; -1 for none."""
     if not len(time) or not len(poses.time):
-        return np.full(len(poses.time), NOBODY)
+        return np.full(len(poses.time), UNMATCHED)
     frame, late = nearest(time, poses.time)
     _, group = np.unique(np.column_stack([frame, poses.person]), axis=0, return_inverse=True)
     soonest = np.full(len(frame), np.inf)
     np.minimum.at(soonest, group.ravel(), late)
-    return np.where((late == soonest[group.ravel()]) & (late <= half_interval(time)), frame, NOBODY)
+    return np.where((late == soonest[group.ravel()]) & (late <= half_interval(time)), frame, UNMATCHED)
 
 
 def pairs(cost: Array) -> list[tuple[int, int]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot.accuracy.persons.errors import PoseErrors, pose_errors, together
-from followspot.accuracy.persons.matching import NOBODY, REACH, Matches, match
+from followspot.accuracy.persons.matching import REACH, UNMATCHED, Matches, match
 from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot.accuracy.persons.visits import SEEN, Coming, coming, switches
 from followspot.accuracy.statistics import share, statistic
@@ -97,7 +97,7 @@ def score_persons(poses: PoseTable, truth: PoseTruthTable) -> PersonsScore:
     errors = list(errors_of(poses, truth, matches).values())
     comings = [coming(poses, truth, matches, own) for own in range(len(truth.persons))]
     switched = switches(matches.identity)
-    seen, covered = truth.visible >= SEEN, matches.identity != NOBODY
+    seen, covered = truth.visible >= SEEN, matches.identity != UNMATCHED
     each = {
         str(person): _person_score(
             seen[:, own], covered[:, own], errors[own], int(switched[own]), [comings[own]]
@@ -112,7 +112,7 @@ def errors_of(poses: PoseTable, truth: PoseTruthTable, matches: Matches) -> dict
     """Errors of each person's poses in the frames that show at least half of the upper body."""
     found = {}
     for own, person in enumerate(truth.persons):
-        frames = np.flatnonzero((truth.visible[:, own] >= SEEN) & (matches.row[:, own] != NOBODY))
+        frames = np.flatnonzero((truth.visible[:, own] >= SEEN) & (matches.row[:, own] != UNMATCHED))
         rows = matches.row[frames, own]
         found[person] = pose_errors(poses.pose[rows], truth.pose[frames, own], truth.viewpoint)
     return found
@@ -161,7 +161,7 @@ def _torso(size: Array) -> Torso:
 
 def _surplus(matches: Matches) -> Surplus:
     frames = len(matches.row)
-    timely = matches.frame != NOBODY
+    timely = matches.frame != UNMATCHED
     false = timely & (matches.apart > REACH)
     unmatched = ~np.isin(np.arange(len(matches.frame)), matches.row)
     with_false = np.isin(np.arange(frames), matches.frame[false])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.persons.matching import NOBODY, Matches
+from followspot.accuracy.persons.matching import UNMATCHED, Matches
 from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot.messages import Array
 
@@ -60,13 +60,13 @@ def coming(poses: PoseTable, truth: PoseTruthTable, matches: Matches, own: int) 
     frames = len(truth.time)
     moment = np.append(truth.time, truth.time[-1:] + _interval(truth.time))
     acquire, vanish, known = [], [], []
-    last = NOBODY
+    last = UNMATCHED
     for number, stay in enumerate(stays):
-        right = stay.start + np.flatnonzero(identity[stay.start : stay.end] != NOBODY)
+        right = stay.start + np.flatnonzero(identity[stay.start : stay.end] != UNMATCHED)
         found = right[0] if len(right) else stay.end
         acquire.append(float(moment[found] - moment[stay.start]))
         if len(right):
-            if last != NOBODY:
+            if last != UNMATCHED:
                 known.append(identity[right[0]] == last)
             last = int(identity[right[-1]])
         if len(right) and stay.end < frames:
@@ -92,11 +92,11 @@ def switches(identity: Array) -> Array:
     """
     persons = identity.shape[1]
     count = np.zeros(persons, int)
-    number: list[int] = [NOBODY] * persons
+    number: list[int] = [UNMATCHED] * persons
     owner: dict[int, int] = {}
-    for f, p in np.argwhere(identity != NOBODY).tolist():
+    for f, p in np.argwhere(identity != UNMATCHED).tolist():
         found = int(identity[f, p])
-        count[p] += number[p] not in (NOBODY, found) or owner.get(found, p) != p
+        count[p] += number[p] not in (UNMATCHED, found) or owner.get(found, p) != p
         number[p], owner[found] = found, p
     return count
 

@@ -64,11 +64,11 @@ def agents(network: Network) -> Iterator[Finding]:
         close_session(session)
 
 
-def _clock(asker: RpcClient, host: str) -> Finding:
+def _clock(client: RpcClient, host: str) -> Finding:
     """The difference between the clock there and the one here."""
     from followspot.host.clocks.host import HostClock
 
-    clock = HostClock(asker)
+    clock = HostClock(client)
     deadline = time.monotonic() + PATIENCE
     try:
         clock.follow(host)
