@@ -217,3 +217,34 @@ def test_a_browser_shows_pictures_room_and_graph(tmp_path: Path) -> None:
         process.communicate(timeout=60)
         chromium.wait("document.querySelector('#life').dataset.life === 'ended'")
         assert [error for error in chromium.errors if "ERR_CONNECTION" not in error] == []
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_the_buttons_of_a_browser_pause_step_and_resume_a_replay(tmp_path: Path) -> None:
+    endless = ("--set", "camera.frames=0")
+    toggle, step, status = (f"document.querySelector('#player').children[{i}]" for i in range(3))
+    with (
+        watched(tmp_path / "run", "--quiet", *endless) as (process, url),
+        browser(tmp_path / "c") as chromium,
+    ):
+        chromium.open(url, 1024, 768)
+        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        chromium.ask(f"{toggle}.click()")
+        chromium.wait("document.querySelector('#life').dataset.life === 'paused'")
+        chromium.wait(f"{toggle}.textContent === 'resume'")
+        for _ in range(2):
+            before = chromium.ask(f"{status}.textContent")
+            chromium.ask(f"{step}.click()")
+            reached = f"{status}.textContent"
+            chromium.wait(f"{reached}.startsWith('at ') && {reached} !== {json.dumps(before)}")
+        places = (
+            "[...document.querySelectorAll('#player button, #record')].map(b => b.getBoundingClientRect())"
+        )
+        assert chromium.ask(
+            f"{places}.every((p, i, all) => !i || all[i - 1].right <= p.left)"
+        )  # none overlaps
+        chromium.ask(f"{toggle}.click()")
+        chromium.wait("document.querySelector('#life').dataset.life === 'running'")
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        assert [error for error in chromium.errors if "ERR_CONNECTION" not in error] == []
