@@ -7,7 +7,7 @@ Rooms are made from graphs/rooms/simulated6.yaml: more cameras are its cameras t
 the room, more targets have hues of their own, larger pictures see the same with more pixels. One quantity
 varies at a time; the others are as in that room. Frames are rendered into memory before the clock starts;
 the cost is CPU time of one process, ms: the median of the rounds, tracked (once the first frames have found
-the targets) and searching (no target is ever believed).
+the targets) and searching (no target is ever confirmed).
 """
 
 from __future__ import annotations

@@ -127,7 +127,7 @@ def test_a_replay_that_is_changed_loses_nothing(tmp_path: Path, workers: int) ->
 
 REFUSED = [
     (["b.step=one"], '"step" of stage "b" (ticks.tally) cannot be \'one\''),
-    (["b=ticks.both"], 'the successor of "b" has no input "number"'),
+    (["b=ticks.both"], 'the replacement of "b" has no input "number"'),
     (["b=ticks.gone"], 'no stage "ticks.gone" is installed'),
     (["b.broken=true"], "stage b (ticks.tally) cannot be built: RuntimeError: the model is missing"),
     (["b.step=7", "b.forgetful=true"], "cannot carry on from the state of the one before"),
@@ -162,7 +162,7 @@ def test_a_failed_swap_changes_nothing_and_a_replacement_keeps_its_state_after_a
         os.kill(worker, signal.SIGKILL)
         assert wait_until(lambda: worker not in run.workers() and len(run.workers()) == 2)
         run.grows()
-        assert run.step() == 1000, "who comes back is the successor"
+        assert run.step() == 1000, "the replacement comes back"
         run_here(run.name).change(["b.step=7", "b.forgetful=true"], fresh=True)
         assert wait_until(lambda: run.step() == 7)
         assert run.values().count(7) == 2, "it began without a state"

@@ -26,7 +26,7 @@ from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import MAX_COUNT, Invalid, Token, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
-from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, reached, undeclare
+from followspot.transport.zenoh.terms import CREDIT, NUMBER, START, has_subscriber, undeclare
 from fuzzing.extreme import extreme_integer, extreme_token
 from fuzzing.target import Target
 from fuzzing.wire import sample
@@ -133,7 +133,7 @@ class Pair:
             way: stranger.declare_publisher(key, congestion_control=block) for way, key in keys.items()
         }
         for intruder in self.intruders.values():
-            _await("no listener", partial(reached, intruder))
+            _await("no listener", partial(has_subscriber, intruder))
 
     def end(self) -> None:
         """Neither end is there any more."""

@@ -32,7 +32,7 @@ _NETWORK = 0x40000000
 """CLONE_NEWNET of <sched.h>."""
 
 
-class Glance(NamedTuple):
+class Observation(NamedTuple):
     """The run at one moment: s of the monotonic clock, news, workers that are away, blobs used by camera."""
 
     at: float
@@ -48,7 +48,7 @@ class Watch:
         """pid: of the run; space: name of the namespace."""
         self._pid = pid
         self._space = space
-        self._glances: deque[Glance] = deque(maxlen=_KEPT)
+        self._observations: deque[Observation] = deque(maxlen=_KEPT)
         self.seen = 0
         """Number of statuses seen."""
         self.impossible: set[str] = set()
@@ -66,20 +66,20 @@ class Watch:
 
     def works(self, since: float, cameras: int) -> bool:
         """True if all workers work, and blobs of as many cameras were used after that time, s."""
-        glances = [glance for glance in tuple(self._glances) if glance.at > since]
-        if not glances or glances[-1].away:
+        observations = [observation for observation in tuple(self._observations) if observation.at > since]
+        if not observations or observations[-1].away:
             return False
-        first, last = glances[0].used, glances[-1].used
+        first, last = observations[0].used, observations[-1].used
         return sum(last[camera] > count for camera, count in first.items()) >= cameras
 
     def noticed(self, since: float) -> float | None:
         """Seconds until the run said that something was wrong; None if it never did."""
-        glances = tuple(self._glances)
-        before = [glance for glance in glances if glance.at <= since][-1]
-        for glance in glances:
-            new = [line for line in glance.news - before.news if not line.endswith("is back")]
-            if glance.at > since and (new or glance.away - before.away):
-                return glance.at - since
+        observations = tuple(self._observations)
+        before = [observation for observation in observations if observation.at <= since][-1]
+        for observation in observations:
+            new = [line for line in observation.news - before.news if not line.endswith("is back")]
+            if observation.at > since and (new or observation.away - before.away):
+                return observation.at - since
         return None
 
     def _keep_asking(self) -> None:
@@ -90,7 +90,7 @@ class Watch:
                 run = RunHandle("", "", socket_of(self._socket(), "", self._pid), self._pid)
                 plan = plan or run.plan()
                 status = run.status()
-                self._glances.append(_glance(status, plan))
+                self._observations.append(_observation(status, plan))
                 self.seen += 1
                 self.impossible.update(
                     impossible(_columns(edge, count) for edge, count in status.edges(plan))
@@ -104,11 +104,11 @@ class Watch:
         return next(word[1:] for word in words if word.startswith(begin))
 
 
-def _glance(status: RunStatus, plan: Plan) -> Glance:
+def _observation(status: RunStatus, plan: Plan) -> Observation:
     away = frozenset(worker.name for worker in status.workers if worker.phase not in ("running", "over"))
     edges = [(edge, count) for edge, count in status.edges(plan) if edge.to_stage == "verify"]
     used = {edge.from_stage: count.delivered for edge, count in edges if not edge.delay}
-    return Glance(time.monotonic(), Counter(status.news), away, used)
+    return Observation(time.monotonic(), Counter(status.news), away, used)
 
 
 def _columns(edge: PlannedEdge, count: EdgeCount) -> dict[str, Any]:

@@ -30,7 +30,7 @@ def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> t
         override = read_override(_spelled(word), mistakes)
         if override is not None:
             _note(override, plan, wishes, mistakes)
-    found = [_successor(wish, plan, folder, mistakes) for wish in wishes.values()]
+    found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
     changed = [stage for stage in found if stage is not None]
     if not mistakes:
         _check_outputs(changed, plan, wishes, mistakes)
@@ -86,7 +86,7 @@ def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: li
             wish.params[keys[0]] = replace(override.value, key=override.places[1])
 
 
-def _successor(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
+def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
     """The stage in its new form; None if a mistake was noted."""
     old, before = wish.old, len(mistakes)
     uses = wish.uses or old.uses

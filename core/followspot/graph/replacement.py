@@ -37,17 +37,17 @@ def _inputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Itera
             continue
         if new is None:
             have = ", ".join(p.name for p in after.inputs)
-            yield f'the successor of "{old.name}" has no input "{port.name}"', f"its inputs: {have}"
+            yield f'the replacement of "{old.name}" has no input "{port.name}"', f"its inputs: {have}"
         elif new.kind != port.kind or not accepts(new.type, port.type):
             yield (
                 f'input "{port.name}" of "{old.name}" is {port.kind} {port.type.__name__}, '
-                f"that of its successor {new.kind} {new.type.__name__}",
+                f"that of its replacement {new.kind} {new.type.__name__}",
                 "",
             )
     for new in after.inputs:
         if new.required and new.name not in fed:
             yield (
-                f'the successor of "{old.name}" needs the input "{new.name}"',
+                f'the replacement of "{old.name}" needs the input "{new.name}"',
                 "nothing feeds it here",
             )
 
@@ -59,6 +59,6 @@ def _outputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iter
         if port.name in read and (new is None or new.type is not port.type):
             gives = ", ".join(f"{p.name} ({p.type.__name__})" for p in after.outputs) or "nothing"
             yield (
-                f'"{old.name}.{port.name}" gives {port.type.__name__} to others, its successor does not',
+                f'"{old.name}.{port.name}" gives {port.type.__name__} to others, its replacement does not',
                 f"it gives {gives}",
             )

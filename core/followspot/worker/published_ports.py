@@ -11,7 +11,7 @@ from followspot.graph.plan import Plan
 from followspot.messages import InvalidMessage, Message
 from followspot.transport.codec import pack
 from followspot.transport.keys import port_key
-from followspot.transport.zenoh.terms import reached
+from followspot.transport.zenoh.terms import has_subscriber
 from followspot.worker.edge_links import EdgeLinks
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
@@ -27,7 +27,7 @@ class PublishedPort:
             key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_LOW
         )
         self._listener = self._publisher.declare_matching_listener(Callback(self._matched, indirect=False))
-        if reached(self._publisher):
+        if has_subscriber(self._publisher):
             self._follow()
 
     def __call__(self, message: Message) -> None:
@@ -41,7 +41,7 @@ class PublishedPort:
 
     def _follow(self) -> None:
         self._output.untap(self)
-        if reached(self._publisher):
+        if has_subscriber(self._publisher):
             self._output.tap(self)
 
 

@@ -52,11 +52,11 @@ class FarPreviews:
     def _subscribe(self) -> None:
         for name, port in self._ports.items():
             if self._watched or port.type is not Frame:
-                self._remote.subscribe(name, port.host, TAP, self._taker(name))
+                self._remote.subscribe(name, port.host, TAP, self._receiver(name))
             else:
                 self._remote.unsubscribe(name)
 
-    def _taker(self, port: str) -> Callable[[bytes], None]:
+    def _receiver(self, port: str) -> Callable[[bytes], None]:
         """Receives the packets of a port, in a thread of Zenoh."""
 
         def take(packet: bytes) -> None:

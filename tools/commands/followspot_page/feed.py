@@ -98,22 +98,22 @@ class Listener:
     def __init__(self, path: Path, take: Callable[[bytes], Any]) -> None:
         """Raises OSError."""
         self._take = take
-        self._door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._door.setblocking(False)
-        self._door.bind(str(path))
-        self._door.listen(_BACKLOG)
+        self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._listener.setblocking(False)
+        self._listener.bind(str(path))
+        self._listener.listen(_BACKLOG)
         self._senders: set[socket.socket] = set()
         self._loop = asyncio.get_running_loop()
-        self._loop.add_reader(self._door, self._admit)
+        self._loop.add_reader(self._listener, self._admit)
 
     def close(self) -> None:
         """Close all connections."""
-        for end in (self._door, *self._senders):
+        for end in (self._listener, *self._senders):
             self._loop.remove_reader(end)
             end.close()
 
     def _admit(self) -> None:
-        sender, _ = self._door.accept()
+        sender, _ = self._listener.accept()
         sender.setblocking(False)
         self._senders.add(sender)
         self._loop.add_reader(sender, self._hear, sender)

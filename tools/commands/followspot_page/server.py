@@ -79,9 +79,9 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
     """
     with TemporaryDirectory(prefix="followspot-page-") as made:
         folder = Path(made)
-        door = _door(host, port, firm=firm)
-        door.listen()  # browsers that connect before the run has begun wait
-        print(door.getsockname()[1], flush=True)
+        endpoint = _listening_socket(host, port, firm=firm)
+        endpoint.listen()  # browsers that connect before the run has begun wait
+        print(endpoint.getsockname()[1], flush=True)
         over = _input_over()
         waiting = asyncio.ensure_future(found(pid))
         await asyncio.wait((waiting, over), return_when=asyncio.FIRST_COMPLETED)
@@ -94,8 +94,8 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         page.far = await far_previews(run, page.previews.take_from)
         sight = Sight(run, folder, rate, page.far)
         await sight.turn_to(page.plan)
-        server = _server(page, host, door.getsockname()[1])
-        serving = asyncio.ensure_future(server.serve([door]))
+        server = _server(page, host, endpoint.getsockname()[1])
+        serving = asyncio.ensure_future(server.serve([endpoint]))
         following = asyncio.ensure_future(follow(run, sight, page.take_status, page.show))
         if is_loopback(host):
             await page.allow_changes(run)
@@ -132,17 +132,17 @@ def _server(page: Page, host: str, port: int) -> uvicorn.Server:
     return uvicorn.Server(config)
 
 
-def _door(host: str, port: int, *, firm: bool) -> socket.socket:
+def _listening_socket(host: str, port: int, *, firm: bool) -> socket.socket:
     """A socket at this address, or at a free port if it is taken and not firm. Raises OSError."""
-    door = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
-    door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    endpoint = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+    endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
-        door.bind((host, port))
+        endpoint.bind((host, port))
     except OSError:
         if firm:
             raise
-        door.bind((host, 0))
-    return door
+        endpoint.bind((host, 0))
+    return endpoint
 
 
 def _input_over() -> asyncio.Future[bytes]:

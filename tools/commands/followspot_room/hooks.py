@@ -142,7 +142,7 @@ def configure_rectify(parser: argparse.ArgumentParser) -> None:
 def run_rectify(args: argparse.Namespace) -> int:
     """Replace tilted, distorted cameras by upright ones; stages rectify the videos while they play.
 
-    Detectors expect people who stand upright, and straight lines. Detectors search large videos faster with
+    Detectors expect upright people and straight lines. They search large videos faster with
     --scale 0.5. Places in the room stay the same.
 
     Example:

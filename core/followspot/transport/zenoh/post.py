@@ -8,7 +8,7 @@ from contextlib import suppress
 import zenoh
 from zenoh.handlers import Callback
 
-from followspot.transport.zenoh.terms import reached, undeclare
+from followspot.transport.zenoh.terms import has_subscriber, undeclare
 
 
 class ZenohPost:
@@ -22,7 +22,7 @@ class ZenohPost:
     @property
     def wanted(self) -> bool:
         """Whether the key has a subscriber."""
-        return reached(self._publisher)
+        return has_subscriber(self._publisher)
 
     def send(self, packet: bytes) -> None:
         """Put the packet, or drop it."""

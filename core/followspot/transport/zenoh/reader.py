@@ -26,11 +26,11 @@ from followspot.transport.zenoh.terms import (
     WINDOW,
     chunks,
     codec_key,
+    has_subscriber,
     is_incarnation,
     numbers,
     presence,
     publisher,
-    reached,
     undeclare,
 )
 
@@ -116,7 +116,7 @@ class ZenohReader:
     def matched(self) -> bool:
         """Whether the writer is there, has told the start, and would get reports."""
         self._begin()
-        if self._writer < 0 or not reached(self._report):
+        if self._writer < 0 or not has_subscriber(self._report):
             return False
         self._send_report()  # an earlier one may have been lost
         return True

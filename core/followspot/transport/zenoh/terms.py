@@ -38,7 +38,7 @@ def publisher(session: zenoh.Session, key: str) -> zenoh.Publisher:
     return session.declare_publisher(key, congestion_control=zenoh.CongestionControl.BLOCK, express=True)
 
 
-def reached(by: zenoh.Publisher) -> bool:
+def has_subscriber(by: zenoh.Publisher) -> bool:
     """Whether the publisher has a subscriber."""
     return by.matching_status.matching  # type: ignore[attr-defined,no-any-return]  # the stub calls it a bool
 

@@ -25,9 +25,9 @@ from followspot.transport.zenoh.terms import (
     NUMBER,
     START,
     codec_key,
+    has_subscriber,
     presence,
     publisher,
-    reached,
     undeclare,
 )
 
@@ -103,7 +103,7 @@ class ZenohWriter:
         self._notice()
         self._tell_again()
         joined = all(reader.present and not reader.silent for reader in self._flow.readers)
-        return joined and reached(self._publisher)
+        return joined and has_subscriber(self._publisher)
 
     def credit(self) -> int:
         """How many messages may be sent now."""
@@ -194,7 +194,7 @@ class ZenohWriter:
         number = NUMBER.pack(self._incarnation, flow.tokens, flow.messages)
         flow.tokens += 1
         try:
-            if reached(self._publisher):  # a put without a subscriber is still copied
+            if has_subscriber(self._publisher):  # a put without a subscriber is still copied
                 self._publisher.put(payload, attachment=number)
         except zenoh.ZError:  # the session is closed
             flow.lose_all()

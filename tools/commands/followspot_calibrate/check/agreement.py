@@ -61,7 +61,7 @@ class Agreement:
         return np.asarray(self.length > limits(self.cameras))
 
     @property
-    def believed(self) -> Array:
+    def inlier_residual(self) -> Array:
         """(N, C, 2) px, residuals without the gross errors."""
         return np.where(self.gross[..., None], np.nan, self.residual)
 

@@ -80,7 +80,7 @@ def findings(args: argparse.Namespace, room: Room) -> Findings:
 
 def drift(tracks: Agreement, number: int, time: Array) -> Drift:
     """The course of one camera, and how it changed; one that moved far is not taken to see other things."""
-    residual = (tracks.residual if number in tracks.suspects else tracks.believed)[:, number]
+    residual = (tracks.residual if number in tracks.suspects else tracks.inlier_residual)[:, number]
     path = course(tracks.cameras[number].name, time, residual)
     return Drift(path, change(path, time, residual))
 

@@ -62,7 +62,9 @@ def _sections(room: Room, found: Findings) -> Iterator[Section]:
     for one, title in evidence:
         if one is not None:
             for number, camera in enumerate(one.cameras):
-                picture = coverage(camera.name, camera.size, one.pixel[:, number], one.believed[:, number])
+                picture = coverage(
+                    camera.name, camera.size, one.pixel[:, number], one.inlier_residual[:, number]
+                )
                 yield replace(picture, title=f"{camera.name}: {title.lower()}")
 
 

@@ -61,9 +61,9 @@ def camera_figures(one: Agreement) -> list[dict[str, Any]]:
     """The same as JSON types; None if unknown. Gross errors count in the median only."""
     rows = []
     for number, camera in enumerate(one.cameras):
-        length, believed = one.length[:, number], one.believed[:, number]
-        length, believed = length[np.isfinite(length)], believed[np.isfinite(believed[:, 0])]
-        good = np.linalg.norm(believed, axis=1)
+        length, inliers = one.length[:, number], one.inlier_residual[:, number]
+        length, inliers = length[np.isfinite(length)], inliers[np.isfinite(inliers[:, 0])]
+        good = np.linalg.norm(inliers, axis=1)
         rows.append(
             {
                 "camera": camera.name,
@@ -73,7 +73,7 @@ def camera_figures(one: Agreement) -> list[dict[str, Any]]:
                 else None,
                 "median_px": _rounded(np.median(length)) if len(length) else None,
                 "p95_px": _rounded(np.percentile(good, 95)) if len(good) else None,
-                "bias_px": [_rounded(x) for x in np.median(believed, axis=0)] if len(good) else None,
+                "bias_px": [_rounded(x) for x in np.median(inliers, axis=0)] if len(good) else None,
                 "judged_px": _rounded(one.score[number]),
                 "limit_px": _rounded(one.limit[number]),
                 "suspect": number in one.suspects,
