@@ -35,9 +35,9 @@ from urllib.parse import urlsplit
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from followspot.control.progress import Progress
 from followspot.graph.compile import compile_graph
 from followspot.operator.launch import run_plan
-from followspot.worker.scheduler import Progress
 from followspot.worker.wiring import RunOptions
 from followspot_page.showing import PageOrder, shown
 

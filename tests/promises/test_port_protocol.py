@@ -132,7 +132,7 @@ class PortOfRun(RuleBasedStateMachine):
     def sender_looks(self) -> None:
         """The sender's worker sees to whatever wakes it."""
         assert self.sender is not None
-        self.sender._receive(0)
+        self.sender.ends.receive(0)
 
     # The readers.
 
@@ -141,7 +141,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader = self.readers.get(edge)
         if reader is not None:
             before = len(reader.queue.messages), reader.queue.watermark
-            reader.worker._receive(0)
+            reader.worker.ends.receive(0)
             self.check_arrivals(edge, *before)
 
     @rule(edge=ANY, count=st.integers(1, 4))
@@ -183,7 +183,7 @@ class PortOfRun(RuleBasedStateMachine):
         writer, index = self.writers[edge]
         writer.replace(index, ours)
         self.readers[edge] = self.reader(edge, theirs)
-        self.sender.adopt_link(writer, ours.fileno())
+        self.sender.ends.adopt_link(writer, ours.fileno())
 
     @precondition(lambda self: self.sender)
     @rule(heard=st.booleans())
@@ -333,7 +333,7 @@ class PortOfRun(RuleBasedStateMachine):
         reader = self.readers[edge]
         assert reader.queue.reader is not None
         before = len(reader.queue.messages), reader.queue.watermark
-        reader.worker.adopt_reader(reader.queue.reader, RingReader(sock, Picture))
+        reader.worker.ends.adopt_reader(reader.queue.reader, RingReader(sock, Picture))
         self.check_arrivals(edge, *before)
         assert edge == LOOSE or not (reader.owed and self.left_all), f"{reader.owed} were sent and not read"
         reader.owed.clear()
@@ -365,7 +365,7 @@ class PortOfRun(RuleBasedStateMachine):
 
 def readable(worker: Worker) -> bool:
     """Whether something wakes this worker."""
-    return any(event for _, event in worker._poll.poll(0))
+    return any(event for _, event in worker.ends._poll.poll(0))
 
 
 class TestPort(PortOfRun.TestCase):

@@ -37,7 +37,7 @@ class Ready(WorkerMessage):
 
 
 class Progress(WorkerMessage):
-    """The worker's progress; see `followspot.worker.scheduler.Progress`."""
+    """The worker's progress; see `followspot.control.progress.Progress`."""
 
     fired: Count
     time: Nanoseconds

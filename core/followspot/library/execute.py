@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from followspot.control.progress import OnProgress, Progress
 from followspot.operator.launch import run_plan
-from followspot.operator.progress import OnProgress
 from followspot.operator.report import RunReport
 from followspot.operator.truth import (
     POSES,
@@ -13,7 +13,6 @@ from followspot.operator.truth import (
     run_person_scores,
     run_scores,
 )
-from followspot.worker.scheduler import Progress
 from followspot.worker.wiring import RunOptions
 
 __all__ = [

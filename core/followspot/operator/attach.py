@@ -11,6 +11,7 @@ from typing import Any
 from followspot.control.dispatch import Request
 from followspot.control.host import RunOrder
 from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns
+from followspot.control.progress import OnProgress
 from followspot.control.zenoh_rpc import RpcClient, agents
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
@@ -19,7 +20,6 @@ from followspot.graph.ship import plan_from_data
 from followspot.operator.connect import chosen, listing
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
-from followspot.operator.progress import OnProgress
 from followspot.operator.remote_host import RemoteHost
 from followspot.operator.report import RunReport
 from followspot.operator.run_handle import RunHandle

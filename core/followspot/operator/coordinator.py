@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import Lock
 
 from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
+from followspot.control.progress import PROGRESS_PERIOD, OnProgress
 from followspot.control.relay import Relayed, with_order
 from followspot.errors import FollowspotError
 from followspot.graph.change import changed_stages
@@ -23,7 +24,6 @@ from followspot.log.run_log import OnLog
 from followspot.operator.changed import Changed, Moved, changed, with_change
 from followspot.operator.hot_swap import change_hosts
 from followspot.operator.move import move_hosts
-from followspot.operator.progress import PROGRESS_PERIOD, OnProgress
 from followspot.operator.report import RunReport
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.host import HostStatus, WorkerStatus
+from followspot.control.progress import Progress
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
 from followspot.worker.ledger import Ledger
-from followspot.worker.scheduler import Progress
 
 
 @dataclass(frozen=True)

@@ -109,11 +109,11 @@ class EdgeLinks:
         if edge in self._ring_readers:
             old, kind = self._ring_readers[edge]
             self._refused[self.plan.edges[edge].name] += old.strangers
-            worker.adopt_reader(old, self._ring_reader(edge, sock, kind))
+            worker.ends.adopt_reader(old, self._ring_reader(edge, sock, kind))
         else:
             ring, index = self._ring_writers[edge]
             ring.replace(index, sock)
-            worker.adopt_link(ring, sock.fileno())
+            worker.ends.adopt_link(ring, sock.fileno())
 
     def _ring_reader(self, edge: int, sock: socket.socket, kind: type[Message]) -> RingReader:
         reader = RingReader(sock, kind)

@@ -7,7 +7,12 @@ from bisect import bisect_left
 from itertools import accumulate
 
 from followspot.control.path_latency import PathLatency
+from followspot.messages import Header
 
+MOST_PATHS = 64
+"""Sources whose latency to a sink is measured one by one; more names than these take no memory."""
+OTHERS = "others"
+"""Stands for all further sources."""
 _GROWTH = math.log(1.02)
 _BINS = 1400
 """1 ns x 1.02^1400 is about 18 minutes; a bin is 2 % wide."""
@@ -50,3 +55,16 @@ class LatencyHistogram:
             self.worst / 1e6,
             self.worst_id,
         )
+
+
+class PathLatencies(dict[str, LatencyHistogram]):
+    """Latencies of all paths to one sink, by source."""
+
+    def add(self, header: Header, now: int) -> None:
+        """Count the firing of the sink. header: of its input; now: steady time of the run, ns."""
+        origin = header.source.partition("/")[0]
+        path = self.get(origin)
+        if path is None:
+            origin = origin if len(self) < MOST_PATHS else OTHERS
+            path = self.setdefault(origin, LatencyHistogram())
+        path.add(now - header.entered, header.source, header.seq)

@@ -166,7 +166,7 @@ class WorkerMain:
             self.published = published(self.worker, self.links)
         self.change = HotSwap(self.worker, self.reporter.send_change)
         self._dispatcher = self._handlers(self.worker, self.links)
-        self.worker.watch(self.channel.fileno(), self._listen)
+        self.worker.ends.watch(self.channel.fileno(), self._listen)
         self.worker.pace.watch(self.channel.fileno(), self._listen)
         self._obey([*self._orders, *self.channel.buffered()])
         if not self._in_process:
@@ -230,7 +230,7 @@ class WorkerMain:
         """These workers have ended: nothing more comes from the other ends of their edges."""
         assert self.worker is not None
         assert self.links is not None
-        self.worker.give_up(rows_of(self.links.plan, workers))
+        self.worker.ends.give_up(rows_of(self.links.plan, workers))
 
     def _restore(self, states: dict[str, Any]) -> None:
         """Restore the checkpoints of the stages of the worker that died."""

@@ -39,7 +39,7 @@ class Warnings:
 
 def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = "") -> WorkerReport:
     """The report of a worker that has ended, one way or the other."""
-    for queue in worker.readers:
+    for queue in worker.ends.readers:
         if queue.invalid_reason:
             warnings.add(queue.name, f"invalid message: {queue.invalid_reason}")
     return WorkerReport(
@@ -57,5 +57,5 @@ def worker_report(name: str, worker: Worker, warnings: Warnings, error: str = ""
 
 def missing(worker: Worker) -> str:
     """The error that it is in a replay if messages were lost on their way to the worker; "" for none."""
-    lost = [f"{queue.name}: {queue.missing} messages" for queue in worker.readers if queue.missing]
+    lost = [f"{queue.name}: {queue.missing} messages" for queue in worker.ends.readers if queue.missing]
     return f"{', '.join(lost)} were lost on their way; {RUN_AGAIN}" if lost else ""

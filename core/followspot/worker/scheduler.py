@@ -7,28 +7,29 @@ its outputs: a stage without credit is blocked until a reader wakes the worker.
 
 from __future__ import annotations
 
-import select
 import sys
 import time
 from collections import deque
-from collections.abc import Callable, Container, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 from heapq import heappop, heappush
 from operator import attrgetter
 
 from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import StopRun
-from followspot.control.worker_orders import HoldSources
-from followspot.errors import FollowspotError
-from followspot.transport.edge import PortReader, PortWriter
+from followspot.control.progress import Progress
+from followspot.transport.edge import PortWriter
 from followspot.transport.token import END
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.worker.batch_group import batch_groups
+from followspot.worker.edge_ends import EdgeEnds
+from followspot.worker.error_policy import StageError
+from followspot.worker.hold import SourceHold
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.pace import Pace
 from followspot.worker.source import LiveSourceRunner, SourceRunner
-from followspot.worker.stage_runner import StageError, StageRunner
+from followspot.worker.stage_runner import StageRunner
+from followspot.worker.stuck import StuckError
 
 _FIRINGS_PER_TURN = 32
 """Firings between two polls of what other workers sent."""
@@ -36,27 +37,9 @@ _LONGEST_SLEEP_MS = 100
 """Longest sleep, ms: what a missed wake-up costs at most."""
 _SWITCH_INTERVAL = 0.0005
 """Seconds that one thread may keep the interpreter; live sources and Zenoh have threads of their own."""
-
-
 _ALL = range(sys.maxsize)
 """Rows of all edges."""
 _watermark = attrgetter("watermark")
-
-
-class StuckError(FollowspotError):
-    """No stage can fire, no source can yield, and yet the streams have not ended."""
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a worker or a run has come."""
-
-    fired: int
-    """Firings of the sink that is furthest behind; of the sources if there are no sinks."""
-    time: int
-    """Newest capture time that a source sent, ns; -1 before the first."""
-    faults: tuple[str, ...] = ()
-    """Of a run: one line for each part that is absent or silent."""
 
 
 class Worker:
@@ -76,42 +59,23 @@ class Worker:
         self.runners = tuple(runners)
         self.sources = tuple(runner for runner in runners if isinstance(runner, SourceRunner))
         self.live = tuple(runner for runner in self.sources if isinstance(runner, LiveSourceRunner))
-        self.readers = tuple(readers)
-        self.writers = tuple(writers)
         self.pace = pace
+        self.hold = SourceHold(self.sources)
         self.regroup()
         self._ready: list[int] = []
         self._marked = [False] * len(runners)
         self._stopping = False
-        self.hold: HoldSources | None = None
-        self._hold_at = 0
-        """Messages of the source that the hold names, after which it holds."""
         self._actions: deque[Callable[[], None]] = deque()
-        self._poll = select.poll()
-        self._watched: dict[int, Callable[[], bool]] = {}
+        self.ends = EdgeEnds(self.runners, readers, writers, self.mark)
         self._wakeup = WakeupEvent()
-        self._connect()
+        self.ends.watch(self._wakeup.fileno(), self._clear_wakeup)
+        for source in self.live:
+            source.notify = self.wake
 
     @property
     def handlers(self) -> Handlers:
         """The orders that the scheduler carries out."""
-        return {StopRun: lambda _: self.stop(), HoldSources: self._set_hold}
-
-    def holds(self, source: SourceRunner) -> bool:
-        """Whether this source sends nothing now, because the operator holds it."""
-        hold = self.hold
-        if hold is None:
-            return False
-        if source.name == hold.source:
-            return source.yielded >= self._hold_at
-        here = (other.watermark for other in self.sources if other.name == hold.source)
-        return source.watermark >= max(here, default=hold.until)
-
-    def _set_hold(self, order: HoldSources) -> None:
-        if order.held and (self.hold is None or self.hold.id != order.id):
-            yielded = (source.yielded for source in self.sources if source.name == order.source)
-            self._hold_at = sum(yielded) + order.count
-        self.hold = order if order.held else None
+        return {StopRun: lambda _: self.stop(), **self.hold.handlers}
 
     def mark(self, rank: int) -> None:
         """Schedule this stage runner: its inputs or outputs changed."""
@@ -149,41 +113,6 @@ class Worker:
         """Let the worker's thread call `action` as soon as no stage is at work. Safe from any thread."""
         self._actions.append(action)
         self.wake()
-
-    def watch(self, fd: int, callback: Callable[[], bool]) -> None:
-        """Call back when the descriptor is readable, until the callback returns True."""
-        self._watched[fd] = callback
-        self._poll.register(fd, select.POLLIN)
-
-    def adopt_reader(self, old: PortReader, new: PortReader) -> None:
-        """Read from `new`: the worker that wrote to `old` was started again."""
-        queue = next(queue for queue in self.readers if queue.reader is old)
-        self._unwatch(old.fileno())
-        queue.adopt(new)
-        self.watch(new.fileno(), queue.poll)
-
-    def adopt_link(self, writer: PortWriter, fd: int) -> None:
-        """Watch `fd` for credit: the worker that reads from `writer` was started again."""
-        rank = next(rank for known, rank in self.writers if known is writer)
-        self.watch(fd, partial(self._credited, fd, writer, rank))
-        for _, output in self.runners[rank].outputs:
-            output.update_readers()
-            output.returned(writer)
-        self.mark(rank)
-
-    def give_up(self, rows: Container[int]) -> None:
-        """Wait no longer for workers at the other ends of these edges: one that is away stays away.
-
-        rows: ledger rows of the edges.
-        """
-        for queue in self.readers:
-            if queue.row in rows:
-                queue.after_loss = END
-                queue.poll()
-        for runner in self.runners:
-            for _, output in runner.outputs:
-                output.waits_for_readers &= not any(row in rows for group in output.rows for row in group)
-            self.mark(runner.rank)
 
     def stop(self) -> None:
         """End all sources; messages in flight are still processed. Safe in signal handlers and threads."""
@@ -228,14 +157,7 @@ class Worker:
                 runner.close()
             except StageError as error:
                 problems.append(error)
-        for writer, _ in self.writers:
-            writer.close()
-        for runner in self.runners:
-            for _, output in runner.outputs:
-                output.update_readers()  # counts what was on its way to readers that were cut off
-        for queue in self.readers:
-            if queue.reader is not None:
-                queue.reader.close()
+        self.ends.close()
         self._wakeup.close()
         return problems
 
@@ -251,17 +173,6 @@ class Worker:
         known = [n for n in (source.expected() for source in self.sources) if n is not None]
         return max(known, default=None)
 
-    def _connect(self) -> None:
-        self.watch(self._wakeup.fileno(), self._clear_wakeup)
-        for queue in self.readers:
-            assert queue.reader is not None
-            self.watch(queue.reader.fileno(), queue.poll)
-        for writer, rank in self.writers:
-            for fd in writer.filenos():
-                self.watch(fd, partial(self._credited, fd, writer, rank))
-        for source in self.live:
-            source.notify = self.wake
-
     def _turn(self) -> bool:
         """Fire what is ready, receive, and pull a source or sleep; False when all streams have ended."""
         for _ in range(_FIRINGS_PER_TURN):
@@ -270,8 +181,8 @@ class Worker:
             rank = -heappop(self._ready)
             self._marked[rank] = False
             self._steps[rank]()
-        if len(self._watched) > 1:
-            self._receive(0)
+        if len(self.ends.watched) > 1:  # more than the wake-up event
+            self.ends.receive(0)
         while self._actions:
             self._actions.popleft()()
         if self._stopping:
@@ -285,7 +196,7 @@ class Worker:
 
     def _pull(self) -> bool:
         """Pull the source with the earliest watermark, then those that are earliest; False if none yields."""
-        candidates = [s for s in self.sources if not s.done and not self.holds(s)]
+        candidates = [s for s in self.sources if not s.done and not self.hold.holds(s)]
         candidates.sort(key=_watermark)
         reached = END
         for source in candidates:
@@ -298,75 +209,32 @@ class Worker:
 
     def _finished(self) -> bool:
         """Whether all stages are done and all edges are flushed; the ledger counts even late feedback."""
-        flushed = [writer.flush() for writer, _ in self.writers]
-        received = all(queue.watermark == END for queue in self.readers)
-        return received and all(flushed) and all(runner.done for runner in self.runners)
+        return self.ends.flushed() and all(runner.done for runner in self.runners)
 
     def _wait(self) -> None:
         """Sleep until a message, credit, another thread or the deadline of a live join wakes the worker."""
-        if self._credit_came():
+        if self.ends.credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
-        if not (deadlines or self.readers or self.writers or self.live or self.hold):
-            raise StuckError(self._why_stuck())
+        if not (deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.order):
+            raise StuckError(self.runners)
         if not deadlines:
-            self._receive(_LONGEST_SLEEP_MS)
+            self.ends.receive(_LONGEST_SLEEP_MS)
             return
         left_ms = (min(deadlines) - time.monotonic()) * 1000
-        self._receive(int(min(max(left_ms, 0), _LONGEST_SLEEP_MS)) + 1)
+        self.ends.receive(int(min(max(left_ms, 0), _LONGEST_SLEEP_MS)) + 1)
         for runner in self.runners:
             if runner.overdue_at is not None and runner.overdue_at <= time.monotonic():
                 self.mark(runner.rank)
-
-    def _credit_came(self) -> bool:
-        """Ask the readers of blocked stages for a wake-up; whether credit has come already."""
-        came = False
-        for writer, rank in self.writers:
-            runner = self.runners[rank]
-            if runner.blocked:
-                writer.want_credit()
-                if runner.has_room():
-                    self.mark(rank)
-                    runner.blocked = False
-                    came = True
-        return came
-
-    def _receive(self, timeout_ms: int) -> None:
-        for fd, _ in self._poll.poll(timeout_ms):
-            if self._watched[fd]():
-                self._unwatch(fd)
-
-    def _unwatch(self, fd: int) -> None:
-        if self._watched.pop(fd, None) is not None:
-            self._poll.unregister(fd)
 
     def _clear_wakeup(self) -> bool:
         self._wakeup.clear()
         return False
 
-    def _credited(self, fd: int, writer: PortWriter, rank: int) -> bool:
-        writer.drain()
-        for _, output in self.runners[rank].outputs:
-            output.update_readers()
-        self.mark(rank)
-        return fd not in writer.filenos()
-
     def _stop_sources(self) -> None:
         self._stopping = False
-        self.hold = None
-        self.give_up(_ALL)
+        self.hold.release()
+        self.ends.give_up(_ALL)
         for source in self.sources:
             if not source.done:
                 source.stop()
-
-    def _why_stuck(self) -> str:
-        """Name the stages that wait, and the edges for which they wait."""
-        lines = []
-        for runner in self.runners:
-            full = [i.name for _, o in runner.outputs for i in o.queues if len(i.messages) >= i.depth]
-            dry = [i.name for i in runner.join.members if not i.messages and i.watermark != END]
-            if not runner.done:
-                lines.append(
-                    f"  {runner.name}: " + (f"full: {full}" if runner.blocked else f"waits for: {dry}")
-                )
-        return "the graph is stuck; raise `depth` of the full edges\n" + "\n".join(lines)

@@ -11,6 +11,7 @@ from typing import Any
 from followspot.messages import UNSTAMPED, Header, InvalidMessage, in_range
 from followspot.outputs import WrongOutput, check_yielded
 from followspot.stage import Stage
+from followspot.worker.error_policy import recover
 from followspot.worker.output_port import OutputPort
 from followspot.worker.stage_runner import StageRunner
 
@@ -88,7 +89,7 @@ class SourceRunner(StageRunner):
 
     def _failed(self, error: Exception) -> None:
         """Apply the error policy: `restart` opens another generator, `skip` ends the stream."""
-        self._recover(Header(self.name, self.yielded, max(0, self.watermark)), error)
+        recover(self, Header(self.name, self.yielded, max(0, self.watermark)), error)
         if self.on_error == "skip":
             self.finish()
         else:
@@ -96,7 +97,7 @@ class SourceRunner(StageRunner):
 
     def _left_out(self, item: Any, error: Exception) -> None:
         """Apply the error policy to a wrong item: `skip` leaves it out, and the generator goes on."""
-        self._recover(Header(self.name, self.yielded, max(0, self.watermark)), error)
+        recover(self, Header(self.name, self.yielded, max(0, self.watermark)), error)
         self.yielded += 1
         if self.on_error == "restart":
             self._open_anew()

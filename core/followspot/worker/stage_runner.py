@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import time
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from followspot.errors import FollowspotError
 from followspot.graph.plan import ErrorPolicy
 from followspot.messages import Header, Message
 from followspot.outputs import WrongOutput, check_returned, untimed
@@ -17,28 +15,12 @@ from followspot.ports import ports
 from followspot.stage import Stage
 from followspot.transport.token import ABSENT, END
 from followspot.worker.clock import Clock
+from followspot.worker.error_policy import StageError, recover
 from followspot.worker.join import Join
-from followspot.worker.latency import LatencyHistogram
+from followspot.worker.latency import PathLatencies
 from followspot.worker.output_port import OutputPort
 
 _capture_time = attrgetter("time")
-RESTARTS = 5
-"""How often a stage with policy `restart` is rebuilt before the run fails."""
-MOST_PATHS = 64
-"""Sources whose latency to a sink is measured one by one; more names than these take no memory."""
-OTHERS = "others"
-"""Stands for all further sources."""
-FIRST_BACK_OFF = 0.1
-"""Pause before the first restart, s; it doubles each time."""
-
-
-class StageError(FollowspotError):
-    """A stage raised; the text names the stage, the message it was given, and shows the traceback."""
-
-    def __init__(self, stage: str, header: Header | None, error: BaseException) -> None:
-        when = f" at {header.source}#{header.seq}, {header.time / 1e9:.6f} s" if header else ""
-        detail = "" if isinstance(error, FollowspotError) else _traceback(error)
-        super().__init__(f"stage {stage} failed{when}: {type(error).__name__}: {error}{detail}")
 
 
 @dataclass
@@ -107,7 +89,7 @@ class StageRunner:
         self.absent = False
         """Whether the outputs have announced `ABSENT`."""
         self.count = RunnerCount()
-        self.paths: dict[str, LatencyHistogram] = {}
+        self.paths = PathLatencies()
         self.is_sink = not self.outputs
         self.clock = clock
         self._passed = -END
@@ -161,7 +143,7 @@ class StageRunner:
         try:
             result = self.stage.process(*firing.arguments)
         except Exception as error:
-            self._recover(firing.header, error)
+            recover(self, firing.header, error)
             result = None
         self.working = False
         self.count.busy_ns += time.monotonic_ns() - started
@@ -176,7 +158,7 @@ class StageRunner:
         if result is not None and (type(result) is not self._only or not untimed(result.header)):
             result = self._checked(result, header)
         if self.is_sink:
-            self._record(header, self.clock.now())
+            self.paths.add(header, self.clock.now())
         else:
             self.send(result, header)
 
@@ -223,7 +205,7 @@ class StageRunner:
         try:
             check_returned(self.declared, result)
         except WrongOutput as error:
-            self._recover(header, error)
+            recover(self, header, error)
             return None
         return result
 
@@ -282,37 +264,6 @@ class StageRunner:
         self.overdue_at = None if since is None else (since - self.clock.steady) / 1e9 + deadline
         return self.overdue_at is not None and time.monotonic() >= self.overdue_at
 
-    def _recover(self, header: Header, error: Exception) -> None:
-        """Apply the error policy. Raises StageError if the run is to fail."""
-        if self.on_error == "fail" or (self.on_error == "restart" and self.count.restarts >= RESTARTS):
-            raise StageError(self.name, header, error) from error
-        self.count.skipped += 1
-        self.stage.context.warn(str(StageError(self.name, header, error)))
-        if self.on_error == "restart":
-            try:
-                self._restart()
-            except Exception as second:
-                raise StageError(self.name, header, second) from error
-
-    def _restart(self) -> None:
-        """Build the stage again after a pause; it restores the checkpoint of the old one, if there is one."""
-        self.stage.context.pause(FIRST_BACK_OFF * 2**self.count.restarts)
-        self.count.restarts += 1
-        state = self.stage.state()
-        self.stage.close()
-        self.stage = self.build()
-        self.stage.setup()
-        if state is not None:
-            self.stage.restore(state)
-
-    def _record(self, header: Header, now: int) -> None:
-        origin = header.source.partition("/")[0]
-        path = self.paths.get(origin)
-        if path is None:
-            origin = origin if len(self.paths) < MOST_PATHS else OTHERS
-            path = self.paths.setdefault(origin, LatencyHistogram())
-        path.add(now - header.entered, header.source, header.seq)
-
     @staticmethod
     def _send_to(output: OutputPort, message: Message | None, header: Header) -> None:
         if message is None:
@@ -328,7 +279,3 @@ def _header(fired: Sequence[Message], time: int) -> Header:
     headers = [message.header for message in fired]
     first = min(headers, key=_capture_time)
     return Header(first.source, first.seq, time, min([header.entered for header in headers]))
-
-
-def _traceback(error: BaseException) -> str:
-    return "\n" + "".join(traceback.format_exception(error)).rstrip()

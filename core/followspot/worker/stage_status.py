@@ -29,10 +29,10 @@ def _with_hold(worker: Worker, runner: StageRunner, status: StageStatus) -> Stag
     """The status, that of a source with its capture time and whether it is paused."""
     if not isinstance(runner, SourceRunner):
         return status
-    hold = worker.hold
-    if runner.done or hold is None or not worker.holds(runner):
+    order = worker.hold.order
+    if runner.done or order is None or not worker.hold.holds(runner):
         return replace(status, time=runner.watermark if runner.watermark < END else -1)
-    return replace(status, state="paused", on=(), time=runner.watermark, hold=hold.id)
+    return replace(status, state="paused", on=(), time=runner.watermark, hold=order.id)
 
 
 class Idleness:

@@ -10,7 +10,7 @@ import pytest
 
 from followspot.cli import progress
 from followspot.cli.progress import ProgressBar
-from followspot.worker.scheduler import Progress
+from followspot.control.progress import Progress
 
 
 class Terminal(StringIO):

@@ -18,9 +18,9 @@ from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Watermark
 from followspot.worker.build import build_worker
 from followspot.worker.edge_links import EdgeLinks
+from followspot.worker.latency import MOST_PATHS, OTHERS
 from followspot.worker.ledger import Ledger
 from followspot.worker.scheduler import Worker
-from followspot.worker.stage_runner import MOST_PATHS, OTHERS
 from followspot.worker.stage_status import paths_now, stages_now
 from followspot.worker.wiring import RunOptions, Wiring
 

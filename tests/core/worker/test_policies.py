@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from followspot.control.progress import Progress
 from followspot.graph.compile import compile_graph
 from followspot.messages import Header, Message, stamped
 from followspot.operator.launch import local_run
@@ -13,7 +14,6 @@ from followspot.operator.report import RunReport
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import Ledger
-from followspot.worker.scheduler import Progress
 from followspot.worker.wiring import RunOptions
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"

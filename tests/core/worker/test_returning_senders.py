@@ -59,10 +59,10 @@ class Reading:
         ours, theirs = pair()
         self.writer = RingWriter([ours], DEPTH)
         assert self.queue.reader is not None
-        self.worker.adopt_reader(self.queue.reader, RingReader(theirs, Note))
+        self.worker.ends.adopt_reader(self.queue.reader, RingReader(theirs, Note))
 
     def work(self) -> None:
-        self.worker._receive(0)
+        self.worker.ends.receive(0)
         self.runner.step()
 
 

@@ -77,7 +77,7 @@ def test_latency_is_by_the_clock_of_all(tmp_path: Path, source: str) -> None:
 
 def test_a_worker_that_has_ended_leaves_no_edge_open(tmp_path: Path) -> None:
     run = solo(tmp_path, edges="ring")
-    readers = [queue.reader for queue in run.worker.readers if queue.reader is not None]
+    readers = [queue.reader for queue in run.worker.ends.readers if queue.reader is not None]
     assert len(readers) == 3
     assert all(reader.fileno() >= 0 for reader in readers)
     assert run.run().ok

@@ -1,0 +1,45 @@
+"""The hold of a worker's sources: a paused replay sends nothing until its operator lets it go on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from followspot.control.dispatch import Handlers
+from followspot.control.worker_orders import HoldSources
+from followspot.worker.source import SourceRunner
+
+
+class SourceHold:
+    """Decides which sources of a worker send nothing because the operator holds them."""
+
+    def __init__(self, sources: Sequence[SourceRunner]) -> None:
+        self.order: HoldSources | None = None
+        """The order that holds the sources, None if they are free."""
+        self._sources = sources
+        self._hold_at = 0
+        """Messages of the source that the order names, after which it holds."""
+
+    @property
+    def handlers(self) -> Handlers:
+        """The orders to hold sources and to let them go on."""
+        return {HoldSources: self._obey}
+
+    def holds(self, source: SourceRunner) -> bool:
+        """True if this source sends nothing now."""
+        order = self.order
+        if order is None:
+            return False
+        if source.name == order.source:
+            return source.yielded >= self._hold_at
+        here = (other.watermark for other in self._sources if other.name == order.source)
+        return source.watermark >= max(here, default=order.until)
+
+    def release(self) -> None:
+        """Let all sources go on."""
+        self.order = None
+
+    def _obey(self, order: HoldSources) -> None:
+        if order.held and (self.order is None or self.order.id != order.id):
+            yielded = (source.yielded for source in self._sources if source.name == order.source)
+            self._hold_at = sum(yielded) + order.count
+        self.order = order if order.held else None
