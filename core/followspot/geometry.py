@@ -94,6 +94,20 @@ def ray(camera: Camera, pixel: Array) -> Array:
     return np.asarray(directions / np.linalg.norm(directions, axis=1, keepdims=True))
 
 
+def depth_rays(camera: Camera) -> Array:
+    """Viewing direction of every pixel, of unit depth: (H, W, 3), so long that the camera's z is 1.
+
+    The point of the room at depth z along the optical axis is `camera.center + z * depth_rays(camera)[v, u]`.
+    NaN for a pixel whose ray does not point forward (wide fisheye, panorama).
+    """
+    width, height = camera.size
+    y, x = np.mgrid[:height, :width].astype(float)
+    rays = ray(camera, np.column_stack([x.ravel(), y.ravel()]))
+    ahead = rays @ camera.rotation[2]
+    rays /= np.where(ahead > 0, ahead, np.nan)[:, None]
+    return rays.reshape(height, width, 3)
+
+
 def wrap(angle: Array) -> Array:
     """Angles wrapped to [-pi, pi), rad; any shape."""
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

@@ -12,7 +12,7 @@ import numpy as np
 
 from followspot.messages import Array
 
-Kind = Literal["color", "infrared"]
+Kind = Literal["color", "infrared", "depth"]
 Model = Literal["pinhole", "fisheye", "cylinder"]
 
 

@@ -86,8 +86,11 @@ def _cameras(form: Form, folder: str | None) -> dict[str, Camera]:
 
 def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) -> Camera | None:
     form = Form(node, f"camera {name}", _CAMERA_KEYS, mistakes)
-    kind = form.text("kind", required=True, choices=("color", "infrared"))
+    kind = form.text("kind", required=True, choices=("color", "infrared", "depth"))
     model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
+    if kind == "depth" and model == "cylinder":
+        text = "a depth camera cannot be a cylinder: depth is measured along the optical axis"
+        form.wrong(form.entries["model"], text, "model: pinhole, or fisheye")
     size = _size(form)
     matrix = _matrix(form)
     distortion = form.array("distortion", _COEFFICIENTS[model], most=_MOST_DISTORTION)

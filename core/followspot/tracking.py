@@ -26,6 +26,18 @@ class Frame(Message):
     pixels: Array = column("H", "W", "C", dtype="u1")
 
 
+class DepthImage(Message):
+    """One depth image of one depth camera, in the room's size.
+
+    The depth of a pixel is that of the surface along the optical axis (z of the camera's coordinates), not
+    its distance from the camera: `followspot.geometry.depth_rays` leads to the point in the room.
+    """
+
+    camera: str
+    depth: Array = column("H", "W", dtype="f4", unit="m")
+    """0 where the camera measured nothing."""
+
+
 class Blobs(Message):
     """Blobs that a detector found in one picture."""
 
@@ -138,9 +150,9 @@ class Truth(Message):
     hidden: Array = column("M", dtype="?")
     """Less than 5 % visible in every camera."""
     trackable: Array = column("M", dtype="?")
-    """At least 25 % visible in two cameras, one of them colour."""
+    """At least 25 % visible in two cameras, one of them colour, or in a depth camera."""
     pair: Array = column("M", dtype="?")
-    """At least 50 % visible in a colour and in an infrared camera."""
+    """At least 50 % visible in a colour and in an infrared camera, or in a depth camera."""
 
 
 class ImageTracks(Message):

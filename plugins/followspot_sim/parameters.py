@@ -64,3 +64,30 @@ class CameraParams(SimParams):
         unit="s",
         description="delay of this camera's pictures after their time stamps, unknown to the room",
     )
+
+
+class DepthCameraParams(CameraParams):
+    """The performance, the clock of the camera, and its errors; the defaults are those of a time-of-flight
+    camera.
+    """
+
+    depth_sigma: float = Field(
+        0.002, ge=0, le=1, unit="m", description="standard deviation of a depth near the camera"
+    )
+    depth_sigma_growth: float = Field(
+        0.0004,
+        ge=0,
+        le=1,
+        unit="1/m",
+        description="growth of this deviation with the square of the depth, for light falls off with it",
+    )
+    hole_share: float = Field(
+        0.005, ge=0, le=1, unit="1", description="share of the pixels that measure nothing, anywhere"
+    )
+    edge_hole_share: float = Field(
+        0.5, ge=0, le=1, unit="1", description="the same of the pixels at a step of the depth"
+    )
+    edge_step: float = Field(
+        0.1, gt=0, unit="m", description="smallest step of the depth between neighbours that is an edge"
+    )
+    maximum_depth: float = Field(8.0, gt=0, unit="m", description="depth beyond which nothing is measured")

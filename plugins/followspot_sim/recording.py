@@ -112,20 +112,19 @@ def write_truth(room: Room, params: SimParams, path: Path) -> None:
     world = world_of(setting(params, room))
     radii = np.array([t.radius for t in room.targets.values()])
     cameras = list(room.cameras.values())
-    color = np.array([c.kind == "color" for c in cameras], bool)
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = csv.writer(file)
         rows.writerow([*COLUMNS, *(f"c{i}_{q}" for i in range(len(cameras)) for q in ("u", "v", "vis"))])
         for frame in range(params.frames):
             scene = world.scene(frame)
             seen = visible_fraction(cameras, scene, radii)
-            rows.writerows(_rows(frame, scene, list(room.targets), cameras, seen, color))
+            rows.writerows(_rows(frame, scene, list(room.targets), cameras, seen))
 
 
 def _rows(
-    frame: int, scene: Scene, targets: Sequence[str], cameras: Sequence[Camera], seen: Array, color: Array
+    frame: int, scene: Scene, targets: Sequence[str], cameras: Sequence[Camera], seen: Array
 ) -> list[list[object]]:
-    verdicts = np.array(judge(seen, color)).astype(int)
+    verdicts = np.array(judge(seen, cameras)).astype(int)
     pixel = np.array([project(c, scene.balls) for c in cameras])
     return [
         [

@@ -48,3 +48,31 @@ def disc(samples: int) -> Array:
     k = np.arange(samples) + 0.5
     radius, angle = np.sqrt(k / samples), np.pi * (1 + np.sqrt(5)) * k
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+
+
+def entry(origin: Array, rays: Array, ends: Array, radius: float) -> Array:
+    """Where rays first meet the surface of a capsule, exactly: (...) m along the ray, infinite if they miss.
+
+    origin: (3,) m, outside the capsule; rays: (..., 3), unit vectors; ends: (2, 3) m.
+    """
+    nearest = np.full(rays.shape[:-1], np.inf)
+    axis = ends[1] - ends[0]
+    length2 = float(dot(axis, axis))
+    for end in ends if length2 > 0 else ends[:1]:
+        away = end - origin
+        along = dot(rays, away)
+        inside = along * along - float(dot(away, away)) + radius * radius
+        reach = along - np.sqrt(np.maximum(inside, 0.0))
+        np.minimum(nearest, np.where((inside >= 0) & (reach > 0), reach, np.inf), out=nearest)
+    if length2 > 0:
+        start = origin - ends[0]
+        up, rise = dot(rays, axis), float(dot(start, axis))
+        a = np.maximum(length2 - up * up, 1e-12)
+        b = length2 * dot(rays, start) - rise * up
+        c = length2 * (float(dot(start, start)) - radius * radius) - rise * rise
+        inside = b * b - a * c
+        reach = (-b - np.sqrt(np.maximum(inside, 0.0))) / a
+        height = rise + reach * up
+        hit = (inside >= 0) & (reach > 0) & (height > 0) & (height < length2)
+        np.minimum(nearest, np.where(hit, reach, np.inf), out=nearest)
+    return nearest

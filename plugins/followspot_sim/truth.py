@@ -25,7 +25,6 @@ class SimTruth(Stage):
         self._world = world_of(setting(self.params, self.room))
         self._radii = np.array([t.radius for t in self.room.targets.values()])
         self._cameras = tuple(self.room.cameras.values())
-        self._color = np.array([c.kind == "color" for c in self._cameras], bool)
 
     def length(self) -> int | None:
         """One truth for each frame; None if they never end."""
@@ -41,7 +40,7 @@ class SimTruth(Stage):
         scene = self._world.scene(frame)
         visible = visible_fraction(self._cameras, scene, self._radii)
         shown = ~np.isnan(scene.balls[:, 0])
-        hidden, trackable, pair = (column[shown] for column in judge(visible, self._color))
+        hidden, trackable, pair = (column[shown] for column in judge(visible, self._cameras))
         return Truth(
             objects=tuple(name for name, there in zip(self.room.targets, shown, strict=True) if there),
             xyz=scene.balls[shown],

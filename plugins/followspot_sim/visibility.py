@@ -90,14 +90,17 @@ def _inside(camera: Camera, centres: Array, points: Array, margin: Array) -> Arr
     return found
 
 
-def judge(visible: Array, color: Array) -> tuple[Array, Array, Array]:
+def judge(visible: Array, cameras: Sequence[Camera]) -> tuple[Array, Array, Array]:
     """Hidden, trackable and pair, each (T,) bool, as `followspot.tracking.Truth` defines them.
 
-    visible: (V, T) share seen by each camera; color: (V,) whether the camera is a colour camera.
+    visible: (V, T) share seen by each camera.
     """
+    color, infrared, depth = (
+        np.array([camera.kind == kind for camera in cameras], bool) for kind in ("color", "infrared", "depth")
+    )
     hidden = np.all(visible < 0.05, axis=0)
     enough = visible >= 0.25
-    trackable = (enough.sum(axis=0) >= 2) & enough[color].any(axis=0)
+    trackable = ((enough.sum(axis=0) >= 2) & enough[color].any(axis=0)) | enough[depth].any(axis=0)
     half = visible >= 0.5
-    pair = half[color].any(axis=0) & half[~color].any(axis=0)
+    pair = (half[color].any(axis=0) & half[infrared].any(axis=0)) | half[depth].any(axis=0)
     return np.asarray(hidden), np.asarray(trackable), np.asarray(pair)

@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, connect
 from followspot.graph.expand import Expanded, Instance
 from followspot.graph.parameters import output_paths, validated
+from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.people import PoseTruth
@@ -51,6 +52,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     for instance in expanded.instances.values():
         if instance.name in classes:
             _check_inputs(instance, classes[instance.name], mistakes)
+            check_picture(instance, classes[instance.name], expanded.room, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
         for name, stage in classes.items()

@@ -7,9 +7,12 @@ import numpy as np
 from followspot.room import Camera, Kind, Room, Target
 
 
-def tiny_room() -> Room:
-    """A colour camera `cam0` and an infrared camera `cam1`, 64 x 48 px, 3 m up; a floor; one red ball."""
-    cameras = {"cam0": _camera("cam0", "color", 1.0), "cam1": _camera("cam1", "infrared", -1.0)}
+def tiny_room(first: Kind = "color", second: Kind = "infrared") -> Room:
+    """A colour camera `cam0` and an infrared camera `cam1`, 64 x 48 px, 3 m up; a floor; one red ball.
+
+    first, second: other kinds of these cameras.
+    """
+    cameras = {"cam0": _camera("cam0", first, 1.0), "cam1": _camera("cam1", second, -1.0)}
     hue = np.zeros(16)
     hue[0] = 1.0
     area = {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}

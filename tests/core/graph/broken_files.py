@@ -306,6 +306,13 @@ ROOM = [
     Broken(
         "room", "kind: color", "kind: color\n    model: ¦pinhol", 'model cannot be "pinhol"', '"pinhole"?'
     ),
+    Broken(
+        "room",
+        "kind: color",
+        "kind: depth\n    model: ¦cylinder",
+        "a depth camera cannot be a cylinder",
+        "pinhole, or fisheye",
+    ),
     Broken("room", "size: [320, 240]", "size: ¦[320]", "size has 2 numbers, not 1"),
     Broken("room", "size: [320, 240]", "size: ¦[320, 0]", "whole pixels", "each from 1 to 32768"),
     Broken("room", "[[250, 0, 160]", "[[¦fx, 0, 160]", 'matrix holds "fx" where a finite number belongs'),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -84,7 +85,7 @@ def test_a_ball_across_the_edge_of_the_picture_counts_what_is_inside():
 
 
 def test_verdicts_follow_the_definition_of_truth():
-    color = np.array([True, True, False])
+    cameras = [ROOM.cameras[name] for name in ("cam0", "cam2", "cam1")]
     table = [  # visible share in two colour cameras and an infrared one; hidden, trackable, pair
         ((0.04, 0.0, 0.04), (True, False, False)),
         ((0.05, 0.0, 0.0), (False, False, False)),
@@ -94,8 +95,15 @@ def test_verdicts_follow_the_definition_of_truth():
         ((0.5, 0.0, 0.5), (False, True, True)),
         ((1.0, 1.0, 0.4), (False, True, False)),
     ]
-    verdicts = np.array(judge(np.array([row for row, _ in table]).T, color)).T
+    verdicts = np.array(judge(np.array([row for row, _ in table]).T, cameras)).T
     assert [tuple(map(bool, v)) for v in verdicts] == [expected for _, expected in table]
+
+
+def test_one_depth_camera_is_enough_to_track_a_target():
+    cameras = [ROOM.cameras["cam1"], replace(ROOM.cameras["cam1"], kind="depth")]
+    shares = np.array([[1.0, 0.24], [0.0, 0.25], [0.0, 0.5]]).T
+    verdicts = np.array(judge(shares, cameras)).T
+    assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
 
 
 @pytest.mark.parametrize("plane", ["floor", "wall"])

@@ -9,7 +9,8 @@ import numpy as np
 
 from followspot import Camera
 from followspot.errors import InputError
-from followspot_cameras.images import natural_order, read_picture
+from followspot_cameras.images import read_picture
+from followspot_cameras.picture_folder import natural_order
 from followspot_cameras.video import open_video
 
 BLOCK = 16

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from followspot.ports import ports
 from followspot.room_form import BINS
 from followspot.stage import Stage
-from followspot.tracking import Frame
+from followspot.tracking import DepthImage, Frame
 from followspot_schema.parts import TEXT, Schema, form, matrix, named, numbers
 from followspot_schema.stages import models, stage_use, stages_offered
 
@@ -34,14 +34,14 @@ def room_schema() -> Schema:
 
 
 def _sends_frames(stage: type[Stage]) -> bool:
-    return any(port.type is Frame for port in ports(stage).outputs)
+    return any(port.type in (Frame, DepthImage) for port in ports(stage).outputs)
 
 
 def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
     return form(
         "OpenCV convention: x_cam = R X + t, z forward",
         {
-            "kind": {"enum": ["color", "infrared"]},
+            "kind": {"enum": ["color", "infrared", "depth"]},
             "size": {**numbers(2, "width and height, px"), "items": {"type": "integer", "minimum": 1}},
             "model": {"enum": ["pinhole", "fisheye", "cylinder"], "default": "pinhole"},
             "matrix": matrix("[[fx, 0, cx], [0, fy, cy], [0, 0, 1]], px"),

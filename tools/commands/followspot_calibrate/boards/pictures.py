@@ -14,7 +14,8 @@ from followspot.graph.parameters import path_parameters
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.stage import PathIn
-from followspot_cameras.images import SUFFIXES, natural_order, read_picture
+from followspot_cameras.images import read_picture
+from followspot_cameras.picture_folder import SUFFIXES, natural_order
 from followspot_cameras.recordings import SUFFIXES as VIDEOS
 from followspot_cameras.recordings import find_recordings
 from followspot_cameras.video import open_video
