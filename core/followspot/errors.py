@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -28,7 +28,8 @@ class FollowspotError(Exception):
 class Place:
     """A position in a file or on the command line; line and column count from 1.
 
-    written: the text itself, if it is not in a file.
+    written: the text itself, if it is not in a file;
+    outer: the place that brought this one into the graph, for example the stage that uses a graph file.
     """
 
     file: str
@@ -36,9 +37,19 @@ class Place:
     column: int
     width: int = 1
     written: str = ""
+    outer: Place | None = None
 
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}"
+
+    def within(self, outer: Place) -> Place:
+        """The place with one more at the end of its outer places."""
+        return replace(self, outer=outer if self.outer is None else self.outer.within(outer))
+
+    @property
+    def outer_places(self) -> tuple[Place, ...]:
+        """The outer place, its outer place, and so on."""
+        return () if self.outer is None else (self.outer, *self.outer.outer_places)
 
 
 @dataclass(frozen=True)
@@ -90,14 +101,12 @@ class Mistake:
         text, remedy = shown(self.text), shown(self.remedy)
         if self.place is None:
             return text + (f"\n    {remedy}" if remedy else "")
-        head = f"{shown(str(self.place))}: {text}"
-        source = _line(self.place, lines_of or _lines)
-        if source is None:
-            return head + (f"\n    {remedy}" if remedy else "")
-        margin = f"{self.place.line:>5} | "
-        line, column = _window(source, self.place.column)
-        caret = " " * (column - 1) + "^" * max(1, min(self.place.width, len(line) - column + 1))
-        return f"{head}\n{margin}{line}\n{' ' * (len(margin) - 2)}| {caret} {remedy}".rstrip()
+        lines = lines_of or _lines
+        quoted = _quoted(self.place, remedy, lines) or (f"\n    {remedy}" if remedy else "")
+        seen = [
+            f"\n  see {shown(str(place))}{_quoted(place, '', lines)}" for place in self.place.outer_places
+        ]
+        return "".join([f"{shown(str(self.place))}: {text}", quoted, *seen])
 
 
 class InputError(FollowspotError):
@@ -157,6 +166,17 @@ def _window(line: str, column: int) -> tuple[str, int]:
         return line, column
     start = max(0, min(column - _LONGEST_LINE // 2, len(line) - _LONGEST_LINE))
     return line[start : start + _LONGEST_LINE], column - start
+
+
+def _quoted(place: Place, remedy: str, lines_of: Callable[[str], Sequence[str]]) -> str:
+    """The line of a place with a caret and the remedy below it; empty if it can no longer be read."""
+    source = _line(place, lines_of)
+    if source is None:
+        return ""
+    margin = f"{place.line:>5} | "
+    line, column = _window(source, place.column)
+    caret = " " * (column - 1) + "^" * max(1, min(place.width, len(line) - column + 1))
+    return f"\n{margin}{line}\n{' ' * (len(margin) - 2)}| {caret} {remedy}".rstrip()
 
 
 def _line(place: Place, lines_of: Callable[[str], Sequence[str]]) -> str | None:

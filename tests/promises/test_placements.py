@@ -91,7 +91,7 @@ def stand(case: Case, folder: Path, *, record: bool) -> Stand:
     """Write the graph with the sinks that it gets beside its own, and play it in one process."""
     graph = folder / "graph.yaml"
     more = case.more or "  {}"
-    graph.write_text(f"graph: g\ninclude: {GRAPHS / case.graph}\nstages:\n{more}\n")
+    graph.write_text(f"graph: g\nextends: {GRAPHS / case.graph}\nstages:\n{more}\n")
     room = MADE[case.room](folder) if case.room in MADE else ROOMS / f"{case.room}.yaml"
     options = ("--room", str(room), "--frames", str(case.frames))
     if case.plugin:

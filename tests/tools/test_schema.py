@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from followspot.graph.declaration import ENVELOPE
+from followspot.graph.override import SUBGRAPH
 from followspot.plugins.registry import catalogue
 from followspot_schema.documents import document
 
@@ -58,6 +59,11 @@ def test_every_ready_file_is_accepted(schemas: dict[str, dict[str, Any]], kind: 
         "stages: {video: {uses: cameras.video}}",
         "stages: {fuse: {uses: balls.mean, in: {candidates: {from: x, dely: 1}}}}",
         "graph: empty",
+        "stages: {hall: {graph: a.yaml, wiht: {similarity: 0.5}}}",
+        "stages: {hall: {graph: a.yaml, uses: balls.mean}}",
+        "{extends: a.yaml, stages: {fuse: {use: balls.mean}}}",
+        "{outputs: {tracks: 7}, stages: {}}",
+        "stages: {fuse: null}",
     ],
 )
 def test_a_mistake_in_a_graph_is_seen(schemas: dict[str, dict[str, Any]], text: str) -> None:
@@ -86,16 +92,25 @@ def test_a_mistake_in_the_source_of_a_camera_is_seen(
         valid(room, schemas["room"])
 
 
-def test_a_variable_may_stand_for_any_parameter(schemas: dict[str, dict[str, Any]]) -> None:
-    text = (
-        "{vars: {s: 0.5}, stages: {c: {uses: balls.color_blobs, in: {frame: x}, with: {similarity: '${s}'}}}}"
-    )
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{extends: a.yaml, stages: {fuse: {uses: balls.mean}, bridge: null, track: {with: {x: 1}}}}",
+        "stages: {hall: {graph: a.yaml, cameras: cameras, with: {x: 1}, in: {frames: b}}}",
+        "{params: {x: a/b.x}, inputs: {y: [a/b, c.y]}, stages: {a/b: {uses: sim.camera}}}",
+        "{outputs: {z: a/b.out}, stages: {a/b: {uses: sim.camera}}}",
+    ],
+)
+def test_overlays_sub_graphs_and_interfaces_are_accepted(
+    schemas: dict[str, dict[str, Any]], text: str
+) -> None:
     valid(yaml.safe_load(text), schemas["graph"])
 
 
 def test_the_schema_knows_every_key_and_every_stage(schemas: dict[str, dict[str, Any]]) -> None:
     stage = schemas["graph"]["$defs"]["stage"]
     assert set(stage["properties"]) == set(ENVELOPE)
+    assert set(schemas["graph"]["$defs"]["subgraph"]["properties"]) == set(SUBGRAPH)
     assert set(stage["properties"]["uses"]["anyOf"][0]["enum"]) >= set(catalogue())
 
 

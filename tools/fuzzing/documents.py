@@ -135,7 +135,7 @@ def _graph_way(tree: Tree, rng: random.Random) -> None:
         feed.put(rng.choice(("delay", "depth", "codec", "policy", "from")), extreme(rng))
         inputs.put(port, rng.choice((feed, rng.choice(stages.items)[0], extreme(rng))))
     else:
-        key = rng.choice(("seed", "vars", "include", "room", "graph"))
+        key = rng.choice(("seed", "extends", "params", "inputs", "outputs", "room", "graph"))
         tree.put(key, rng.choice(([Raw('"graph.yaml"')], Pairs([("x", extreme(rng))]), extreme(rng))))
 
 

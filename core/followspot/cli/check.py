@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 
 from followspot.cli.graph_options import add_graph_options, plan_of
-from followspot.errors import MOST_SHOWN, InputError, Mistake, shown
+from followspot.errors import MOST_SHOWN, InputError, Mistake, Place, shown
 from followspot.plugins.hooks import Command
 
 
@@ -49,9 +50,15 @@ def _run(args: argparse.Namespace) -> int:
 
 
 def _mistake(mistake: Mistake) -> dict[str, object]:
-    place = mistake.place
-    where = {"file": place.file, "line": place.line, "column": place.column} if place else {}
+    where = _where(mistake.place) if mistake.place else {}
     return {**where, "text": shown(mistake.text), "remedy": shown(mistake.remedy)}
+
+
+def _where(place: Place) -> dict[str, object]:
+    """The place in JSON types; outer: the places that brought it into the graph."""
+    outer = [_where(replace(place, outer=None)) for place in place.outer_places]
+    found = {"file": place.file, "line": place.line, "column": place.column}
+    return {**found, "outer": outer} if outer else found
 
 
 COMMAND = Command("check", _configure, _run)

@@ -63,8 +63,8 @@ def _spelled(word: str) -> str:
 
 def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]) -> None:
     """Add one word to the wishes for the instances that it names."""
-    name, *keys = override.keys
-    place = override.places[0]
+    name, keys = override.stage, override.keys
+    place = override.stage_place
     targets = [stage for stage in plan.stages if name in (stage.group, stage.name)]
     if not targets:
         known = {known for stage in plan.stages for known in (stage.group, stage.name)}
@@ -83,7 +83,7 @@ def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: li
         if keys[0] == "uses":
             wish.uses = str(override.value.value)
         else:
-            wish.params[keys[0]] = replace(override.value, key=override.places[1])
+            wish.params[keys[0]] = replace(override.value, key=override.places[0])
 
 
 def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:

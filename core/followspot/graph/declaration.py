@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import cast
 
 from followspot.document import Node
 from followspot.errors import Mistake, Place
-from followspot.form import Form, is_name, kind_of
+from followspot.form import Form, kind_of
+from followspot.graph.names import SENDER, is_stage_name
 from followspot.graph.plan import (
     MAX_DELAY,
     MAX_DEPTH,
@@ -27,7 +27,6 @@ ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
 _EDGE_POLICIES = ("block", "drop_oldest", "latest")
-_FEED = re.compile(r"([^.]+)(?:\.([^.]+))?")
 
 
 @dataclass(frozen=True)
@@ -79,10 +78,9 @@ class StageDeclaration:
 
 def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclaration:
     """Read one entry of `stages`; note mistakes, and replace wrong values by defaults."""
-    if not is_name(name):
-        mistakes.append(
-            Mistake(node.key, f'"{name}" cannot be the name of a stage', "use letters, digits, _ and -")
-        )
+    if not is_stage_name(name):
+        remedy = "use letters, digits, _ and -; / leads into a sub-graph"
+        mistakes.append(Mistake(node.key, f'"{name}" cannot be the name of a stage', remedy))
     form = Form(node, f'stage "{name}"', ENVELOPE, mistakes)
     each = form.get("each")
     tolerance = form.number("tolerance", least=0.0, most=MAX_WAIT)
@@ -129,7 +127,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         depth = form.whole("depth", least=1, most=MAX_DEPTH) or (1 if policy == "latest" else depth)
     if origin is None:
         return None
-    named = _FEED.fullmatch(origin.value) if isinstance(origin.value, str) else None
+    named = SENDER.fullmatch(origin.value) if isinstance(origin.value, str) else None
     if named is None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.document import MAX_DEPTH, Node, parse
-from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.errors import InputError, Mistake, Place
 from followspot.graph.declaration import ENVELOPE
 
+SUBGRAPH = ("graph", "cameras", "each", "with", "in")
+"""Keys of a stage that is a sub-graph."""
 _FILE = "--set"
 _DEEP = ("in", "with")
 _FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
@@ -16,11 +18,22 @@ _FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
 
 @dataclass(frozen=True)
 class Override:
-    """One option: the keys that lead to a value, each with its place in the option, and the value."""
+    """One option: the stage, the keys that lead to a value, each with its place in the option, and the value.
 
+    within: the sub-graph whose stage it is, "" for one of the graph itself.
+    """
+
+    stage: str
     keys: tuple[str, ...]
     places: tuple[Place, ...]
     value: Node
+    stage_place: Place
+    within: str = ""
+
+    def below(self, subgraph: str) -> Override:
+        """The same for a stage of a sub-graph of the present one."""
+        within = f"{self.within}/{subgraph}" if self.within else subgraph
+        return replace(self, stage=self.stage.removeprefix(f"{subgraph}/"), within=within)
 
 
 def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
@@ -42,53 +55,27 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
     except InputError as error:
         mistakes += error.mistakes
         return None
-    return Override(tuple(keys), tuple(places), node)
+    return Override(keys[0], tuple(keys[1:]), tuple(places[1:]), node, places[0])
 
 
-def apply_to_vars(
-    values: Mapping[str, Node], overrides: list[Override], mistakes: list[Mistake]
-) -> dict[str, Node]:
-    """The variables with those of `--set vars.NAME=VALUE`; note a mistake for each unknown variable."""
-    changed = dict(values)
-    for override in overrides:
-        group, name = override.keys[0], ".".join(override.keys[1:])
-        if group == "vars" and name in values:
-            changed[name] = override.value
-        elif group == "vars":
-            remedy = did_you_mean(name, values, "vars")
-            mistakes.append(Mistake(override.places[1], f'the graph has no variable "{name}"', remedy))
-    return changed
+def overridden(entry: Node, override: Override, mistakes: list[Mistake]) -> Node:
+    """The entry of a stage with an override in its place."""
+    keys, places = override.keys, override.places
+    nested = isinstance(entry.value, Mapping) and "graph" in entry.value
+    if keys[0] not in (SUBGRAPH if nested else ENVELOPE):  # a parameter
+        keys, places = ("with", *keys), (places[0], *places)
+    elif keys[0] in _DEEP and len(keys) == 1:
+        text = f'"{keys[0]}" holds several values'
+        mistakes.append(Mistake(places[0], text, f"name one: {override.stage}.{keys[0]}.NAME=VALUE"))
+        return entry
+    return with_value(entry, keys, places, override.value)
 
 
-def apply_to_stages(
-    stages: Mapping[str, Node], overrides: list[Override], mistakes: list[Mistake]
-) -> dict[str, Node]:
-    """The stages with every override in its place; one for an unknown stage is noted."""
-    changed = dict(stages)
-    for override in overrides:
-        name, *keys = override.keys
-        if name == "vars":
-            continue
-        if name not in changed:
-            remedy = did_you_mean(name, stages, "stages")
-            mistakes.append(Mistake(override.places[0], f'the graph has no stage "{name}"', remedy))
-            continue
-        places = override.places[1:]
-        if keys[0] not in ENVELOPE:  # a parameter
-            keys, places = ["with", *keys], (places[0], *places)
-        elif keys[0] in _DEEP and len(keys) == 1:
-            text = f'"{keys[0]}" holds several values'
-            mistakes.append(Mistake(places[0], text, f"name one: {name}.{keys[0]}.NAME=VALUE"))
-            continue
-        changed[name] = _with(changed[name], keys, places, override.value)
-    return changed
-
-
-def _with(node: Node, keys: list[str], places: tuple[Place, ...], value: Node) -> Node:
-    """The tree with a value put under a path of keys."""
+def with_value(node: Node, keys: Sequence[str], places: Sequence[Place], value: Node) -> Node:
+    """The tree with a value put under a path of keys; places: of the keys."""
     if not keys:
         return replace(value, key=node.key)
     inner = dict(node.value) if isinstance(node.value, Mapping) else {}
     old = inner.get(keys[0], Node(None, places[0], places[0]))
-    inner[keys[0]] = _with(replace(old, key=places[0]), keys[1:], places[1:], value)
+    inner[keys[0]] = with_value(replace(old, key=places[0]), keys[1:], places[1:], value)
     return replace(node, value=inner)

@@ -9,7 +9,7 @@ TOY = str(Path(__file__).with_name("toy.py"))
 GRAPH = """\
 graph: play
 room: room.yaml
-vars: {least: 0.5}
+outputs: {tracks: track.tracks}
 seed: 7
 stages:
   camera: {uses: room.source, each: cameras}

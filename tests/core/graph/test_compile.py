@@ -1,4 +1,4 @@
-"""From files to a plan: fan-out, ports, overrides, variables, includes, order, seeds."""
+"""From files to a plan: fan-out, ports, overrides, order, seeds."""
 
 from __future__ import annotations
 
@@ -172,13 +172,10 @@ def test_any_part_of_a_graph_can_be_overridden(tmp_path: Path) -> None:
         ("detect.in=camera", 8, '"in" holds several values'),
         ("detect.in.frame=track", 17, "has no output of type Frame"),
         ("detect.in.frme=camera", 11, 'has no input "frme"'),
-        ("vars.leest=1", 6, 'the graph has no variable "leest"'),
-        ("vars.least.most=1", 6, 'the graph has no variable "least.most"'),
         ("detect", 1, "is no override"),
         ("level=2", 1, "is no override"),
         ("detect.=2", 1, "is no override"),
         ("", 1, "is no override"),
-        ("track.model=${nobody}", 13, 'there is no variable "nobody"'),
         ("camera.path=nowhere.png", 13, "which does not exist"),
     ],
 )
@@ -192,52 +189,6 @@ def test_a_mistake_in_an_override_is_shown_in_its_text(
         line, caret = shown.splitlines()[1:3]
         assert line == f"    1 | {option}"
         assert caret.index("^") == len("    1 | ") + column - 1
-
-
-def test_variables_keep_their_type_and_can_be_set(tmp_path: Path) -> None:
-    graph = GRAPH.replace(
-        "{uses: toy.detect,", "{uses: toy.detect, with: {level: '${least}', start: '${mood}'},"
-    )
-    graph = graph.replace("least: 0.5", "least: 0.5, mood: cold, n: 1").replace("constant", "'order-${n}'")
-    plan = planned(tmp_path, "vars.mood=warm", graph=graph)
-    assert stage(plan, "detect/cam0").params["level"] == 0.5
-    assert stage(plan, "detect/cam0").params["start"] == "warm"
-    assert stage(plan, "track").params["model"] == "order-1"
-
-
-def test_a_variable_may_name_the_room(tmp_path: Path) -> None:
-    graph = GRAPH.replace("room: room.yaml", "room: '${place}.yaml'").replace("least: 0.5", "place: room")
-    assert planned(tmp_path, graph=graph).room.name == "stage"
-
-
-def test_stages_come_from_included_files_and_the_including_file_prevails(tmp_path: Path) -> None:
-    (tmp_path / "parts").mkdir()
-    lines = GRAPH.splitlines(keepends=True)
-    track = next(line for line in lines if "track: {" in line)
-    part = "graph: part\nseed: 1\nvars: {model: slow, least: 0.1}\nstages:\n" + track
-    part = part.replace("constant", "'${model}'")
-    (tmp_path / "parts" / "track.yaml").write_text(part, encoding="utf-8")
-    (tmp_path / "parts" / "all.yaml").write_text("include: track.yaml\n", encoding="utf-8")
-    graph = GRAPH.replace(track, "").replace(
-        "seed: 7", "include: [parts/all.yaml, parts/track.yaml]\nseed: 7"
-    )
-    plan = planned(tmp_path, graph=graph.replace("least: 0.5", "model: fast"))
-    assert (plan.graph, plan.seed) == ("play", 7)
-    assert stage(plan, "track").params["model"] == "fast"
-
-
-def test_a_stage_declared_in_two_files_is_a_mistake_in_the_second(tmp_path: Path) -> None:
-    (tmp_path / "part.yaml").write_text("stages:\n  save: {uses: toy.save, in: {tracks: track}}\n")
-    found = refused(tmp_path, graph=GRAPH.replace("seed: 7", "include: part.yaml"))
-    assert len(found) == 1
-    assert 'stage "save" is declared twice' in found[0]
-    assert "part.yaml, line 2" in found[0]
-
-
-def test_a_mistake_in_an_included_file_is_placed_there(tmp_path: Path) -> None:
-    (tmp_path / "part.yaml").write_text("stages:\n  more: {uses: toy.anny, in: {blobs: pair}}\n")
-    (found,) = refused(tmp_path, graph=GRAPH.replace("seed: 7", "include: part.yaml"))
-    assert "part.yaml:2:16: " in found
 
 
 def test_the_seed_comes_from_the_option_or_the_graph_or_is_nought(tmp_path: Path) -> None:

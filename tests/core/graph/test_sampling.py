@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[3]
 TICKS = ROOT / "tests" / "stages" / "ticks.py"
 LOOP = """
 graph: loop
-vars: {{before: later}}
+seed: 1
 stages:
   count: {{uses: {source}}}
   sum:   {{uses: ticks.accumulate, in: {{number: count, before: {before}}}}}
@@ -74,24 +74,23 @@ def test_a_stage_that_samples_itself_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("before", "override", "where"),
     [
-        ('"${before}"', "vars.before=later", ("loop.yaml", 6, 63)),
         (DELAYED, "sum.in.before=later", ("--set", 1, 15)),
         (DELAYED, "sum.in.before.delay=0", ("loop.yaml", 6, 70)),
         ("{from: count}", "sum.in.before.from=later.out", ("--set", 1, 20)),
     ],
 )
-def test_variables_and_overrides_are_refused_where_they_stand(
+def test_overrides_are_refused_where_they_stand(
     tmp_path: Path, before: str, override: str, where: tuple[str, int, int]
 ) -> None:
     (mistake,) = refused(tmp_path, "ticks.count", before, DELAYED, override)
     assert place(mistake) == where
 
 
-def test_an_included_file_is_refused_at_its_own_place(tmp_path: Path) -> None:
+def test_an_extended_file_is_refused_at_its_own_place(tmp_path: Path) -> None:
     planned(tmp_path, "ticks.live")
     (tmp_path / "loop.yaml").rename(tmp_path / "part.yaml")
     whole = tmp_path / "whole.yaml"
-    whole.write_text("graph: whole\ninclude: part.yaml\n")
+    whole.write_text("graph: whole\nextends: part.yaml\n")
     with pytest.raises(InputError) as caught:
         compile_graph(whole, plugin_files=[TICKS], overrides=["count.uses=ticks.count"])
     (mistake,) = caught.value.mistakes

@@ -217,7 +217,7 @@ def test_a_noisy_calibration_is_corrected_from_one_recording(tmp_path, capsys):
     assert error_mm(list(before.cameras.values()), true, points) > 5
     graph, out, clips = tmp_path / "graph.yaml", str(tmp_path / "out"), str(GLOWBALLS / "templates")
     blobs = {"uses": "sinks.csv_blobs", "in": {"blobs": ["color", "infrared"]}}
-    graph.write_text(json.dumps({"include": str(ROOT / GRAPH), "stages": {"blobs": blobs}}))
+    graph.write_text(json.dumps({"extends": str(ROOT / GRAPH), "stages": {"blobs": blobs}}))
     capsys.readouterr()
     tracking = ["run", str(graph), "--room", str(room), "--out", out, "--frames", "100", "--json", "--quiet"]
     assert main(tracking) == 0

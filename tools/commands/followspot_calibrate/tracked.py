@@ -64,7 +64,7 @@ def tracking_plan(
         text = f"graph {plan.graph} has no stage that joins the blobs of several cameras"
         raise InputError.of(text, "give one that tracks, for example graphs/glowballs.yaml")
     stage = {"uses": "sinks.csv_blobs", "in": {"blobs": list(found)}, "with": {"path": SIGHTINGS}}
-    changed = {"include": str(Path(graph).absolute()), "stages": {"write_sightings": stage}}
+    changed = {"extends": str(Path(graph).absolute()), "stages": {"write_sightings": stage}}
     file = folder / "graph.yaml"
     file.write_text(json.dumps(changed), encoding="utf-8")  # which is YAML, too
     return compile_graph(file, room=room, overrides=overrides, plugin_files=plugin_files)

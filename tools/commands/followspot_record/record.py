@@ -14,9 +14,9 @@ from typing import Any
 
 from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
-from followspot.document import Node, child, read
 from followspot.errors import FollowspotError, InputError
 from followspot.files import read_text
+from followspot.graph.compose.compose import compose
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.ship import plan_to_data
@@ -148,35 +148,24 @@ def _metadata(plan: Plan, names: Sequence[str]) -> dict[str, str]:
 
 
 def _files(args: argparse.Namespace) -> dict[str, str]:
-    """The graph file, what it includes, and the room file, by name; what cannot be read is left out."""
+    """The graph file, the files that it uses, and the room file, by name; unreadable ones are left out."""
     graph = getattr(args, "graph", None)
     if graph is None:
         return {}
+    composed = compose(Path(graph), (), [])
     found: dict[str, str] = {}
-    room: Path | None = None
-    waiting = [Path(graph)]
-    while waiting:
-        path = waiting.pop(0)
+    for path in composed.files:
         text = _text(path)
-        if text is None or f"graph/{path.name}" in found:
-            continue
-        found[f"graph/{path.name}"] = text
-        root = read(path)
-        included = child(root, "include")
-        waiting += [path.parent / name for name in _names(included)]
-        room = room or next((path.parent / name for name in _names(child(root, "room"))), None)
-    room = Path(args.room) if args.room else room
+        if text is not None:
+            again = sum(Path(name).name.endswith(path.name) for name in found)
+            found[f"graph/{f'{again + 1}-' if again else ''}{path.name}"] = text
+    named = composed.room
+    room = Path(args.room) if args.room else None
+    if room is None and named is not None:
+        room = Path(named.place.file).parent / str(named.value)
     if room is not None and (text := _text(room)) is not None:
         found[f"room/{room.name}"] = text
     return found
-
-
-def _names(node: Node | None) -> list[str]:
-    """The texts of a node that is a text or a list of them."""
-    if node is None:
-        return []
-    items = node.value if isinstance(node.value, tuple) else (node,)
-    return [item.value for item in items if isinstance(item.value, str)]
 
 
 def _text(path: Path) -> str | None:

@@ -6,30 +6,92 @@ from collections.abc import Mapping
 
 from followspot.ports import ports
 from followspot.stage import Stage
-from followspot_schema.parts import FREE, TEXT, Schema, form, named
-from followspot_schema.stages import REFERENCE, models, parameters, stages_offered
+from followspot_schema.parts import NAME, TEXT, Schema, form, named
+from followspot_schema.stages import models, parameters, stages_offered
 
 ROOM_SOURCE = "room.source"
 """Stands for the source that the room declares for each camera; no plugin offers it."""
+_STAGE_NAME = f"^{NAME.strip('^$')}(/{NAME.strip('^$')})*$"
+_INTERFACE = (
+    ("parameter", "STAGE.PARAMETER, which a graph around this one sets"),
+    ("input", "STAGE, whose place a stage around this graph takes, or STAGE.PORT"),
+    ("output", "STAGE or STAGE.PORT, which a graph around this one reads"),
+)
 FOR_PORT: Schema = {"type": "string", "pattern": r"^[\w.]+\[[\w.]+\]$", "description": "NAME[STAGE.PORT]"}
 
 
 def graph_schema() -> Schema:
     """The schema of a graph file with all installed stages."""
     offered = stages_offered()
-    one_or_more: Schema = {"anyOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
-    return form(
+    stage, subgraph = _stage(offered), _subgraph()
+    keys = {**stage["properties"], **subgraph["properties"]}
+    of = [f"{name} of the interface -> {what}" for name, what in _INTERFACE]
+    whole = form(
         "stages and the edges between them",
         {
             "graph": {**TEXT, "description": "name of the graph"},
+            "extends": {**TEXT, "description": "graph file that this one changes, relative to this one"},
             "room": {**TEXT, "description": "room file, relative to this one; --room swaps it"},
-            "include": {**one_or_more, "description": "graph files whose stages are taken in"},
-            "vars": {**FREE, "description": "values for ${NAME} in this graph"},
+            "params": _names(of[0], several=True),
+            "inputs": _names(of[1], several=True),
+            "outputs": _names(of[2]),
             "seed": {"type": "integer", "minimum": 0, "description": "of all random numbers"},
-            "stages": named("name -> stage", {"$ref": "#/$defs/stage"}),
+            "stages": {
+                "type": "object",
+                "description": "name -> stage",
+                "propertyNames": {"pattern": _STAGE_NAME},
+            },
         },
-        ["stages"],
-    ) | {"$defs": {"stage": _stage(offered), "feed": _feed(), **models(offered)}}
+    )
+    changes: Schema = {"stages": {"additionalProperties": {"$ref": "#/$defs/change"}}}
+    entries: Schema = {"stages": {"additionalProperties": {"$ref": "#/$defs/entry"}}}
+    return whole | {
+        "if": {"required": ["extends"]},
+        "then": {"properties": changes},
+        "else": {"properties": entries, "required": ["stages"]},
+        "$defs": {
+            "entry": {
+                "if": {"required": ["graph"]},
+                "then": {"$ref": "#/$defs/subgraph"},
+                "else": {"$ref": "#/$defs/stage"},
+            },
+            "change": {
+                "anyOf": [
+                    form("what differs from the extended file", {key: {} for key in keys}),
+                    {"type": "null"},
+                ]
+            },
+            "stage": stage,
+            "subgraph": subgraph,
+            "feed": _feed(),
+            **models(offered),
+        },
+    }
+
+
+def _names(description: str, *, several: bool = False) -> Schema:
+    """Names of the interface; null removes one of an extended file."""
+    listed: list[Schema] = [{"type": "array", "items": TEXT, "minItems": 1}] if several else []
+    return named(description, {"anyOf": [TEXT, *listed, {"type": "null"}]})
+
+
+def _subgraph() -> Schema:
+    """The keys of a stage that is a sub-graph."""
+    return form(
+        "a graph file as a stage",
+        {
+            "graph": {**TEXT, "description": "graph file, relative to this one"},
+            "cameras": {"type": "string", "description": 'which cameras it serves: "cameras[kind=color]"'},
+            "each": {"type": "string", "description": "one instance of it for each of these"},
+            "with": {"type": "object", "description": "parameters of its interface"},
+            "in": {
+                "type": "object",
+                "description": "input of its interface -> what feeds it",
+                "additionalProperties": {"$ref": "#/$defs/feed"},
+            },
+        },
+        ["graph"],
+    )
 
 
 def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
@@ -38,12 +100,12 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
         "one step of work",
         {
             "uses": {
-                "anyOf": [{"enum": [ROOM_SOURCE, *offered]}, FOR_PORT, REFERENCE],
+                "anyOf": [{"enum": [ROOM_SOURCE, *offered]}, FOR_PORT],
                 "description": "which stage; `followspot plugins` lists them",
             },
             "each": {
                 "type": "string",
-                "pattern": r"^\s*(cameras\s*(\[.*\])?|\$\{.+\})\s*$",
+                "pattern": r"^\s*cameras\s*(\[.*\])?\s*$",
                 "description": 'one instance a camera: cameras, or "cameras[kind=color]"',
             },
             "in": {"type": "object", "description": "input port -> what feeds it"},
@@ -66,7 +128,7 @@ def _of(name: str, stage: type[Stage]) -> Schema:
     feeds = {p.name: {"$ref": "#/$defs/feed"} for p in found.inputs}
     need = [p.name for p in found.inputs if p.required]
     described = form(f"inputs of {name}", feeds, need)
-    says: Schema = {"properties": {"in": described, "with": parameters(name, stage, variables=True)}}
+    says: Schema = {"properties": {"in": described, "with": parameters(name, stage)}}
     must = [
         key for key, wanted in (("in", need), ("with", says["properties"]["with"].get("required"))) if wanted
     ]
@@ -80,14 +142,8 @@ def _feed() -> Schema:
         "STAGE or STAGE.PORT, with options",
         {
             "from": {**TEXT, "description": "STAGE or STAGE.PORT"},
-            "delay": {
-                "anyOf": [{"type": "integer", "minimum": 0}, REFERENCE],
-                "description": "frames; for feedback",
-            },
-            "depth": {
-                "anyOf": [{"type": "integer", "minimum": 1}, REFERENCE],
-                "description": "longest queue",
-            },
+            "delay": {"type": "integer", "minimum": 0, "description": "frames; for feedback"},
+            "depth": {"type": "integer", "minimum": 1, "description": "longest queue"},
             "codec": {"enum": ["raw", "lossless", "jpeg"], "description": "of pictures between hosts"},
             "policy": {
                 "enum": ["block", "drop_oldest", "latest"],

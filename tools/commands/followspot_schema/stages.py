@@ -9,8 +9,6 @@ from followspot.plugins.registry import PluginError, load_stage, stage_names
 from followspot.stage import Stage
 from followspot_schema.parts import Schema, form
 
-REFERENCE: Schema = {"type": "string", "pattern": r"\$\{[^}]+\}", "description": "a variable of the graph"}
-
 
 def stages_offered() -> dict[str, type[Stage]]:
     """The stages that work here, by name; of others the editor need not know."""
@@ -28,12 +26,10 @@ def stage_use(description: str, offered: Mapping[str, type[Stage]]) -> Schema:
     }
 
 
-def parameters(name: str, stage: type[Stage], *, variables: bool) -> Schema:
-    """The parameters, each with its unit; variables: whether any of them may be one of the graph."""
+def parameters(name: str, stage: type[Stage]) -> Schema:
+    """The parameters, each with its unit."""
     model = _model(name, stage)
-    described = {
-        key: _parameter(field, variables=variables) for key, field in model.get("properties", {}).items()
-    }
+    described = {key: _parameter(field) for key, field in model.get("properties", {}).items()}
     return form(f"parameters of {name}", described, model.get("required", ()))
 
 
@@ -48,7 +44,7 @@ def models(offered: Mapping[str, type[Stage]]) -> Schema:
 
 def _of(name: str, stage: type[Stage]) -> Schema:
     """The condition that checks the parameters of one stage."""
-    taken = parameters(name, stage, variables=False)
+    taken = parameters(name, stage)
     then: Schema = {"properties": {"with": taken}} | ({"required": ["with"]} if "required" in taken else {})
     return {"if": {"properties": {"uses": {"const": name}}, "required": ["uses"]}, "then": then}
 
@@ -57,13 +53,11 @@ def _model(name: str, stage: type[Stage]) -> dict[str, Any]:
     return stage.Params.model_json_schema(ref_template=f"#/$defs/{name}.{{model}}")
 
 
-def _parameter(field: Schema, *, variables: bool) -> Schema:
+def _parameter(field: Schema) -> Schema:
     unit = field.get("unit")
     text = field.get("description", "") + (f" ({unit})" if unit and unit != "1" else "")
     apart = ("unit", "title", "description", "default")
-    rest = {key: value for key, value in field.items() if key not in apart}
-    found: Schema = {"anyOf": [rest, REFERENCE]} if variables else rest
-    found = {**found, "description": text}
+    found = {**{key: value for key, value in field.items() if key not in apart}, "description": text}
     return found | ({"default": field["default"]} if "default" in field else {})
 
 

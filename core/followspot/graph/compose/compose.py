@@ -1,0 +1,103 @@
+"""One flat mapping of stages from a graph file, the files that it extends and its sub-graphs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from followspot.document import Node
+from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.compose.feeds import items
+from followspot.graph.compose.graph_file import GraphFiles
+from followspot.graph.compose.narrowing import narrowed
+from followspot.graph.compose.senders import senders
+from followspot.graph.compose.unit import Unit, Units, Wired
+from followspot.graph.names import below
+from followspot.graph.override import Override
+
+
+@dataclass(frozen=True)
+class Composed:
+    """A graph without sub-graphs, as if it were one file.
+
+    room: the value of the key; place: of the graph file; files: all that were read; complete: False if a
+    mistake in how files are put together left stages or edges unknown.
+    """
+
+    name: str
+    place: Place
+    room: Node | None
+    seed: int
+    stages: Mapping[str, Node]
+    files: tuple[Path, ...]
+    complete: bool
+
+
+def compose(path: Path, overrides: Sequence[Override], mistakes: list[Mistake]) -> Composed:
+    """Put the files of a graph together, with overrides; note mistakes.
+
+    Raises InputError if the graph file itself cannot be read.
+    """
+    wrong: list[Mistake] = []
+    files = GraphFiles(wrong, mistakes)
+    root = files.root(path)
+    units = Units(files, wrong, mistakes)
+    unit = units.unit(root, overrides)
+    stages: dict[str, Node] = {}
+    for name, node in _stages(unit, wrong):
+        if name in stages:
+            text = f'stage "{name}" is declared twice'
+            place = node.key.within(replace(stages[name].key, outer=None))
+            wrong.append(Mistake(place, text, "rename one"))
+        stages.setdefault(name, node)
+    for override in units.unknown:
+        name = below(override.within, override.stage)
+        known = {*stages, *(found.name for found in _units(unit))}
+        text = f'the graph has no stage "{name}"'
+        mistakes.append(Mistake(override.stage_place, text, did_you_mean(name, known, "stages")))
+    mistakes += wrong
+    read = tuple(files.files)
+    return Composed(root.name, root.place, root.room, root.seed or 0, stages, read, complete=not wrong)
+
+
+def _units(unit: Unit) -> Iterator[Unit]:
+    """All sub-graphs."""
+    for inner in unit.units.values():
+        yield inner
+        yield from _units(inner)
+
+
+def _stages(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
+    """The stages of a unit and of those below it, in the order of the files, with full names."""
+    for name, node in unit.stages.items():
+        if name in unit.units:
+            yield from _stages(unit.units[name], mistakes)
+        elif name not in unit.replaced and not (isinstance(node.value, Mapping) and "graph" in node.value):
+            yield below(unit.name, name), _flat(name, node, unit, mistakes)
+
+
+def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
+    """The entry of a stage with full names of its senders and the selectors around it."""
+    if not isinstance(node.value, Mapping):
+        return node
+    entry = dict(node.value)
+    if "each" in entry:
+        entry["each"] = narrowed(entry["each"], unit.cameras)
+    inputs = entry.get("in")
+    wired = {port: found for (stage, port), found in unit.wired.items() if stage == name}
+    if wired and inputs is None:
+        inputs = Node({}, node.place, node.key)
+    if inputs is not None and isinstance(inputs.value, Mapping):
+        own = {port: Wired(unit, feeds) for port, feeds in inputs.value.items()}
+        value = {port: _feeds(found, mistakes) for port, found in {**own, **wired}.items()}
+        entry["in"] = replace(inputs, value=value)
+    return replace(node, value=entry)
+
+
+def _feeds(wired: Wired, mistakes: list[Mistake]) -> Node:
+    """What feeds an input, with full names."""
+    found = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes)]
+    if not isinstance(wired.feeds.value, tuple) and len(found) == 1:
+        return replace(found[0], key=wired.feeds.key)
+    return replace(wired.feeds, value=tuple(found))

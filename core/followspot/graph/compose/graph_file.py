@@ -1,0 +1,161 @@
+"""A graph file with the files that it extends below it: keys and stages as trees of nodes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from followspot.document import MAX_NODES, Node, read
+from followspot.errors import InputError, Mistake, Place
+from followspot.form import Form, kind_of
+from followspot.graph.compose.overlay import merged_mapping, merged_stages
+from followspot.graph.plan import MAX_SEED
+
+MAX_FILES = 100
+"""Most different files of one graph."""
+MAX_USES = 1000
+"""Most uses of files in one graph."""
+MAX_LEVELS = 20
+"""Most files that use each other in a chain."""
+_KEYS = ("graph", "extends", "room", "seed", "params", "inputs", "outputs", "stages")
+
+
+@dataclass(frozen=True)
+class GraphFile:
+    """What a graph file says, the files that it extends included.
+
+    place: where it begins; params, inputs, outputs: its interface, by name; removed: stages of extended
+    files that it removes, with the places that say so; paths: real paths of the files that lead to this one
+    and of this one.
+    """
+
+    name: str
+    place: Place
+    paths: tuple[str, ...]
+    room: Node | None = None
+    seed: int | None = None
+    params: Mapping[str, Node] = field(default_factory=dict)
+    inputs: Mapping[str, Node] = field(default_factory=dict)
+    outputs: Mapping[str, Node] = field(default_factory=dict)
+    stages: Mapping[str, Node] = field(default_factory=dict)
+    removed: Mapping[str, Place] = field(default_factory=dict)
+
+
+class GraphFiles:
+    """Reads the files of one graph, within limits.
+
+    files: all that were read, in this order, each once.
+    """
+
+    def __init__(self, mistakes: list[Mistake], odd: list[Mistake]) -> None:
+        """mistakes, odd: lists that receive mistakes, odd those with which the graph is still known."""
+        self.mistakes = mistakes
+        self.odd = odd
+        self.files: list[Path] = []
+        self._seen: set[str] = set()
+        self._uses = 0
+        self._nodes = 0
+
+    def root(self, path: Path) -> GraphFile:
+        """The file of the graph itself. Raises InputError if it cannot be read."""
+        return self._read(path, (), None, "check the path")
+
+    def used(self, node: Node, key: str, above: tuple[str, ...], outer: Place) -> GraphFile | None:
+        """The file that a node names below `key`; None if a mistake was noted.
+
+        above: paths of the files that lead here; outer: the outer place of everything in the file.
+        """
+        value = node.value
+        if not isinstance(value, str) or not value:
+            self._fail(node.place, f"{key} names a graph file, not {kind_of(node)}", f"{key}: FILE.yaml")
+            return None
+        path = Path(node.place.file).parent / value
+        real = _real(path)
+        if real in above:
+            ring = [*above[above.index(real) :], *_unless_last(above, node.place.file), real]
+            chain = " -> ".join(Path(p).name for p in ring)
+            self._fail(node.place, f"files use each other: {chain}", "remove one use")
+            return None
+        if len(above) >= MAX_LEVELS:
+            text = f"files use each other more than {MAX_LEVELS} levels deep"
+            self._fail(node.place, text, "make the graph flatter")
+            return None
+        new = real not in self._seen
+        if len(self._seen) + new > MAX_FILES or self._uses >= MAX_USES or self._nodes > MAX_NODES:
+            text = f"more than {MAX_FILES} files, {MAX_USES} uses of files or {MAX_NODES} values are used"
+            self._fail(node.place, text, "make the graph smaller")
+            return None
+        try:
+            return self._read(path, above, outer, "paths are relative to this file", node.place)
+        except InputError as error:
+            self.mistakes += error.mistakes
+            return None
+
+    def _read(
+        self, path: Path, above: tuple[str, ...], outer: Place | None, remedy: str, at: Place | None = None
+    ) -> GraphFile:
+        real = _real(path)
+        self._uses += 1
+        if real not in self._seen:
+            self._seen.add(real)
+            self.files.append(path)
+        root = read(path, at=at, remedy=remedy)
+        self._nodes += root.nodes
+        form = Form(root if outer is None else _within(root, outer), "a graph", _KEYS, self.odd)
+        own = GraphFile(
+            name=form.title("graph") or path.stem,
+            place=form.node.key,
+            paths=(*above, real),
+            room=form.get("room"),
+            seed=form.whole("seed", least=0, most=MAX_SEED),
+            params=form.mapping("params"),
+            inputs=form.mapping("inputs"),
+            outputs=form.mapping("outputs"),
+            stages=form.mapping("stages"),
+        )
+        extends = form.get("extends")
+        base = None
+        if extends is not None:
+            base = self.used(extends, "extends", own.paths, extends.place)
+        return own if base is None else self._over(base, own, named="graph" in form.entries)
+
+    def _over(self, base: GraphFile, own: GraphFile, *, named: bool) -> GraphFile:
+        """The file over the one that it extends."""
+        stages, removed = merged_stages(base.stages, own.stages, self.mistakes)
+        gone = {**base.removed, **removed}
+        return replace(
+            own,
+            name=own.name if named else base.name,
+            room=own.room or base.room,
+            seed=base.seed if own.seed is None else own.seed,
+            params=merged_mapping(base.params, own.params),
+            inputs=merged_mapping(base.inputs, own.inputs),
+            outputs=merged_mapping(base.outputs, own.outputs),
+            stages=stages,
+            removed={name: place for name, place in gone.items() if name not in stages},
+        )
+
+    def _fail(self, place: Place, text: str, remedy: str) -> None:
+        self.mistakes.append(Mistake(place, text, remedy))
+
+
+def _real(path: Path) -> str:
+    return os.path.realpath(path) if "\0" not in str(path) else str(path)
+
+
+def _unless_last(paths: tuple[str, ...], file: str) -> tuple[str, ...]:
+    """The file in which a use stands, if it is an extended one and so not the last of the chain."""
+    real = _real(Path(file))
+    return () if paths[-1] == real or file.startswith("--") else (real,)
+
+
+def _within(node: Node, outer: Place) -> Node:
+    """The tree with an outer place everywhere."""
+    value = node.value
+    if isinstance(value, Mapping):
+        value = {key: _within(inner, outer) for key, inner in value.items()}
+    elif isinstance(value, tuple):
+        value = tuple(_within(inner, outer) for inner in value)
+    return replace(node, value=value, place=node.place.within(outer), key=node.key.within(outer))

@@ -1,0 +1,87 @@
+"""The interface of a graph file: its parameters, inputs and outputs, and what they stand for inside."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+from followspot.document import Node
+from followspot.errors import Mistake, did_you_mean
+from followspot.form import is_name, kind_of
+from followspot.graph.compose.feeds import items, sender
+from followspot.graph.compose.graph_file import GraphFile
+
+_FORMS = {
+    "params": "STAGE.PARAMETER, or a list of them",
+    "inputs": "STAGE, STAGE.PORT, or a list of them",
+    "outputs": "STAGE or STAGE.PORT",
+}
+
+
+@dataclass(frozen=True)
+class Target:
+    """A stage inside, and one of its parameters or ports; node: the text that names it."""
+
+    stage: str
+    name: str | None
+    node: Node
+
+    @property
+    def text(self) -> str:
+        """The target as it is written."""
+        return str(self.node.value)
+
+
+@dataclass(frozen=True)
+class Interface:
+    """What each name of the interface stands for inside."""
+
+    params: Mapping[str, tuple[Target, ...]]
+    inputs: Mapping[str, tuple[Target, ...]]
+    outputs: Mapping[str, Target]
+
+
+def read_interface(file: GraphFile, mistakes: list[Mistake]) -> Interface:
+    """Note names that cannot be read, and targets that are no stages of the file."""
+    known = file.stages.keys()
+    params = {
+        name: tuple(target for target in found if target.name is not None)
+        for name, found in _read("params", file.params, known, mistakes)
+    }
+    inputs = dict(_read("inputs", file.inputs, known, mistakes))
+    outputs = {
+        name: found[0] for name, found in _read("outputs", file.outputs, known, mistakes) if len(found) == 1
+    }
+    return Interface(params, inputs, outputs)
+
+
+def _read(
+    key: str, entries: Mapping[str, Node], known: Collection[str], mistakes: list[Mistake]
+) -> Iterator[tuple[str, tuple[Target, ...]]]:
+    for name, node in entries.items():
+        if not is_name(name):
+            text = f'"{name}" cannot be a name among the {key}'
+            mistakes.append(Mistake(node.key, text, "use letters, digits, _ and -"))
+            continue
+        listed = items(node)
+        if not listed or (key == "outputs" and len(listed) != 1):
+            mistakes.append(
+                Mistake(node.place, f"{key}: {name} stands for {_FORMS[key]}, not {kind_of(node)}")
+            )
+        found = [_target(key, name, item, known, mistakes) for item in listed]
+        yield name, tuple(target for target in found if target is not None)
+
+
+def _target(
+    key: str, name: str, node: Node, known: Collection[str], mistakes: list[Mistake]
+) -> Target | None:
+    named = sender(node) if isinstance(node.value, str) else None
+    if named is None or (key == "params" and named[1] is None):
+        text = f"{key}: {name} stands for {_FORMS[key]}, not {kind_of(node)}"
+        mistakes.append(Mistake(node.place, text, f"{key}: {{{name}: STAGE.NAME}}"))
+        return None
+    if named[0] not in known:
+        text = f'{key}: {name} names the stage "{named[0]}", which the graph lacks'
+        mistakes.append(Mistake(node.place, text, did_you_mean(named[0], known, "stages")))
+        return None
+    return Target(named[0], named[1], node)

@@ -1,0 +1,69 @@
+"""An overlay: what a graph file changes of the stages of the file that it extends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from followspot.document import Node
+from followspot.errors import Mistake, Place, did_you_mean
+
+_OF_A_STAGE = ("uses", "with", "on_error", "tolerance", "deadline")
+_OF_A_SUBGRAPH = ("graph", "with", "cameras")
+
+
+def merged_stages(
+    base: Mapping[str, Node], own: Mapping[str, Node], mistakes: list[Mistake]
+) -> tuple[dict[str, Node], dict[str, Place]]:
+    """The stages of both, those of `base` first, and the removed ones with the places that remove them."""
+    stages = dict(base)
+    removed: dict[str, Place] = {}
+    for name, node in own.items():
+        if node.value is not None:
+            stages[name] = _merged_stage(stages[name], node) if name in stages else node
+        elif name in stages:
+            del stages[name]
+            removed[name] = node.key
+        else:
+            remedy = did_you_mean(name, base, "stages")
+            mistakes.append(Mistake(node.key, f'there is no stage "{name}" to remove', remedy))
+    return stages, removed
+
+
+def merged_mapping(base: Mapping[str, Node], own: Mapping[str, Node]) -> dict[str, Node]:
+    """The entries of both, `own` before `base`; null removes an entry."""
+    return {name: node for name, node in {**base, **own}.items() if node.value is not None}
+
+
+def _merged_stage(old: Node, new: Node) -> Node:
+    """A stage with changes: `with` and `in` by key, everything else as a whole.
+
+    A changed `uses` or `graph` drops the parameters.
+    """
+    if not isinstance(old.value, Mapping) or not isinstance(new.value, Mapping):
+        return new
+    kept = dict(old.value)
+    for key, dropped in (("uses", (*_OF_A_SUBGRAPH, "uses")), ("graph", (*_OF_A_STAGE, "graph"))):
+        if key in new.value and not _same(kept.get(key), new.value[key]):
+            kept = {k: node for k, node in kept.items() if k not in dropped}
+    for key, node in new.value.items():
+        before = kept.get(key)
+        if key in ("in", "with") and before is not None:
+            kept[key] = _merged_values(before, node, null_removes=key == "in")
+        else:
+            kept[key] = node
+    value = {key: node for key, node in kept.items() if node.value is not None or key not in old.value}
+    return replace(new, value=value)
+
+
+def _merged_values(old: Node, new: Node, *, null_removes: bool) -> Node:
+    """Inputs or parameters by key; null is a value of a parameter, but removes an input."""
+    if not isinstance(old.value, Mapping) or not isinstance(new.value, Mapping):
+        return new
+    if null_removes:
+        return replace(new, value=merged_mapping(old.value, new.value))
+    return replace(new, value={**old.value, **new.value})
+
+
+def _same(old: Node | None, new: Node) -> bool:
+    return old is not None and old.value == new.value

@@ -1,0 +1,78 @@
+"""Who feeds an input, through the interfaces of sub-graphs: stages of the flat graph."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from followspot.document import Node
+from followspot.errors import Mistake, did_you_mean
+from followspot.graph.compose.feeds import items, joined, origin, renamed, seen_with, sender
+from followspot.graph.compose.unit import Unit
+from followspot.graph.names import below
+
+_Way = tuple[tuple[str, str, str | None], ...]
+"""The senders that led to one: unit, stage and port of each."""
+
+
+def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> list[Node]:
+    """The feed, or those that it stands for, with the full names of stages.
+
+    A malformed feed and one from an unknown stage stay as they are, for a later step to note.
+    """
+    named = sender(feed)
+    if named is None:
+        return [feed]
+    stage, port = named
+    step = (unit.name, stage, port)
+    if step in way:
+        ring = " -> ".join(_text(*step) for step in (*way[way.index(step) :], step))
+        text = f"this input is fed from itself: {ring}"
+        mistakes.append(Mistake(origin(feed).place, text, "feed it from a stage"))
+        return []
+    way = (*way, step)
+    if stage in unit.replaced:
+        wired = unit.replaced[stage]
+        outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
+        return [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
+    if stage in unit.units:
+        return _of_output(unit.units[stage], port, feed, mistakes, way)
+    if stage not in unit.stages:
+        inner = next((name for name in unit.units if stage.startswith(f"{name}/")), None)
+        if inner is not None:
+            text = _join(stage.removeprefix(f"{inner}/"), port)
+            return senders(unit.units[inner], renamed(feed, text), mistakes, way)
+    return [renamed(feed, _join(below(unit.name, stage), port))]
+
+
+def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way) -> list[Node]:
+    """The senders behind an output of a sub-graph: the named one, else the only one."""
+    outputs = unit.interface.outputs
+    chosen = port if port is not None else next(iter(outputs)) if len(outputs) == 1 else None
+    target = outputs.get(chosen) if chosen is not None else None
+    if target is None:
+        place = origin(feed).place.within(replace(unit.file.place, outer=None))
+        if port is not None:
+            text = f'sub-graph "{unit.name}" has no output "{port}"'
+            mistakes.append(Mistake(place, text, did_you_mean(port, outputs, "outputs")))
+        else:
+            text = f'sub-graph "{unit.name}" has {"several outputs" if outputs else "no outputs"}'
+            remedy = f"name one: {', '.join(f'{unit.name}.{name}' for name in outputs)}"
+            remedy = remedy if outputs else "add to its file: outputs: {NAME: STAGE.PORT}"
+            mistakes.append(Mistake(place, text, remedy))
+        return []
+    inner = replace(target.node, place=origin(feed).place)
+    return [joined(one, feed) for one in senders(unit, seen_with(inner, target.node), mistakes, way)]
+
+
+def _with_port(feed: Node, port: str | None) -> Node:
+    """The feed from a port of its stage, unless it names one already."""
+    text = str(origin(feed).value)
+    return feed if port is None or "." in text else renamed(feed, f"{text}.{port}")
+
+
+def _join(stage: str, port: str | None) -> str:
+    return stage if port is None else f"{stage}.{port}"
+
+
+def _text(unit: str, stage: str, port: str | None) -> str:
+    return _join(below(unit, stage), port)

@@ -1,0 +1,53 @@
+"""Small graphs made of several files, for the tests."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.core.graph.files import GRAPH, ROOM, TOY
+
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan, PlannedStage
+
+TRACKER = """\
+graph: tracker
+room: room.yaml
+seed: 5
+params: {level: detect.level, model: [track.model]}
+inputs: {frames: camera, hint: extra.hint}
+outputs: {tracks: track.tracks, forecast: track.forecast, blobs: detect}
+stages:
+  camera: {uses: room.source, each: cameras}
+  detect: {uses: toy.detect, each: cameras, in: {frame: camera, forecast: {from: track.forecast, delay: 1}}}
+  pair: {uses: toy.pair, in: {blobs: detect}}
+  extra: {uses: toy.any, in: {blobs: pair}}
+  track: {uses: toy.track, in: {blobs: extra}, with: {model: constant}}
+"""
+
+
+def write(folder: Path, **files: str) -> None:
+    """Write these files; a room, `graph.yaml` and `tracker.yaml` stand beside them."""
+    for name, text in {"room": ROOM, "graph": GRAPH, "tracker": TRACKER, **files}.items():
+        (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    (folder / "truth.csv").write_text("", encoding="utf-8")
+
+
+def planned(folder: Path, main: str, *overrides: str, **files: str) -> Plan:
+    """The plan of the text `main`, which stands beside the files."""
+    write(folder, main=main, **files)
+    return compile_graph(folder / "main.yaml", overrides=overrides, plugin_files=[TOY])
+
+
+def stage(plan: Plan, name: str) -> PlannedStage:
+    """The instance of this name."""
+    return next(stage for stage in plan.stages if stage.name == name)
+
+
+def names(plan: Plan) -> list[str]:
+    """The instances in their order."""
+    return [stage.name for stage in plan.stages]
+
+
+def edges(plan: Plan) -> list[str]:
+    """The edges, with their delays."""
+    return [edge.name + (f" delay {edge.delay}" if edge.delay else "") for edge in plan.edges]
