@@ -71,7 +71,8 @@ class Pairs(Message):
     labelled: Array = column("N", dtype="?")
     """True if one of the cameras is a colour camera; infrared-infrared pairs are unlabelled."""
     confirmed: Array = column("N", dtype="?")
-    """True if the pair joins a colour and an infrared camera, which tells a ball from a lamp."""
+    """True if the pair is evidence of a ball: it joins a colour and an infrared camera, which tells a ball
+    from a lamp. Where all cameras that send are of one kind, every pair without sure light is."""
     evident: Array = column("N", dtype="?")
     """True if the pair alone may start a track: confirmed, and no other colour camera contradicts it."""
     targets: Array = column("N", "T", dtype="?")
@@ -105,7 +106,7 @@ class Positions(Message):
     support: Array = column("M", dtype="i4")
     """Number of candidates that the fusion used."""
     confirmed: Array = column("M", dtype="?")
-    """True if a colour-infrared pair is among them; only such a position recovers a lost target."""
+    """True if a confirmed pair is among them; only such a position recovers a lost target."""
     evident: Array = column("M", dtype="?")
     """True if one of them alone may start a track after a few frames in a row."""
     iterations: Array = column("M", dtype="i4")
@@ -150,9 +151,10 @@ class Truth(Message):
     hidden: Array = column("M", dtype="?")
     """Less than 5 % visible in every camera."""
     trackable: Array = column("M", dtype="?")
-    """At least 25 % visible in two cameras, one of them colour, or in a depth camera."""
+    """At least 25 % visible in two cameras, one of them colour if the room has any, or in a depth camera."""
     pair: Array = column("M", dtype="?")
-    """At least 50 % visible in a colour and in an infrared camera, or in a depth camera."""
+    """At least 50 % visible in two cameras, a colour and an infrared one if the room has both kinds, or in a
+    depth camera."""
 
 
 class ImageTracks(Message):

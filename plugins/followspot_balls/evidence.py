@@ -13,7 +13,7 @@ DOUBTED = 0.5
 
 
 def recovery_credit(candidates: Candidates) -> Array:
-    """Weight of each candidate as evidence of a lost target: (N,), 0 unless it is a colour-infrared pair."""
+    """Weight of each candidate as evidence of a lost target: (N,), 0 unless it is confirmed."""
     return np.asarray(candidates.confirmed * np.where(candidates.evident, 1.0, DOUBTED))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
+from followspot_balls.marks import marked
 from followspot_balls.motion import Motion, followed, initiated, predict
 
 NANOSECOND = 1e-9
@@ -97,11 +98,20 @@ class Kalman(Stage):
             description="sigma of a new target's velocity; raising it catches faster targets",
         )
 
+        marks: dict[str, tuple[float, float, float]] = Field(
+            {},
+            unit="m",
+            description="positions by target: a lost target is found there, unless all others are tracked; "
+            "tells targets apart where no camera sees colours",
+        )
+
     params: Params
 
     def setup(self) -> None:
+        """Begin with every target lost. Raises InputError if a mark is that of no target."""
         count = len(self.room.targets)
         p = self.params
+        self.marks = marked(p.marks, tuple(self.room.targets))
         apart = min((t.radius for t in self.room.targets.values()), default=0.0)
         self.evidence = Evidence(p.minimum_support, p.confirmation_frames, p.confirmation_distance, apart)
         self.constant = np.eye(3) * p.measurement_sigma**2
@@ -113,14 +123,14 @@ class Kalman(Stage):
     def process(self, positions: Positions) -> Outputs:
         p = self.params
         self.advance(positions.header.time)
-        status = sought(self.life, p.local_search_frames)
+        status = sought(self.life, p.local_search_frames, self.marks.there)
         life, counted = confirmed(self.life, status, p.local_search_frames, positions, self.evidence)
         if not counted.all():
             positions = positions.where(counted)
         target, xyz = positions.target.astype(np.intp), positions.xyz
         noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
         motion = predict(self.motion, self.period, p.acceleration_sigma)
-        new = status.take(target) == LOST
+        new = ((status == LOST) | (self.life.status == LOST)).take(target)
         old = slice(None)
         if new.any():
             motion = initiated(motion, target[new], xyz[new], noise[new], p.initial_velocity_sigma)
@@ -173,11 +183,11 @@ class Kalman(Stage):
 
     def forecast(self) -> Forecast:
         """The targets one period later; the rows of lost targets are zero."""
-        status = sought(self.life, self.params.local_search_frames)
+        status = sought(self.life, self.params.local_search_frames, self.marks.there)
         known = status != LOST
         ahead = predict(self.motion, self.period, self.params.acceleration_sigma)
         keep = known[:, None]
-        return Forecast(
+        forecast = Forecast(
             period=self.period,
             state=status,
             xyz=ahead.xyz * keep,
@@ -186,6 +196,8 @@ class Kalman(Stage):
             last=self.last * keep,
             before=self.before * keep,
         )
+        at_mark = known & (self.life.status == LOST)
+        return self.marks.placed(forecast, at_mark) if at_mark.any() else forecast
 
     def state(self) -> Any:
         return {

@@ -59,16 +59,19 @@ def roaming(life: LifeCycle, near: int) -> Array:
     return np.asarray((life.status == MISSING) & (life.missed > near))
 
 
-def sought(life: LifeCycle, near: int) -> Array:
+def sought(life: LifeCycle, near: int, marked: Array) -> Array:
     """The status that decides where the next frame is searched: (T,) u8.
 
-    A roaming target counts as lost in every second frame; near: frames before it roams.
+    A roaming target counts as lost in every second frame; near: frames before it roams. A lost target with
+    a mark counts as missing there, unless it is the only one that is not tracked; marked: (T,) bool.
     """
+    status = life.status.copy()
     everywhere = roaming(life, near)
-    if not everywhere.any():
-        return life.status.copy()
-    everywhere &= (life.missed - near) % 2 == 1
-    return np.where(everywhere, np.uint8(LOST), life.status)
+    if everywhere.any():
+        status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
+    if marked.any() and np.count_nonzero(life.status == TRACKED) < len(marked) - 1:
+        status[marked & (life.status == LOST)] = MISSING
+    return status
 
 
 def confirmed(
@@ -76,7 +79,7 @@ def confirmed(
 ) -> tuple[LifeCycle, Array]:
     """Which measurements count: those of tracked targets, and those that confirm a tentative target.
 
-    Only colour-infrared pairs recover a target that was sought as lost.
+    Only confirmed pairs recover a target that was sought as lost.
     status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
     """
     target, xyz = positions.target, positions.xyz

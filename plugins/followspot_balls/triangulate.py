@@ -102,6 +102,8 @@ class Triangulate(Stage):
         if not tracked.all():
             targets &= self.unclaimed(pairs, forecast)
             targets &= tracked | self.plausible(sizes, pairs, targets & ~tracked, whole)
+            if np.count_nonzero(tracked) < len(tracked) - 1:
+                targets &= ~(nameless(pairs)[:, None] & lost_targets(forecast, len(self.sizes)))
         evident = pairs.evident & (targets & whole).any(axis=1)
         rows = np.flatnonzero(targets.any(axis=1))
         candidates = Candidates(
@@ -191,6 +193,14 @@ class Triangulate(Stage):
         large = sizes.min(axis=1)[:, None] >= self.params.minimum_area * self.outlines
         evident = sought & whole & pairs.evident[:, None]
         return np.asarray(sought & (large | threefold(pairs, sought, evident)))
+
+
+def nameless(pairs: Pairs) -> Array:
+    """Pairs of a room without colour cameras that no label tells from another target's: (N,) bool.
+
+    They show a lost target only if all others are tracked.
+    """
+    return np.asarray(pairs.confirmed & ~pairs.labelled)
 
 
 def alike(room: Room) -> Array:

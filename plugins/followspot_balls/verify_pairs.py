@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,12 @@ its centre a radius above it, satisfies the plane less exactly."""
 
 
 class VerifyPairs(Stage):
-    """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes."""
+    """Pair blobs of different cameras; reject pairs off their epipolar lines and projections on planes.
+
+    The evidence of a ball is what the cameras that send can give: pairs of a colour and an infrared camera;
+    any pair if all are of one kind. Without infrared cameras nothing excuses a ball that lies on a plane, so
+    only sure light is rejected then.
+    """
 
     class Params(StageParams):
         maximum_epipolar_distance: float = Field(
@@ -54,6 +60,7 @@ class VerifyPairs(Stage):
         self.color = np.array([c.kind == "color" for c in self.room.cameras.values()], bool)
         self.fundamental = fundamental_stack(self.room).reshape(-1, 3, 3)
         self.homography = homography_stack(self.room).reshape(len(self.room.planes), -1, 3, 3)
+        self.heard = np.zeros(len(self.cameras), bool)
         no_targets = np.zeros((0, len(self.room.targets)), bool)
         self.nothing = replace(Pairs.empty(), cameras=self.cameras, targets=no_targets)
 
@@ -61,7 +68,9 @@ class VerifyPairs(Stage):
         if not blobs:
             return self.nothing
         counts = [len(b.xy) for b in blobs]
-        view = np.array([self.number[b.camera] for b in blobs], np.intp).repeat(counts)
+        number = np.array([self.number[b.camera] for b in blobs], np.intp)
+        self.heard[number] = True
+        view = number.repeat(counts)
         row = np.concatenate([np.arange(count) for count in counts])
         xy = np.concatenate([b.xy for b in blobs])
         area = np.concatenate([b.area for b in blobs])
@@ -76,13 +85,16 @@ class VerifyPairs(Stage):
         pair, cameras, ends = (a.take(near, axis=0) for a in (pair, cameras, ends))
         color = self.color.take(cameras)
         off_plane = self.off_plane(order.take(near), ends)
-        keep = homography_test(pair, color, off_plane < self.params.homography_tolerance, len(view))
+        both, sure_distance = self.both_kinds(), SURE * self.params.homography_tolerance
+        flat = off_plane < (self.params.homography_tolerance if both else sure_distance)
+        keep = homography_test(pair, color, flat, len(view))
         light = np.zeros(len(view), bool)
-        sure = off_plane.min(axis=0, initial=np.inf) < SURE * self.params.homography_tolerance
+        sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
         light[pair[~keep & sure]] = True
         rows = keep.nonzero()[0]
         pair, color = pair.take(rows, axis=0), color.take(rows, axis=0)
-        confirmed = color[:, 0] != color[:, 1]
+        dark = ~(light.take(pair[:, 0]) | light.take(pair[:, 1]))
+        confirmed = color[:, 0] != color[:, 1] if both else dark
         return Pairs(
             cameras=self.cameras,
             view=cameras.take(rows, axis=0).astype(np.int32),
@@ -92,9 +104,20 @@ class VerifyPairs(Stage):
             epipolar=distance.take(near).take(rows),
             labelled=color[:, 0] | color[:, 1],
             confirmed=confirmed,
-            evident=confirmed & ~(light.take(pair[:, 0]) | light.take(pair[:, 1])),
+            evident=confirmed & dark,
             targets=targets.take(pair[:, 0], axis=0) & targets.take(pair[:, 1], axis=0),
         )
+
+    def both_kinds(self) -> bool:
+        """Whether cameras of both kinds have sent blobs, so that pairs of one kind prove nothing."""
+        color = self.color[self.heard]
+        return bool(color.any() and not color.all())
+
+    def state(self) -> Any:
+        return {"heard": self.heard}
+
+    def restore(self, state: Any) -> None:
+        self.heard = np.array(state["heard"], bool)
 
     def seen_apart(self, blobs: Sequence[Blobs]) -> bool:
         """Whether the cameras took their pictures at different times."""

@@ -99,8 +99,12 @@ def judge(visible: Array, cameras: Sequence[Camera]) -> tuple[Array, Array, Arra
         np.array([camera.kind == kind for camera in cameras], bool) for kind in ("color", "infrared", "depth")
     )
     hidden = np.all(visible < 0.05, axis=0)
-    enough = visible >= 0.25
-    trackable = ((enough.sum(axis=0) >= 2) & enough[color].any(axis=0)) | enough[depth].any(axis=0)
-    half = visible >= 0.5
-    pair = (half[color].any(axis=0) & half[infrared].any(axis=0)) | half[depth].any(axis=0)
+    enough, half = visible >= 0.25, visible >= 0.5
+    trackable, pair = enough.sum(axis=0) >= 2, half.sum(axis=0) >= 2
+    if color.any():
+        trackable &= enough[color].any(axis=0)
+        if infrared.any():
+            pair = half[color].any(axis=0) & half[infrared].any(axis=0)
+    trackable |= enough[depth].any(axis=0)
+    pair |= half[depth].any(axis=0)
     return np.asarray(hidden), np.asarray(trackable), np.asarray(pair)

@@ -99,6 +99,14 @@ def test_verdicts_follow_the_definition_of_truth():
     assert [tuple(map(bool, v)) for v in verdicts] == [expected for _, expected in table]
 
 
+@pytest.mark.parametrize("names", [("cam0", "cam2"), ("cam1", "cam3")])
+def test_two_cameras_of_one_kind_are_enough_in_rooms_without_the_other(names):
+    cameras = [ROOM.cameras[name] for name in names]
+    shares = np.array([[1.0, 0.24], [0.25, 0.25], [0.5, 0.5]]).T
+    verdicts = np.array(judge(shares, cameras)).T
+    assert verdicts.tolist() == [[False, False, False], [False, True, False], [False, True, True]]
+
+
 def test_one_depth_camera_is_enough_to_track_a_target():
     cameras = [ROOM.cameras["cam1"], replace(ROOM.cameras["cam1"], kind="depth")]
     shares = np.array([[1.0, 0.24], [0.0, 0.25], [0.0, 0.5]]).T

@@ -1,0 +1,147 @@
+"""The ball tracker in rooms with any mix of cameras: cut from the simulated room."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import blobs_of, forecast_at, make_room, positions_at
+
+import followspot as fs
+from bench_mixes import Mix, first_positions, part
+from followspot import room_file
+from followspot.errors import InputError
+from followspot.room import Room
+from followspot.stage import Context
+from followspot.tracking import LOST, MISSING, TRACKED, Pairs
+from followspot_balls.kalman import Kalman
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs
+
+GRAPHS = Path(__file__).parents[3] / "graphs"
+FRAMES = 60
+
+
+def graph_for(room: Room, path: Path) -> Path:
+    """The demo graph without the detectors that the room has no camera for."""
+    text = (GRAPHS / "glowballs.yaml").read_text()
+    for stage, kind in (("color", "color"), ("infrared", "infrared")):
+        if kind not in {camera.kind for camera in room.cameras.values()}:
+            lines = [line for line in text.splitlines() if not line.startswith(f"  {stage}:")]
+            text = "\n".join(lines).replace(f"{stage}, ", "").replace(f", {stage}]", "]")
+    path.write_text(text)
+    return path
+
+
+# Bars: what hides a ball from one of two cameras ends its measurements, so two cover less than three.
+@pytest.mark.parametrize(
+    ("color", "infrared", "targets", "told", "coverage"),
+    [
+        (3, 0, 3, False, 0.9),
+        (2, 0, 3, False, 0.6),
+        (0, 3, 3, True, 0.9),
+        (0, 2, 1, False, 0.6),
+        (1, 1, 3, False, 0.6),
+    ],
+)
+def test_balls_are_tracked_by_any_mix_of_cameras(
+    tmp_path: Path, color: int, infrared: int, targets: int, told: bool, coverage: float
+) -> None:
+    simulated = room_file.load(GRAPHS / "rooms/simulated.yaml")
+    room = part(simulated, Mix(color, infrared, targets), seed=7, frames=FRAMES)
+    room_file.save(room, tmp_path / "room.yaml")
+    settings = {"track.marks": first_positions(room)} if told else {}
+    graph = graph_for(room, tmp_path / "graph.yaml")
+    with fs.run(graph, room=tmp_path / "room.yaml", set=settings, out=tmp_path) as run:
+        found = {row["target"]: row for row in run.wait().accuracy}
+    assert len(found) == targets
+    for name, row in found.items():
+        assert row["coverage"] > coverage, name
+        assert row["rmse_mm"] < 25, name
+        assert row["identity_switches"] == 0, name
+
+
+RED, GREEN = (0.0, 0.0, 1.0), (0.5, 0.3, 1.2)
+
+
+def pairs_of(*cameras: str, stage: VerifyPairs | None = None) -> Pairs:
+    """The pairs of red, which the cameras show where it is."""
+    if stage is None:
+        stage = VerifyPairs(Context(room=make_room()))
+        stage.setup()
+    room = stage.room
+    return stage.process(tuple(blobs_of(room.cameras[name], [RED], [[True, False]]) for name in cameras))
+
+
+def test_pairs_of_one_kind_are_evidence_where_no_other_kind_sends() -> None:
+    assert pairs_of("cam0", "cam2").evident.tolist() == [True]
+    assert pairs_of("cam1", "cam3").confirmed.tolist() == [True]
+    both = pairs_of("cam0", "cam1", "cam2")
+    assert both.confirmed.tolist() == [True, False, True]  # not the pair of cam0 and cam2
+
+
+def test_a_camera_that_falls_silent_does_not_weaken_the_evidence() -> None:
+    stage = VerifyPairs(Context(room=make_room()))
+    stage.setup()
+    pairs_of("cam0", "cam1", "cam2", stage=stage)
+    assert not pairs_of("cam0", "cam2", stage=stage).confirmed.any()
+    successor = VerifyPairs(Context(room=make_room()))
+    successor.setup()
+    successor.restore(stage.state())
+    assert not pairs_of("cam0", "cam2", stage=successor).confirmed.any()
+
+
+def test_sure_light_is_no_evidence_for_colour_cameras_alone() -> None:
+    stage = VerifyPairs(Context(room=make_room()))
+    stage.setup()
+    spot, ball = (0.3, 0.2, 0.0), (0.3, 0.2, 0.0762)
+    for place, kept in ((spot, 0), (ball, 1)):
+        blobs = [blobs_of(stage.room.cameras[n], [place], [[True, False]]) for n in ("cam0", "cam2")]
+        assert len(stage.process(tuple(blobs)).xy) == kept
+
+
+def nameless_pairs(target: list[bool]) -> Pairs:
+    """What two infrared cameras show of a ball that may be any of these targets."""
+    stage = VerifyPairs(Context(room=make_room()))
+    stage.setup()
+    return stage.process(tuple(blobs_of(stage.room.cameras[n], [GREEN], [target]) for n in ("cam1", "cam3")))
+
+
+def test_what_no_colour_tells_apart_is_a_lost_target_only_if_all_others_are_tracked() -> None:
+    stage = Triangulate(Context(room=make_room()))
+    stage.setup()
+    pairs = nameless_pairs([True, True])
+    assert not stage.process(pairs).targets.any()
+    forecast = forecast_at([RED, GREEN])
+    last = replace(forecast, state=np.array([TRACKED, LOST], np.uint8))
+    assert stage.process(pairs, last).targets.tolist() == [[False, True]]
+    near = replace(forecast, state=np.array([LOST, MISSING], np.uint8))
+    assert stage.process(pairs, near).targets.tolist() == [[False, True]]
+
+
+def test_a_marked_target_is_found_at_its_mark() -> None:
+    stage = Kalman(Context(room=make_room()), marks={"green": GREEN})
+    stage.setup()
+    forecast = stage.process(positions_at({}, 0)).forecast
+    assert forecast.state.tolist() == [LOST, MISSING]
+    assert forecast.xyz[1] == pytest.approx(GREEN)
+    assert not stage.tracks().target.size
+    place = (0.55, 0.3, 1.2)
+    outputs = stage.process(positions_at({1: place}, 1 / 30))
+    assert outputs.tracks.target.tolist() == [1]
+    assert outputs.tracks.xyz[0] == pytest.approx(place)
+    assert outputs.tracks.velocity[0] == pytest.approx([0, 0, 0])
+
+
+def test_the_only_target_that_is_not_tracked_is_sought_everywhere_in_spite_of_its_mark() -> None:
+    stage = Kalman(Context(room=make_room()), marks={"green": GREEN})
+    stage.setup()
+    outputs = stage.process(positions_at({0: RED}, 0))
+    assert outputs.forecast.state.tolist() == [TRACKED, LOST]
+
+
+def test_a_mark_of_no_target_is_refused() -> None:
+    with pytest.raises(InputError, match='no target "gren"'):
+        Kalman(Context(room=make_room()), marks={"gren": GREEN}).setup()
