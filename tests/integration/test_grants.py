@@ -12,7 +12,7 @@ from tests.integration.running import finish, start, wait_until, write_graph
 
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
-from followspot.operator.control_socket import runs_here
+from followspot.operator.run_handle import runs_here
 
 HOST = "pc-left"
 TELLS = """

@@ -14,8 +14,7 @@ from tests.integration.running import COMMAND, STAGES, finish, start, write_grap
 
 import followspot as fs
 from followspot.control.stage_status import StageStatus
-from followspot.operator.control_socket import runs_here
-from followspot.operator.run_handle import RunHandle
+from followspot.operator.run_handle import RunHandle, runs_here
 
 PERIOD = 10_000_000
 COUNT = 60

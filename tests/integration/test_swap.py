@@ -30,7 +30,7 @@ from tests.integration.running import (
 )
 
 from followspot.errors import FollowspotError
-from followspot.operator.connect import run_here
+from followspot.operator.run_handle import run_here
 
 PATIENCE = 90.0
 """Seconds that bound a failure on a busy machine."""

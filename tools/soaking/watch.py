@@ -13,9 +13,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from followspot.control.unix_socket import socket_of
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan, PlannedEdge
-from followspot.operator.control_socket import socket_of
 from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_status import RunStatus
 from followspot.worker.ledger import COUNTS, EdgeCount

@@ -41,6 +41,17 @@ class RunRequest(Request):
     run: str = ""
 
 
+Ask = Callable[[Request, float], Any]
+"""Sends a request to the run and returns its answer; the number is the timeout, s.
+
+Raises NoAnswer after the timeout, FollowspotError if the run has ended or refuses.
+"""
+
+
+class NoAnswer(FollowspotError):
+    """The run's process is alive but does not answer in time: it is suspended or too busy."""
+
+
 class UnknownRequest(FollowspotError, ValueError):
     """The process handles no request of this name."""
 

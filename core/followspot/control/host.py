@@ -6,16 +6,15 @@ needs no other.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal, Protocol
 
 from followspot.control.clock_status import ClockStatus
-from followspot.control.move import MoveOrder
+from followspot.control.dispatch import RunRequest
 from followspot.control.origin import Origin
-from followspot.control.relay import Relayed
 from followspot.control.stage_status import PathStatus, StageStatus
-from followspot.control.swap import ChangeOrder, ChangeStatus
+from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.errors import FollowspotError
 from followspot.log.run_log import RunLog
@@ -117,26 +116,12 @@ class Host(Protocol):
     def prepare(self, order: RunOrder) -> None:
         """Start the workers, which wait for `start`. Raises FollowspotError."""
 
-    def start(self) -> None:
-        """Start the stages: all hosts are ready."""
+    @property
+    def ask(self) -> Callable[[RunRequest], Any]:
+        """Hands a request to the host and returns its answer: start, stop, change, move, relayed orders.
 
-    def stop(self) -> None:
-        """End the sources; workers finish the messages in flight."""
-
-    def ended(self, workers: Sequence[str]) -> None:
-        """Announce workers of any host that have ended, so that no worker waits for them."""
-
-    def change(self, order: ChangeOrder) -> None:
-        """Do one step of a hot swap; the status has its outcome. Raises FollowspotError."""
-
-    def move(self, order: MoveOrder) -> None:
-        """Do one step of a move. Raises FollowspotError."""
-
-    def states(self) -> dict[str, Any]:
-        """The newest checkpoint of each stage on the host, by stage. Raises FollowspotError."""
-
-    def relay(self, order: Relayed) -> None:
-        """Send an order to all workers of the host, also to those that start later."""
+        Raises FollowspotError if the host refuses, HostLost if it does not answer a request with an answer.
+        """
 
     def attend(self, timeout: float) -> None:
         """Supervise the workers for up to `timeout`, s, or wait for a status. Raises HostLost."""

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from followspot.control.dispatch import Dispatcher, RunRequest
 from followspot.control.host import RunOrder
@@ -142,36 +143,32 @@ class Agent:
             for agent_run in self.agent_runs:
                 agent_run.run.attend(0)
                 if self._stopping:
-                    agent_run.run.stop()
+                    agent_run.run.ask(StopRun())
             self.agent_runs.tidy(time.monotonic())
 
     def _dispatcher(self) -> Dispatcher:
         """The handlers of requests to this agent."""
         runs = self.agent_runs
-
-        def local(request: RunRequest) -> LocalHost:
-            return runs.agent_run(request.run).run
-
         return Dispatcher(
             "host",
             {
                 PrepareRun: lambda request: self.prepare(request.order),
                 StartRun: lambda request: self.start(request.run),
-                StopRun: lambda request: local(request).stop(),
-                EndWorkers: lambda request: local(request).ended(request.workers),
-                GetHostStatus: lambda request: local(request).status(),
+                **dict.fromkeys((StopRun, EndWorkers, GetHostStatus, GetStates, GetLog), self._ask),
                 ChangeOrder: self.change,
                 MoveOrder: self.move,
                 **dict.fromkeys(RELAYED, self.relay),
-                GetStates: lambda request: local(request).states(),
                 ReadClock: lambda _: read_clock(self.options.clock_offset),
                 CloseRun: lambda request: runs.close(request.run),
                 FindRun: lambda request: runs.known(request.run),
                 ListRuns: lambda _: runs.listing(),
-                GetLog: lambda request: local(request).log.after(request.after),
                 GetOrder: lambda request: runs.agent_run(request.run).order,
             },
         )
+
+    def _ask(self, request: RunRequest) -> Any:
+        """What the run of the request answers. Raises FollowspotError if there is none of this name."""
+        return self.agent_runs.agent_run(request.run).run.ask(request)
 
     def prepare(self, order: RunOrder) -> None:
         """Start the workers of a run. Raises FollowspotError if the agent refuses it, ValueError."""
@@ -206,7 +203,7 @@ class Agent:
         agent_run = self.agent_runs.agent_run(run)
         if not agent_run.started:
             agent_run.started = True
-            agent_run.run.start()
+            agent_run.run.ask(StartRun())
 
     def change(self, order: ChangeOrder) -> None:
         """One step of a hot swap of stages on this host. Raises FollowspotError."""
@@ -215,7 +212,7 @@ class Agent:
         if foreign := {stage.name for stage in order.stages} - own:
             raise FollowspotError(f"{', '.join(sorted(foreign))} of run {order.run[:8]} does not run here")
         stages = unpacked_stages(order.stages, self.options.grants)
-        agent_run.run.change(order.model_copy(update={"stages": stages}))
+        agent_run.run.ask(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
             plan = with_stages(plan_from_data(agent_run.order.plan), order.stages)
             agent_run.order = replace(agent_run.order, plan=plan_to_data(plan))
@@ -233,10 +230,10 @@ class Agent:
             agent_run.order = replace(agent_run.order, plan=order.plan)
             order = order.model_copy(update={"plan": plan})
             self.tell(f"run {order.run[:8]} of {agent_run.graph}: stages moved")
-        agent_run.run.move(order)
+        agent_run.run.ask(order)
 
     def relay(self, order: Relayed) -> None:
         """Send an order to the workers on this host. Raises FollowspotError if it does not fit the plan."""
         run = self.agent_runs.agent_run(order.run).run
         order.check(run.plan, remote=True)
-        run.relay(order)
+        run.ask(order)

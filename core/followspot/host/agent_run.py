@@ -56,7 +56,7 @@ class AgentRun:
         now: monotonic time, s.
         """
         self._leave_deadline = now + _LEAVE_TIMEOUT
-        self.run.move(MoveOrder(leaving=tuple(self.run.workers)))
+        self.run.ask(MoveOrder(leaving=tuple(self.run.workers)))
 
     def left(self, now: float) -> bool:
         """True if the workers have left, or the time for that is over."""

@@ -1,16 +1,59 @@
-"""Hot swap on one host: which of its workers take part, and what they have answered."""
+"""Hot swap on one host: passes each step to the workers that take part, and collects their answers."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from followspot.control.swap import ChangeOrder, ChangePhase, ChangeStatus, Step
+from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
+from followspot.host.worker_pool import WorkerPool
 
 _TIMEOUT = 60.0
 """Seconds after which a change that was built but neither taken over nor discarded blocks no other."""
 _AFTER: Mapping[Step, ChangePhase] = {"build": "built", "take_over": "done", "discard": "done"}
+
+
+class HostSwaps:
+    """The hot swaps of a run on this host, one after the other."""
+
+    def __init__(self, pool: WorkerPool) -> None:
+        self._pool = pool
+        self._change = HostChange()
+
+    def obey(self, order: ChangeOrder) -> None:
+        """One step of a hot swap. Safe beside `attend`.
+
+        Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
+        """
+        if self._change.blocks(order):
+            raise FollowspotError("another change is under way; try again when it is done")
+        change, workers = HostChange(order, self._pool.plan), self._pool.workers
+        if all(worker.phase == "over" for worker in workers.values()):
+            raise FollowspotError("the run has ended")
+        for name in change.orders:
+            if workers[name].phase != "running":
+                raise FollowspotError(f"worker {name} is {workers[name].phase}; try again in a moment")
+        self._change = change
+        for name, own_order in change.orders.items():
+            workers[name].channel.tell(own_order)
+
+    def attend(self, answers: Iterable[tuple[str, ChangeStatus]]) -> None:
+        """Take the answers of workers; restarted workers get the stages that have taken over."""
+        for name, answer in answers:
+            if self._change.heard(name, answer):
+                self._pool.change(self._change.orders[name].stages)
+
+    def attend_deaths(self) -> None:
+        """Note the workers that have ended or died in a change."""
+        for worker in self._pool.workers.values():
+            if not worker.busy and self._change.died(worker.name):
+                self._pool.change(self._change.orders[worker.name].stages)
+
+    def status(self) -> ChangeStatus:
+        """The status of the newest change."""
+        return self._change.status()
 
 
 class HostChange:

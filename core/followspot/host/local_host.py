@@ -6,22 +6,23 @@ import mmap
 import os
 import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from followspot.control.clock_status import ClockWarnings
+from followspot.control.dispatch import Dispatcher, RunRequest
 from followspot.control.host import HostStatus, RunOrder
+from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.move import MoveOrder
-from followspot.control.relay import Relayed
+from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
-from followspot.control.worker_orders import SetClock
-from followspot.errors import FollowspotError
+from followspot.control.worker_orders import RELAYED, SetClock
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
 from followspot.host.clocks.host import HostClock, reference
-from followspot.host.hot_swap import HostChange
+from followspot.host.hot_swap import HostSwaps
 from followspot.host.ledger_file import ledger_memory
 from followspot.host.supervisor import Supervisor
 from followspot.host.worker_pool import WorkerPool
@@ -45,6 +46,8 @@ class LocalHost:
     pool: WorkerPool
     """The workers; from `prepare` on."""
     supervisor: Supervisor
+    ask: Callable[[RunRequest], Any]
+    """Hands a request to its handler, in this process; from `prepare` on."""
 
     def __init__(
         self,
@@ -67,7 +70,7 @@ class LocalHost:
         self.log = RunLog()
         self.news: list[str] = []
         self._moves: deque[MoveOrder] = deque()
-        self._change = HostChange()
+        self._swaps: HostSwaps | None = None
         self._clock_warnings = ClockWarnings()
 
     @property
@@ -99,59 +102,40 @@ class LocalHost:
         order = replace(order, out=self.out)
         self.pool = WorkerPool(self.name, order, memory, self.network, self.hub, self.log, self._start)
         self.supervisor = Supervisor(self.pool, self.clock, self.tell)
+        self._swaps = HostSwaps(self.pool)
+        self.ask = self._dispatcher(self._swaps).dispatch
         self._follow_clock()
         self.supervisor.prepare()
 
-    def start(self) -> None:
-        """Start the stages of all workers."""
-        self.supervisor.start()
-
-    def stop(self) -> None:
-        """Ask every worker to end its sources and finish the messages in flight."""
-        self.supervisor.stop()
-
-    def ended(self, workers: Sequence[str]) -> None:
-        """Announce workers of any host that have ended, so that no worker here waits for them."""
-        self.pool.ended(workers)
-
-    def change(self, order: ChangeOrder) -> None:
-        """One step of a hot swap of stages on this host. Safe beside `attend`.
-
-        Raises FollowspotError if another change is under way, the run has ended or a worker is not running.
-        """
-        if self._change.blocks(order):
-            raise FollowspotError("another change is under way; try again when it is done")
-        change = HostChange(order, self.plan)
-        if self.status().all("over"):
-            raise FollowspotError("the run has ended")
-        for name in change.orders:
-            if self.workers[name].phase != "running":
-                raise FollowspotError(f"worker {name} is {self.workers[name].phase}; try again in a moment")
-        self._change = change
-        for name, own_order in change.orders.items():
-            self.workers[name].tell(own_order)
+    def _dispatcher(self, swaps: HostSwaps) -> Dispatcher:
+        """The handlers of requests for the workers here."""
+        pool, supervisor = self.pool, self.supervisor
+        return Dispatcher(
+            "host",
+            {
+                StartRun: lambda _: supervisor.start(),
+                StopRun: lambda _: supervisor.stop(),
+                EndWorkers: lambda request: pool.ended(request.workers),
+                ChangeOrder: swaps.obey,
+                MoveOrder: self.move,
+                **dict.fromkeys(RELAYED, pool.relay),
+                GetHostStatus: lambda _: self.status(),
+                GetStates: lambda _: dict(pool.states),
+                GetLog: lambda request: self.log.after(request.after),
+            },
+        )
 
     def move(self, order: MoveOrder) -> None:
         """One step of a move; the next `attend` does it."""
         if not order.trial:
             self._moves.append(order)
 
-    def states(self) -> dict[str, Any]:
-        """The newest checkpoint of each stage on this host."""
-        return dict(self.pool.states)
-
-    def relay(self, order: Relayed) -> None:
-        """Send an order to all workers on this host, also to those that start later. Safe from any thread."""
-        self.pool.relay(order)
-
     def attend(self, timeout: float) -> None:
         """Read messages of workers for up to `timeout`, s; restart dead workers and kill hanging ones."""
-        for name, answer in self.pool.receive(timeout):
-            self._changed(name, answer)
+        assert self._swaps is not None
+        self._swaps.attend(self.pool.receive(timeout))
         self.supervisor.look(time.monotonic())
-        for worker in self.workers.values():
-            if not worker.busy and self._change.died(worker.name):
-                self.pool.change(self._change.orders[worker.name].stages)
+        self._swaps.attend_deaths()
         while self._moves:
             self.supervisor.rearrange(self._moves.popleft())
             self._follow_clock()
@@ -164,7 +148,7 @@ class LocalHost:
             tuple(self.ledger.words.tolist()),
             tuple(self.news),
             self.out,
-            self._change.status(),
+            ChangeStatus() if self._swaps is None else self._swaps.status(),
             self.clock.status(),
             self.log.last,
             age_s=0.0,
@@ -195,11 +179,6 @@ class LocalHost:
             self.pool.tell(SetClock(correction=correction))
         if warning := self._clock_warnings.news(self.clock.status()):
             self.tell("warning", warning)
-
-    def _changed(self, worker: str, answer: ChangeStatus) -> None:
-        """Take a worker's answer; once replacements have taken over, restarted workers get them, too."""
-        if self._change.heard(worker, answer):
-            self.pool.change(self._change.orders[worker].stages)
 
     def tell(self, level: Level, line: str, worker: str = "") -> None:
         """Log a line; it becomes news unless it is an error."""

@@ -96,7 +96,7 @@ class Supervisor:
         self._leaving.update(leaving)
         for name in leaving:
             self._restarts.call_off(name)
-            self._pool.workers[name].tell(LeaveRun())
+            self._pool.workers[name].channel.tell(LeaveRun())
         if order.plan is None:
             return
         present = (worker.incarnation for worker in self._pool.workers.values())
@@ -164,7 +164,7 @@ class Supervisor:
     def _request_checkpoints(self) -> None:
         for worker in self._pool.workers.values():
             if worker.phase == "running":
-                worker.tell(SendStates())
+                worker.channel.tell(SendStates())
 
     def _spawn_again(self, name: str, incarnation: int) -> None:
         self._pool.spawn(name, incarnation, self._clock.correction(), again=True)

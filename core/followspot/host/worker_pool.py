@@ -6,7 +6,7 @@ import selectors
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from followspot.control.dispatch import Request
+from followspot.control.dispatch import Handlers, Request
 from followspot.control.host import RunOrder
 from followspot.control.lifecycle import EndWorkers, StartRun
 from followspot.control.relay import Relayed, with_order
@@ -72,7 +72,7 @@ class WorkerPool:
 
         correction: offsets to add to its clocks, ns; again: True if other workers may be running already.
         """
-        worker = self.workers[name] = WorkerProcess(name, incarnation, self._start)
+        worker = self.workers[name] = WorkerProcess(name, incarnation, self._start, self._handlers(name))
         self._selector.register(worker.channel, selectors.EVENT_READ, worker)
         if again:
             self._rings.renew(name)
@@ -91,7 +91,7 @@ class WorkerPool:
             states={stage: self.states[stage] for stage in own if stage in self.states},
             clock=correction,
         )
-        worker.tell(order, (self._ledger,))
+        worker.channel.tell(order, (self._ledger,))
         if uses_zenoh(self.plan, name) and not (self._hub or self._network.router):
             while not worker.locators and worker.busy:  # each worker connects to those before it
                 self._receive_from(worker)
@@ -100,8 +100,8 @@ class WorkerPool:
         """Start the stages of a worker."""
         worker.phase = "running"
         for order in tuple(self._standing_orders):
-            worker.tell(order)
-        worker.tell(StartRun())
+            worker.channel.tell(order)
+        worker.channel.tell(StartRun())
 
     def join(self, worker: WorkerProcess) -> None:
         """Start the stages of a restarted worker, and connect it to the running ones."""
@@ -119,7 +119,7 @@ class WorkerPool:
     def tell(self, order: Request) -> None:
         """Send an order to all workers."""
         for worker in tuple(self.workers.values()):
-            worker.tell(order)
+            worker.channel.tell(order)
 
     def ended(self, workers: Collection[str]) -> None:
         """Announce workers of any host that have ended, so that no worker waits for them."""
@@ -131,7 +131,7 @@ class WorkerPool:
         self._standing_orders = with_order(self._standing_orders, order)
         for worker in tuple(self.workers.values()):
             if worker.phase == "running":
-                worker.tell(order)
+                worker.channel.tell(order)
 
     def change(self, stages: Sequence[PlannedStage]) -> None:
         """Replace stages of the plan; workers that start from now on get the new ones."""
@@ -171,20 +171,24 @@ class WorkerPool:
         for end in ends:
             with end.socket:
                 order = TakeRing(edge=end.edge, side=end.side)
-                self.workers[end.worker].tell(order, (end.socket.fileno(),))
+                self.workers[end.worker].channel.tell(order, (end.socket.fileno(),))
 
     def _peers(self) -> list[str]:
         return [*self._hub, *(locator for worker in self.workers.values() for locator in worker.locators)]
 
     def _receive_from(self, worker: WorkerProcess) -> None:
         channel = worker.channel.fileno()
-        for message in worker.receive():
-            match message:
-                case State():
-                    self.states[message.stage] = message.state
-                case Change():
-                    self._answers.append((worker.name, message.status))
-                case Log():
-                    self._log.add(*message.records)
+        worker.receive()
         if not worker.open:
             self._selector.unregister(channel)
+
+    def _handlers(self, worker: str) -> Handlers:
+        """The messages of a worker that concern the whole pool."""
+        return {
+            State: self._keep,
+            Change: lambda message: self._answers.append((worker, message.status)),
+            Log: lambda message: self._log.add(*message.records),
+        }
+
+    def _keep(self, message: State) -> None:
+        self.states[message.stage] = message.state

@@ -7,14 +7,24 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from types import MappingProxyType
 from typing import Protocol
 
-from followspot.control.dispatch import Request
+from followspot.control.dispatch import Dispatcher, Handlers
 from followspot.control.host import WorkerPhase, WorkerStatus
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.stage_status import PathStatus, StageStatus
-from followspot.control.worker_messages import MESSAGES, Done, Failed, Listening, Progress, Ready, Stages
+from followspot.control.worker_messages import (
+    MESSAGES,
+    Built,
+    Done,
+    Failed,
+    Listening,
+    Progress,
+    Ready,
+    Stages,
+)
 from followspot.control.worker_report import WorkerReport
 from followspot.log.record import MAX_TEXT
 
@@ -58,13 +68,20 @@ class WorkerProcess:
     incarnation: number of earlier starts of this worker.
     """
 
-    def __init__(self, name: str, incarnation: int, start: Start = start_process) -> None:
-        """Start the worker, which waits for its plan. Raises OSError."""
+    def __init__(
+        self,
+        name: str,
+        incarnation: int,
+        start: Start = start_process,
+        handlers: Handlers = MappingProxyType({}),
+    ) -> None:
+        """Start the worker, which waits for its plan. handlers: of further messages. Raises OSError."""
         ours, theirs = socket.socketpair()
         with theirs:
             self.process = start(name, theirs)
         self.name = name
         self.incarnation = incarnation
+        self._dispatcher = Dispatcher("host", {**self._handlers(), **handlers})
         self.channel = Channel(ours, MESSAGES, takes_descriptors=False)
         self.open = True
         """True while the control channel is open."""
@@ -85,50 +102,57 @@ class WorkerProcess:
         """True while the worker can still send messages."""
         return self.open and self.report is None
 
-    def tell(self, order: Request, descriptors: Sequence[int] = ()) -> None:
-        """Send an order; a closed channel is noticed by the next `receive`."""
-        try:
-            self.channel.send(order, descriptors)
-        except ChannelClosed:
-            return
-
-    def receive(self) -> list[Request]:
-        """The messages that have arrived; call this when the channel is readable.
+    def receive(self) -> None:
+        """Take the messages that have arrived; call this when the channel is readable.
 
         Closes the channel if the worker has exited. Kills the worker as well if it sent an invalid message.
         """
         try:
-            messages = [message for message, _ in self.channel.arrived()]
+            messages = self.channel.arrived()
         except ChannelClosed:
             self._close_channel()
-            return []
+            return
         except ValueError as error:
             self.kill(f"it sent an invalid message: {str(error)[:MAX_TEXT]}")
             self._close_channel()
-            return []
+            return
         self.heard = time.monotonic()
-        for message in messages:
-            self._update(message)
-        return messages
+        for message, _ in messages:
+            self._dispatcher.dispatch(message)
 
     def _close_channel(self) -> None:
         self.open = False
         self.channel.close()
 
-    def _update(self, message: Request) -> None:
-        match message:
-            case Progress():
-                self.fired, self.time = message.fired, message.time
-            case Stages():
-                self.stages, self.paths = message.stages, message.paths
-            case Ready():
-                self.phase, self.expected = "ready", message.expected
-            case Listening():
-                self.locators = list(message.locators)
-            case Done():
-                self.report = message.report
-            case Failed():
-                self.report = WorkerReport(self.name, 0, error=message.error)
+    def _handlers(self) -> Handlers:
+        """The messages that concern this worker alone."""
+        return {
+            Built: lambda _: None,
+            Listening: self._listening,
+            Ready: self._ready,
+            Progress: self._progress,
+            Stages: self._stages,
+            Done: self._done,
+            Failed: self._failed,
+        }
+
+    def _listening(self, message: Listening) -> None:
+        self.locators = list(message.locators)
+
+    def _ready(self, message: Ready) -> None:
+        self.phase, self.expected = "ready", message.expected
+
+    def _progress(self, message: Progress) -> None:
+        self.fired, self.time = message.fired, message.time
+
+    def _stages(self, message: Stages) -> None:
+        self.stages, self.paths = message.stages, message.paths
+
+    def _done(self, message: Done) -> None:
+        self.report = message.report
+
+    def _failed(self, message: Failed) -> None:
+        self.report = WorkerReport(self.name, 0, error=message.error)
 
     def status(self) -> WorkerStatus:
         """The newest status of the worker."""

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from followspot.control.clock_status import LIMIT_MS, ClockStatus
+from followspot.control.dispatch import NoAnswer
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.control.tapping import Tapping
 from followspot.log.file import read_log
 from followspot.log.record import LEVELS, LogRecord
-from followspot.operator.connect import connected_run, run_here
-from followspot.operator.control_socket import runs_here
-from followspot.operator.run_handle import NoAnswer, RunHandle
+from followspot.operator.run_handle import RunHandle, connected_run, run_here, runs_here
 from followspot.operator.run_status import OLD, RunStatus, is_old, is_unheard
 from followspot.worker.ledger import COUNTS, LOSSES, EdgeCount
 

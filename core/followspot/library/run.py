@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
 from followspot.control.dispatch import Dispatcher, Request
+from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError, InputError, Mistake
 from followspot.graph.arrange import EdgeChoice
 from followspot.graph.compile import compile_graph
@@ -20,11 +21,11 @@ from followspot.library.report import Report
 from followspot.library.script_handle import ScriptHandle
 from followspot.library.subscribed import Subscribed
 from followspot.library.subscription import Subscription
-from followspot.operator.control_socket import serve_requests
 from followspot.operator.coordinator import Coordinator
 from followspot.operator.launch import prepared
 from followspot.operator.report import RunReport
-from followspot.operator.run_requests import Surroundings, run_dispatcher
+from followspot.operator.run_dispatcher import run_dispatcher
+from followspot.operator.run_requests import Surroundings
 from followspot.operator.truth import run_person_scores, run_scores
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions

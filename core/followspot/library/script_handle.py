@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from followspot.closing import Closing
+from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
 from followspot.html import html_table
 from followspot.library.subscription import Subscription
 from followspot.library.tapped import TappedPorts
-from followspot.operator.run_handle import Ask, RunHandle
+from followspot.operator.run_handle import RunHandle
 
 
 class ScriptHandle(RunHandle, Closing):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,20 +10,20 @@ from typing import Any
 
 from followspot.control.dispatch import Request
 from followspot.control.host import RunOrder
-from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns
+from followspot.control.lifecycle import GetOrder, ListedRun, ListRuns, StopRun
 from followspot.control.progress import OnProgress
 from followspot.control.zenoh_rpc import RpcClient, agents
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.change import with_stages
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_from_data
-from followspot.operator.connect import chosen, listing
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.discovery import Agents, await_named, discovered_hosts, operator_session
 from followspot.operator.remote_host import RemoteHost
 from followspot.operator.report import RunReport
-from followspot.operator.run_handle import RunHandle
-from followspot.operator.run_requests import Surroundings, run_dispatcher
+from followspot.operator.run_dispatcher import run_dispatcher
+from followspot.operator.run_handle import Listed, RunHandle, chosen, names
+from followspot.operator.run_requests import Surroundings
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -100,17 +100,19 @@ class Attachment:
 
 
 @contextmanager
-def attached(network: Network, wanted: str | None) -> Iterator[Attachment]:
-    """Watch a run under agents; it goes on after the block. Raises FollowspotError if there is none."""
+def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) -> Iterator[Attachment]:
+    """Watch a run under agents; it goes on after the block.
+
+    wanted: see `connected_run`; here: runs of this machine, for the error message. Raises FollowspotError if
+    there is no such run, or several.
+    """
     with operator_session(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)
         runs = find_runs(client)
-        run = chosen([run for run in runs if not run.over], wanted) or chosen(runs, wanted)
-        if run is None:
-            raise FollowspotError(
-                f"there is no run {wanted or ''}".rstrip() + f"; runs in reach: {listing(runs)}"
-            )
+        going = [run for run in runs if not run.over]
+        present = going if any(names(run, wanted) for run in going) else runs
+        run = chosen(present, wanted, "in reach", here)
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         # without restart, because an observer must not resume the run
         watched = {name: replace(order, restart=False) for name, order in orders.items()}
@@ -136,7 +138,7 @@ def handle_of(attachment: Attachment, network: Network) -> RunHandle:
 
     def stop() -> None:
         for host in coordinator.hosts:  # no thread here watches the run, so `run.stop` would have no effect
-            host.stop()
+            host.ask(StopRun())
 
     dispatcher = run_dispatcher(coordinator, Surroundings(network=network), stop)
 

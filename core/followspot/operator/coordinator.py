@@ -5,25 +5,21 @@ from __future__ import annotations
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 from threading import Lock
 
 from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
+from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.progress import PROGRESS_PERIOD, OnProgress
 from followspot.control.relay import Relayed, with_order
 from followspot.errors import FollowspotError
-from followspot.graph.change import changed_stages
-from followspot.graph.move import moved
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.host.clocks.host import reference
 from followspot.log.merged import MergedLog
 from followspot.log.record import Level, LogPage
 from followspot.log.run_log import OnLog
-from followspot.operator.changed import Changed, Moved, changed, with_change
-from followspot.operator.hot_swap import change_hosts
-from followspot.operator.move import move_hosts
 from followspot.operator.report import RunReport
 from followspot.operator.run_status import RunStatus
 from followspot.operator.run_view import RunView
@@ -62,7 +58,7 @@ class Coordinator:
         """
         self.plan = plan
         self.hosts = list(hosts)
-        self._others = others
+        self.others = others
         self.stopped = False
         self.log = MergedLog(hosts, on_log)
         self.order = order
@@ -111,7 +107,7 @@ class Coordinator:
             self._end_early()
             return False
         for host in self.hosts:
-            host.start()
+            host.ask(StartRun())
         self._begun = True
         return True
 
@@ -135,55 +131,26 @@ class Coordinator:
         """The newest status of the whole run."""
         return self._view().status()
 
-    def change(self, words: Sequence[str], folder: Path, *, fresh: bool = False) -> Changed:
-        """Hot swap: replace stages and set parameters during the run. Safe from any thread.
-
-        words, folder: see `changed_stages`; fresh: whether replacements start without the state of the old
-        stages. Raises InputError for mistakes in words, FollowspotError if a replacement cannot be built or
-        cannot restore that state; the old stages then go on.
-        """
+    @contextmanager
+    def one_change(self) -> Iterator[None]:
+        """Make changes and moves of a run wait for each other. Raises FollowspotError before it has begun."""
         with self._one_change:
-            self._check_begun()
-            stages = changed_stages(self.plan, words, folder)
-            report = changed(self.name, self.plan, stages)
-            if stages:
-                change_hosts(self.plan, self.hosts, stages, fresh=fresh)
-                self.plan = with_change(self.plan, stages)
-            return report
+            if not self._begun:
+                raise FollowspotError("the run has not begun yet; try again in a moment")
+            yield
 
-    def move(self, names: Sequence[str], place: str) -> Moved:
-        """Move stages of a live run to another worker or host. Safe from any thread.
-
-        Workers whose stages or kinds of edges change restart from the state of their stages. Messages in
-        flight to and from them are lost and counted. Raises InputError for mistakes in the arguments,
-        FollowspotError if a host refuses or a worker cannot start at its new place.
-        """
-        with self._one_change:
-            self._check_begun()
-            new = moved(self.plan, names, place, self._others.names() if self._others else ())
-            report = Moved.of(self.name, self.plan, new)
-            if report.stages:
-                self._join({worker.host for worker in new.workers} - {host.name for host in self.hosts})
-                move_hosts(self.plan, new, self.hosts)
-                self.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
-            return report
-
-    def _join(self, names: Iterable[str]) -> None:
+    def join(self, names: Iterable[str]) -> None:
         """Add hosts to the run, with no workers yet. Raises FollowspotError if a host refuses."""
         for name in names:
-            assert self._others is not None
-            host = self._others.host(name)
+            assert self.others is not None
+            host = self.others.host(name)
             over = tuple(sorted(self._ended))
             host.prepare(replace(self.order, plan=plan_to_data(self.plan), incarnations={}, over=over))
-            host.start()
+            host.ask(StartRun())
             self._relay_to(host)
             self.order = replace(self.order, reference=self.order.reference or name)
             self.hosts.append(host)
             self.log.join(host)
-
-    def _check_begun(self) -> None:
-        if not self._begun:
-            raise FollowspotError("the run has not begun yet; try again in a moment")
 
     def relay(self, order: Relayed) -> None:
         """Send an order to all workers, once their hosts are prepared. Safe from any thread.
@@ -195,14 +162,14 @@ class Coordinator:
             if not self._begun:
                 self._pending_orders = with_order(self._pending_orders, order)
             for host in self._prepared:
-                host.relay(order)
+                host.ask(order)
 
     def _relay_to(self, host: Host) -> None:
         """Send the pending orders to a host that has just been prepared."""
         with self._one_relay:
             self._prepared.append(host)
             for order in self._pending_orders:
-                host.relay(order)
+                host.ask(order)
 
     def records(self, after: int) -> LogPage:
         """Log records of all hosts after the record of this number. Safe from any thread."""
@@ -238,7 +205,7 @@ class Coordinator:
         if not ended <= self._ended:
             self._ended |= ended
             for host in self.hosts:
-                host.ended(sorted(self._ended))
+                host.ask(EndWorkers(workers=tuple(sorted(self._ended))))
 
     def _poll_hosts(self, on_progress: OnProgress | None) -> None:
         for host in self.hosts:
@@ -265,7 +232,7 @@ class Coordinator:
         if self._stop_deadline is None:
             self._stop_deadline = time.monotonic() + _STOP_TIMEOUT
             for host in self.hosts:
-                host.stop()
+                host.ask(StopRun())
 
     def _over(self, host: Host) -> bool:
         """True if all workers of a host have ended, or if the operator no longer waits for the host."""

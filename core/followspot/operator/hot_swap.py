@@ -5,17 +5,39 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from typing import TYPE_CHECKING
 from uuid import uuid4
 
 from followspot.control.host import Host
 from followspot.control.swap import ChangeOrder, ChangePhase, Step
 from followspot.errors import FollowspotError
+from followspot.graph.change import changed_stages
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.operator.changed import Changed, changed, with_change
+from followspot.operator.run_requests import ChangeStages
+
+if TYPE_CHECKING:
+    from followspot.operator.coordinator import Coordinator
 
 _TIMEOUT = 60.0
 """Seconds that replacements have to be built: some load models."""
 _POLL_INTERVAL = 0.01
 """Seconds between two polls of the hosts."""
+
+
+def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
+    """Replace stages and set parameters during the run. Safe from any thread.
+
+    Raises InputError for mistakes in the words, FollowspotError if a replacement cannot be built or cannot
+    restore the state of the old stage; the old stages then go on.
+    """
+    with run.one_change():
+        stages = changed_stages(run.plan, request.words, request.folder)
+        report = changed(run.name, run.plan, stages)
+        if stages:
+            change_hosts(run.plan, run.hosts, stages, fresh=request.fresh)
+            run.plan = with_change(run.plan, stages)
+        return report
 
 
 def change_hosts(plan: Plan, hosts: Sequence[Host], stages: Sequence[PlannedStage], *, fresh: bool) -> None:
@@ -63,7 +85,7 @@ class _Change:
     def do(self, step: Step, phase: ChangePhase) -> None:
         """Do one step on all hosts and wait until it is done. Raises FollowspotError."""
         for host in self.hosts:
-            host.change(self._order(host, step))
+            host.ask(self._order(host, step))
         deadline = time.monotonic() + _TIMEOUT
         waiting = list(self.hosts)
         while waiting:
@@ -76,7 +98,7 @@ class _Change:
         """Discard the replacements."""
         for host in self.hosts:
             with suppress(FollowspotError):
-                host.change(self._order(host, "discard"))
+                host.ask(self._order(host, "discard"))
 
     def _is_done(self, host: Host, phase: ChangePhase) -> bool:
         """True once the host has done the step. Raises FollowspotError if it cannot do it."""

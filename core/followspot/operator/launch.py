@@ -12,14 +12,15 @@ from types import FrameType
 from typing import Protocol
 
 from followspot.control.progress import OnProgress
+from followspot.control.unix_socket import serve_requests
 from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.host.worker_process import Process, start_process
 from followspot.log.run_log import OnLog
-from followspot.operator.control_socket import serve_requests
 from followspot.operator.coordinator import Coordinator, order_of
 from followspot.operator.report import RunReport
-from followspot.operator.run_requests import Surroundings, run_dispatcher
+from followspot.operator.run_dispatcher import run_dispatcher
+from followspot.operator.run_requests import Surroundings
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 

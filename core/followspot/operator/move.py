@@ -4,18 +4,43 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from followspot.control.host import Host, WorkerStatus
 from followspot.control.move import MoveOrder
+from followspot.control.observation import GetStates
 from followspot.errors import FollowspotError
-from followspot.graph.move import anew
+from followspot.graph.move import anew, moved
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
+from followspot.operator.changed import Moved
+from followspot.operator.run_requests import MoveStages
+
+if TYPE_CHECKING:
+    from followspot.operator.coordinator import Coordinator
 
 _TIMEOUT = 60.0
 """Seconds that workers have to leave, and again to be running."""
 _POLL_INTERVAL = 0.02
 """Seconds between two polls of the hosts."""
+
+
+def move_stages(run: Coordinator, request: MoveStages) -> Moved:
+    """Move stages of a live run to another worker or host. Safe from any thread.
+
+    Workers whose stages or kinds of edges change restart from the state of their stages. Messages in flight
+    to and from them are lost and counted. Raises InputError for mistakes in the request, FollowspotError if a
+    host refuses or a worker cannot start at its new place.
+    """
+    with run.one_change():
+        new = moved(run.plan, request.stages, request.place, run.others.names() if run.others else ())
+        report = Moved.of(run.name, run.plan, new)
+        if report.stages:
+            run.join({worker.host for worker in new.workers} - {host.name for host in run.hosts})
+            move_hosts(run.plan, new, run.hosts)
+            run.plan = replace(new, notes=(*new.notes, f"while it ran: {report.text}"))
+        return report
 
 
 def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
@@ -25,7 +50,7 @@ def move_hosts(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     begin at its new place: then all go back to their old places.
     """
     for host in hosts:
-        host.move(MoveOrder(plan=plan_to_data(new), trial=True))
+        host.ask(MoveOrder(plan=plan_to_data(new), trial=True))
     try:
         _replace(old, new, hosts)
     except FollowspotError:
@@ -37,13 +62,13 @@ def _replace(old: Plan, new: Plan, hosts: Sequence[Host]) -> None:
     """Let the workers that must restart leave, and start them at their new places."""
     leaving = anew(old, new)
     for host in hosts:
-        host.move(MoveOrder(leaving=tuple(sorted(leaving))))
+        host.ask(MoveOrder(leaving=tuple(sorted(leaving))))
     _await_absent(leaving, hosts)
-    states = {stage: state for host in hosts for stage, state in host.states().items()}
+    states = {stage: state for host in hosts for stage, state in host.ask(GetStates()).items()}
     before = {worker.name: worker.restarts for worker in _workers(hosts)}
     for host in hosts:
         own = {stage: state for stage, state in states.items() if new.host_of_stage(stage) == host.name}
-        host.move(MoveOrder(plan=plan_to_data(new), states=own))
+        host.ask(MoveOrder(plan=plan_to_data(new), states=own))
     _await_running(leaving & {worker.name for worker in new.workers}, hosts, before)
 
 

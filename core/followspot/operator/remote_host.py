@@ -5,16 +5,16 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import zenoh
 
-from followspot.control.dispatch import Request, RunRequest
+from followspot.control.dispatch import Dispatcher, Request, RunRequest
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder
 from followspot.control.lifecycle import CloseRun, EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.move import MoveOrder
@@ -23,6 +23,7 @@ from followspot.control.origin import own_origin
 from followspot.control.plan_transfer import packed, packed_stages
 from followspot.control.relay import Relayed, with_order
 from followspot.control.swap import ChangeOrder
+from followspot.control.worker_orders import RELAYED
 from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
 from followspot.errors import FollowspotError
 from followspot.graph.change import with_stages
@@ -44,6 +45,8 @@ _RESUME_TIMEOUT = 5.0
 """Seconds that the run's operator has to resume the run with an agent that restarted."""
 _LOST = {"unknown": "the agent was restarted", "timed out": "the agent had ended the run"}
 """Why an agent no longer has the run, by its answer to `FindRun`."""
+_TIMEOUT = 2.0
+"""Seconds that an agent has to answer."""
 _PREPARE_TIMEOUT = 30.0
 """Seconds that an agent may take to start its workers."""
 
@@ -83,6 +86,7 @@ class RemoteHost:
         """Orders to deliver when the host answers again."""
         self._standing_orders: list[Relayed] = []
         """Relayed orders to repeat to an agent that restarts."""
+        self.ask = self._dispatcher().dispatch
         self._poller = threading.Thread(target=self._poll_until_closed, name=f"status of {name}", daemon=True)
 
     def prepare(self, order: RunOrder) -> None:
@@ -111,46 +115,55 @@ class RemoteHost:
             self._refresh()
         self._poller.start()
 
-    def start(self) -> None:
-        """Start the prepared workers. Raises HostLost, FollowspotError."""
-        self._ask(StartRun(run=self.run))
+    def _dispatcher(self) -> Dispatcher:
+        """What becomes of a request on its way to the agent."""
+        return Dispatcher(
+            "host",
+            {
+                StartRun: partial(self._send, timeout=_TIMEOUT),
+                GetStates: self._send,
+                StopRun: self._stop,
+                EndWorkers: self._end_workers,
+                ChangeOrder: self._change,
+                MoveOrder: self._move,
+                **dict.fromkeys(RELAYED, self._relay),
+            },
+        )
 
-    def stop(self) -> None:
+    def _send(self, request: RunRequest, timeout: float = _PREPARE_TIMEOUT) -> Any:
+        """The agent's answer. Raises HostLost, FollowspotError."""
+        return self._ask(request.model_copy(update={"run": self.run}), timeout)
+
+    def _stop(self, request: StopRun) -> None:
         """End the sources, as soon as the host answers."""
         self._stopped = True
-        self._deliver(StopRun(run=self.run))
+        self._deliver(request)
 
-    def ended(self, workers: Sequence[str]) -> None:
-        """Announce workers of any host that have ended."""
+    def _end_workers(self, request: EndWorkers) -> None:
+        """Announce workers that have ended, as soon as the host answers."""
         assert self.order is not None
-        self.order = replace(self.order, over=tuple(workers))
-        self._deliver(EndWorkers(run=self.run, workers=tuple(workers)))
+        self.order = replace(self.order, over=request.workers)
+        self._deliver(request)
 
-    def change(self, order: ChangeOrder) -> None:
+    def _change(self, order: ChangeOrder) -> None:
         """One step of a hot swap; an agent that restarts resumes with the stages as they are then."""
         assert self.order is not None
         stages = packed_stages(order.stages, self._media)
-        order = order.model_copy(update={"run": self.run, "stages": stages})
-        self._ask(order, _PREPARE_TIMEOUT)
+        self._send(order.model_copy(update={"stages": stages}))
         if order.step == "take_over":
-            plan = with_stages(plan_from_data(self.order.plan), order.stages)
+            plan = with_stages(plan_from_data(self.order.plan), stages)
             self.order = replace(self.order, plan=plan_to_data(plan))
 
-    def move(self, order: MoveOrder) -> None:
+    def _move(self, order: MoveOrder) -> None:
         """One step of a move; an agent that restarts resumes with the stages as they are then."""
         assert self.order is not None
         plan = order.plan and packed(plan_from_data(order.plan), self.name, self._media)
-        order = order.model_copy(update={"run": self.run, "plan": plan})
-        self._ask(order, _PREPARE_TIMEOUT)
-        if order.plan is not None and not order.trial:
-            self.order = replace(self.order, plan=order.plan)
+        self._send(order.model_copy(update={"plan": plan}))
+        if plan is not None and not order.trial:
+            self.order = replace(self.order, plan=plan)
 
-    def states(self) -> dict[str, Any]:
-        """The newest checkpoint of each stage on the host."""
-        return dict(self._ask(GetStates(run=self.run), _PREPARE_TIMEOUT))
-
-    def relay(self, order: Relayed) -> None:
-        """Send an order to the workers of the host, as soon as it answers."""
+    def _relay(self, order: Relayed) -> None:
+        """Send an order for the workers of the host, as soon as it answers."""
         assert self.order is not None
         plan = plan_from_data(self.order.plan)
         mine = {stage.name for stage in plan.stages if plan.host_of(stage.worker) == self.name}
@@ -187,11 +200,12 @@ class RemoteHost:
             return True
         return True
 
-    def _ask(self, request: Request, timeout: float = 2.0) -> Any:
+    def _ask(self, request: Request, timeout: float = _TIMEOUT) -> Any:
         return self._client.ask(self.name, request, timeout)
 
     def _deliver(self, request: RunRequest) -> None:
         """Send an order now; if the host does not answer, send it again when it does."""
+        request = request.model_copy(update={"run": self.run})
         try:
             self._ask(request)
         except HostLost:
@@ -219,7 +233,7 @@ class RemoteHost:
             self._logged = page.last
             self.log.add(*(replace(record, host=self.name) for record in page.records))
 
-    def _read(self, request: Request, timeout: float = 2.0) -> Any:
+    def _read(self, request: Request, timeout: float = _TIMEOUT) -> Any:
         """The host's answer; keeps the reason if it is invalid. Raises FollowspotError."""
         try:
             found = self._ask(request, timeout)

@@ -1,19 +1,19 @@
-"""The handle on a run that the command line, the page, tools, notebooks and tests use."""
+"""The handle on a run that the command line, the page, tools, notebooks and tests use, and how to get one."""
 
 from __future__ import annotations
 
 import json
-import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 from uuid import uuid4
 
-from followspot.control.dispatch import Request
+from followspot.control.dispatch import Ask, NoAnswer
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
-from followspot.control.stage_status import StageStatus
 from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.unix_socket import served_here
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
@@ -29,27 +29,14 @@ from followspot.operator.run_requests import (
     Surroundings,
 )
 from followspot.operator.run_status import RunStatus
+from followspot.operator.stepping import step
 from followspot.plugins.registry import use_plugin_files
+from followspot.transport.zenoh.network import Network
 
 ANSWER_TIMEOUT = 10.0
 """Seconds that a run has to answer; a run that is setting up its stages is slow."""
 _CHANGE_TIMEOUT = 120.0
 """Seconds that a change has: new stages are built beside those that run."""
-_STALLED = 60.0
-"""Seconds without a message of any source after which a step fails."""
-_POLL_INTERVAL = 0.02
-"""Seconds between two polls of a step."""
-
-
-class NoAnswer(FollowspotError):
-    """The run's process is alive but does not answer in time: it is suspended or too busy."""
-
-
-Ask = Callable[[Request, float], Any]
-"""Sends a request to the run and returns its answer; the number is the timeout, s.
-
-Raises NoAnswer after the timeout, FollowspotError if the run has ended or refuses.
-"""
 
 
 class RunHandle:
@@ -139,38 +126,7 @@ class RunHandle:
         has reached the same time. Returns the newest capture time, ns, when the sources have sent these
         messages; stages may still process them. Raises NoAnswer if no source sends for 60 s.
         """
-        plan = self.plan()
-        fed = {edge.to_stage for edge in plan.edges}
-        sources = [stage for stage in plan.stages if stage.name not in fed]
-        chosen = source or min(sources, key=lambda stage: stage.camera is None).name
-        order = HoldSources(id=uuid4().hex, source=chosen, count=count)
-        self.ask(order, ANSWER_TIMEOUT)
-        names, times, deadline = {stage.name for stage in sources}, None, 0.0
-        while True:
-            found = self._stages(names)
-            if found is None:
-                return order.until
-            if chosen in found and found[chosen].time > order.until:
-                order = order.model_copy(update={"until": found[chosen].time})
-                self.ask(order, ANSWER_TIMEOUT)
-            if names == found.keys() and all(_has_stepped(stage, order) for stage in found.values()):
-                return order.until
-            if times != (times := {stage.stage: stage.time for stage in found.values()}):
-                deadline = time.monotonic() + _STALLED
-            if time.monotonic() > deadline:
-                raise NoAnswer(f"no source has sent anything for {_STALLED:.0f} s")
-            time.sleep(_POLL_INTERVAL)
-
-    def _stages(self, names: Collection[str]) -> dict[str, StageStatus] | None:
-        """The status of these stages; None if the run has ended."""
-        try:
-            workers = self.status().workers
-        except NoAnswer:
-            raise
-        except FollowspotError:
-            return None
-        stages = (stage for worker in workers for stage in worker.stages)
-        return {stage.stage: stage for stage in stages if stage.stage in names}
+        return step(self, count, source)
 
     def stop(self) -> None:
         """End the sources; workers finish the messages in flight."""
@@ -186,8 +142,82 @@ class RunHandle:
             return True
 
 
-def _has_stepped(source: StageStatus, order: HoldSources) -> bool:
-    """True if a source has sent all messages that the order allows."""
-    if source.state == "over":
-        return True
-    return source.state == "paused" and source.hold == order.id and source.time >= order.until
+@contextmanager
+def connected_run(wanted: str | None = None, network: Network | None = None) -> Iterator[RunHandle]:
+    """A handle on the run that `wanted` names. The run goes on when the block ends.
+
+    wanted: the graph's name, the beginning of the run's, or the process id of its operator; None names
+    the only run; network: leads to agents, asked if no run of this machine has the name; None asks none.
+    Raises FollowspotError if there is no such run, or several.
+    """
+    here = runs_here(wanted)
+    if network is None or any(names(run, wanted) for run in here):
+        yield _answering(chosen(here, wanted, "on this machine"))
+        return
+    from followspot.operator.attach import attached, handle_of
+
+    with attached(network, wanted, here) as attachment:
+        yield handle_of(attachment, network)
+
+
+def run_here(wanted: str | None = None) -> RunHandle:
+    """The same among the runs of this machine. Raises FollowspotError if there is no such run, or several."""
+    return _answering(chosen(runs_here(wanted), wanted, "on this machine"))
+
+
+def runs_here(wanted: str | None = None) -> list[RunHandle]:
+    """The user's runs on this machine, sorted by name; see `served_here`."""
+    return [RunHandle(found.run, found.graph, found.ask, found.pid) for found in served_here(wanted)]
+
+
+class Listed(Protocol):
+    """A run in a list of runs. label: how the list shows it; pid: of its operator's process, if known."""
+
+    @property
+    def run(self) -> str: ...
+
+    @property
+    def graph(self) -> str: ...
+
+    @property
+    def pid(self) -> int | None: ...
+
+    @property
+    def label(self) -> str: ...
+
+
+Run = TypeVar("Run", bound=Listed)
+
+
+def names(run: Listed, wanted: str | None) -> bool:
+    """True if `wanted` names this run, as `connected_run` takes it."""
+    return wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
+
+
+def chosen(runs: Sequence[Run], wanted: str | None, where: str, others: Sequence[Listed] = ()) -> Run:
+    """The run that `wanted` names: the one rule for the run that is meant, here and under agents.
+
+    where: these runs are; others: runs of this machine that have other names; both for the error message.
+    Raises FollowspotError if there is no such run, or several.
+    """
+    fitting = [run for run in runs if names(run, wanted)]
+    if len(fitting) == 1:
+        return fitting[0]
+    if fitting:
+        raise FollowspotError(f"there are several runs: {_text(fitting)}; name one by the word in brackets")
+    elsewhere = f"; on this machine: {_text(others)}" if others else ""
+    raise FollowspotError(
+        f"there is no run {wanted or ''}".rstrip() + f"; runs {where}: {_text(runs)}{elsewhere}"
+    )
+
+
+def _text(runs: Sequence[Listed]) -> str:
+    """Runs in one line."""
+    return ", ".join(run.label for run in runs) or "none"
+
+
+def _answering(run: RunHandle) -> RunHandle:
+    """The run. Raises NoAnswer if its process does not answer."""
+    if not run.graph:
+        run.status(timeout=0.5)
+    return run

@@ -1,19 +1,13 @@
-"""Requests to a run's operator, which its coordinator answers."""
+"""Requests to a run's operator; `run_dispatcher` has their handlers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from followspot.control.dispatch import Dispatcher, Request, Role
-from followspot.control.lifecycle import StopRun
-from followspot.control.observation import GetLog
-from followspot.control.worker_orders import RELAYED
-from followspot.graph.ship import plan_to_data
+from followspot.control.dispatch import Request, Role
 from followspot.operator.changed import Changed, Moved
-from followspot.operator.coordinator import Coordinator
 from followspot.operator.run_status import RunStatus
 from followspot.transport.zenoh.network import Network
 
@@ -70,31 +64,3 @@ class MoveStages(_OperatorRequest):
     stages: tuple[str, ...]
     place: str
     answer: ClassVar[Any] = Moved
-
-
-def run_dispatcher(
-    run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
-) -> Dispatcher:
-    """The dispatcher of a run's requests. Safe from any thread.
-
-    stop: ends the sources of the run; `Coordinator.stop` by default.
-    """
-    end = run.stop if stop is None else stop
-
-    def status(_: GetStatus) -> RunStatus:
-        found = run.status()
-        return replace(found, workers=tuple(replace(worker, report=None) for worker in found.workers))
-
-    return Dispatcher(
-        "operator",
-        {
-            GetPlan: lambda _: plan_to_data(run.plan),
-            GetStatus: status,
-            GetLog: lambda request: run.records(request.after),
-            GetSurroundings: lambda _: surroundings,
-            ChangeStages: lambda request: run.change(request.words, request.folder, fresh=request.fresh),
-            MoveStages: lambda request: run.move(request.stages, request.place),
-            **dict.fromkeys(RELAYED, run.relay),
-            StopRun: lambda _: end(),
-        },
-    )

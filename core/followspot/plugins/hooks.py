@@ -63,7 +63,7 @@ class PlanOptions:
 
     configure: adds the options; change: returns the plan (`followspot.graph.plan.Plan`) that
     the options ask for, the same one if they ask for nothing; raises InputError; watch: a context that is
-    open while a graph runs in this process, for an observer (`followspot.operator.control_socket`).
+    open while a graph runs in this process, for an observer (`followspot.control.unix_socket`).
     """
 
     configure: Callable[[argparse.ArgumentParser], None]

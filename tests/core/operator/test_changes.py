@@ -10,6 +10,7 @@ import pytest
 
 from followspot.control.host import HostStatus, WorkerPhase, WorkerStatus
 from followspot.control.move import MoveOrder
+from followspot.control.observation import GetStates
 from followspot.control.swap import ChangeOrder, ChangeStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
@@ -71,7 +72,7 @@ class Place:
     """Values of the parameter `step` of its stage, newest last."""
     change_status: ChangeStatus = ChangeStatus()
 
-    def change(self, order: ChangeOrder) -> None:
+    def ask(self, order: ChangeOrder) -> None:
         if order.step == self.refuses:
             self.change_status = ChangeStatus(order.id, "failed", f"{self.name} cannot")
             return
@@ -114,7 +115,12 @@ class WorkerPool:
         """Restarted workers, in order."""
         self.workers = {w.name: WorkerStatus(w.name, "running") for w in plan.workers if w.host == name}
 
-    def move(self, order: MoveOrder) -> None:
+    def ask(self, order: MoveOrder | GetStates) -> object:
+        if isinstance(order, MoveOrder):
+            self._move(order)
+        return {}
+
+    def _move(self, order: MoveOrder) -> None:
         if order.trial and self.refuses:
             raise FollowspotError(f"{self.name} has no such file")
         if order.trial:
@@ -134,9 +140,6 @@ class WorkerPool:
                 phase: WorkerPhase = "absent" if self.unable in stages else "running"
                 there[name] = WorkerStatus(name, phase, restarts=len(self.began))
         self.workers = there
-
-    def states(self) -> dict[str, object]:
-        return {}
 
     def status(self) -> HostStatus:
         return HostStatus(tuple(self.workers.values()), ())

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from followspot.control.dispatch import Request
 from followspot.control.host import HostStatus, RunOrder, WorkerStatus
 from followspot.control.tapping import PlaceTaps, Tapping
 from followspot.errors import FollowspotError
@@ -15,6 +16,8 @@ from followspot.graph.plan import Plan
 from followspot.host.local_host import LocalHost
 from followspot.log.run_log import RunLog
 from followspot.operator.coordinator import Coordinator, order_of
+from followspot.operator.run_dispatcher import run_dispatcher
+from followspot.operator.run_requests import ChangeStages, MoveStages, Surroundings
 from followspot.worker.wiring import RunOptions
 
 TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
@@ -49,12 +52,11 @@ class Ready:
     def prepare(self, order: RunOrder) -> None:
         self.workers = (WorkerStatus("a", "ready"), WorkerStatus("b", "ready"))
 
-    def start(self) -> None:
-        """Begin."""
-
-    def relay(self, order: PlaceTaps) -> None:
-        assert self.workers, "there is nothing to look at"
-        self.taps += order.taps
+    def ask(self, request: Request) -> None:
+        """Begin, or take taps."""
+        if isinstance(request, PlaceTaps):
+            assert self.workers, "there is nothing to look at"
+            self.taps += request.taps
 
     def status(self) -> HostStatus:
         return HostStatus(self.workers, ())
@@ -73,9 +75,9 @@ def test_taps_placed_before_the_start_reach_the_host_once_it_is_prepared(plan: P
 
 def test_a_run_that_has_not_begun_refuses_changes(plan: Plan) -> None:
     run = Coordinator(plan, [LocalHost("")], order(plan))
-    for ask in (lambda: run.change(["a.count=7"], Path()), lambda: run.move(["a"], "b")):
+    for request in (ChangeStages(words=("a.count=7",)), MoveStages(stages=("a",), place="b")):
         with pytest.raises(FollowspotError, match="has not begun yet"):
-            ask()
+            run_dispatcher(run, Surroundings()).dispatch(request)
     assert [(w.name, w.phase) for w in run.status().workers] == [("a", "starting"), ("b", "starting")]
 
 

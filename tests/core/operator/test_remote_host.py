@@ -12,7 +12,7 @@ import pytest
 
 from followspot.control.dispatch import Request, verb
 from followspot.control.host import HostLost, HostRefused, HostStatus, RunOrder, WorkerStatus
-from followspot.control.lifecycle import FindRun, PrepareRun, StartRun
+from followspot.control.lifecycle import EndWorkers, FindRun, PrepareRun, StartRun, StopRun
 from followspot.control.observation import GetHostStatus, GetLog
 from followspot.log.record import LogPage, LogRecord
 from followspot.operator import remote_host
@@ -206,7 +206,7 @@ def test_a_run_that_ends_or_has_no_restarts_is_not_resumed(ending: str) -> None:
     agent = Forgetful("unknown")
     host = operated(agent, restart=ending != "replay")
     if ending == "stopped":
-        host.stop()
+        host.ask(StopRun())
     host._poll()
     assert agent.prepared is None
 
@@ -214,8 +214,8 @@ def test_a_run_that_ends_or_has_no_restarts_is_not_resumed(ending: str) -> None:
 def test_a_refused_order_does_not_block_later_ones() -> None:
     agent = Forgetful("here", cut=["end_workers", "stop_run"])
     host = operated(agent)
-    host.ended(["right"])
-    host.stop()
+    host.ask(EndWorkers(workers=("right",)))
+    host.ask(StopRun())
     agent.refuses["end_workers"] = "it does not know right"
     host._poll()
     assert agent.asked == [

@@ -66,7 +66,7 @@ def test_lost_and_damaged_messages_are_distinguished() -> None:
     for queue in queues:
         queue.reader = SimpleNamespace(consumed=lambda count=1: None)  # type: ignore[assignment]
         queue.accept(Invalid("it is of another type"))
-    worker = SimpleNamespace(readers=queues)
+    worker = SimpleNamespace(ends=SimpleNamespace(readers=queues))
     assert missing(worker) == ""  # type: ignore[arg-type]
     for _ in range(2):
         queues[1].accept(Invalid("gap", missing=True))

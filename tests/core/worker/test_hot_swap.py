@@ -15,7 +15,9 @@ from followspot.graph.compile import compile_graph
 from followspot.host.local_host import LocalHost
 from followspot.host.worker_thread import WorkerThread
 from followspot.operator.coordinator import Coordinator
+from followspot.operator.hot_swap import change_stages
 from followspot.operator.launch import local_run
+from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import load_stage
 from followspot.worker.scheduler import Worker
 from followspot.worker.wiring import RunOptions
@@ -42,8 +44,12 @@ def worker_of(run: Coordinator) -> Worker:
     return process.main.worker
 
 
+def change(run: Coordinator, *words: str) -> None:
+    change_stages(run, ChangeStages(words=words))
+
+
 def changed_at_the_gate(
-    folder: Path, change: Callable[[Coordinator], object]
+    folder: Path, meddle: Callable[[Coordinator], object]
 ) -> tuple[Coordinator, ModuleType]:
     """A whole run, changed from another thread while its notes pass slowly from the 50th on."""
     path = folder / "graph.yaml"
@@ -55,15 +61,15 @@ def changed_at_the_gate(
     module.Gate.reached, module.Gate.open = threading.Event(), threading.Event()
     problems: list[BaseException] = []
 
-    def meddle() -> None:
+    def meddle_at_the_gate() -> None:
         assert module.Gate.reached.wait(20)
         try:
-            change(run)
+            meddle(run)
         except BaseException as error:
             problems.append(error)
         module.Gate.open.set()
 
-    meddler = threading.Thread(target=meddle)
+    meddler = threading.Thread(target=meddle_at_the_gate)
     meddler.start()
     report = run.execute()
     meddler.join()
@@ -73,7 +79,7 @@ def changed_at_the_gate(
 
 
 def test_stages_that_are_no_longer_alike_work_alone_and_nothing_is_lost(tmp_path: Path) -> None:
-    run, module = changed_at_the_gate(tmp_path, lambda run: run.change(["y.at=7"], Path()))
+    run, module = changed_at_the_gate(tmp_path, lambda run: change(run, "y.at=7"))
     assert sorted(module.Collect.got) == sorted([(name, n, 2 * n) for name in "pq" for n in range(200)])
     assert 50 <= len(module.Double.sizes) < 200, "together before, each alone after"
     assert run.plan.notes == ("while it ran: y: at = 7",)
@@ -83,7 +89,7 @@ def test_a_change_that_fails_leaves_every_stage_as_it_was(tmp_path: Path) -> Non
     def refused(run: Coordinator) -> None:
         before = [runner.stage for runner in worker_of(run).runners]
         with pytest.raises(FollowspotError, match="cannot be built: ValueError: no tripling"):
-            run.change(["x.at=7", "y=alike.triple"], Path())
+            change(run, "x.at=7", "y=alike.triple")
         assert [runner.stage for runner in worker_of(run).runners] == before
 
     run, module = changed_at_the_gate(tmp_path, refused)
@@ -95,4 +101,4 @@ def test_a_change_that_fails_leaves_every_stage_as_it_was(tmp_path: Path) -> Non
 def test_a_run_that_is_over_is_not_changed(tmp_path: Path) -> None:
     run, _ = changed_at_the_gate(tmp_path, lambda run: None)
     with pytest.raises(FollowspotError, match="the run has ended"):
-        run.change(["y.at=7"], Path())
+        change(run, "y.at=7")

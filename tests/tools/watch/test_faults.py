@@ -13,13 +13,13 @@ from typing import Any
 import pytest
 from tests.tools.watch.screens import on_terminal
 
-from followspot.control.dispatch import Request
+from followspot.control.dispatch import NoAnswer, Request
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
-from followspot.operator.run_handle import NoAnswer, RunHandle
+from followspot.operator.run_handle import RunHandle
 from followspot.operator.run_requests import GetPlan, GetStatus
 from followspot.operator.run_status import RunStatus, SeenHost
 from followspot.worker.ledger import COLUMNS

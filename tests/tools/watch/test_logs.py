@@ -13,13 +13,13 @@ from followspot.cli.main import main
 from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
 from followspot.control.observation import GetLog
+from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.ship import plan_to_data
 from followspot.log.file import LogFile
 from followspot.log.record import LogPage, LogRecord
 from followspot.log.run_log import RunLog
-from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 

@@ -24,12 +24,12 @@ from followspot.control.dispatch import Dispatcher
 from followspot.control.host import WorkerStatus
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.unix_socket import serve_requests
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
 from followspot.messages import Header, stamped
-from followspot.operator.control_socket import serve_requests
 from followspot.operator.run_requests import GetPlan, GetStatus, GetSurroundings, Surroundings
 from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage

@@ -14,13 +14,13 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from struct import Struct
 from typing import Any
 
-from followspot.control.dispatch import Dispatcher, Request, answer_from_wire, to_wire
+from followspot.control.dispatch import Ask, Dispatcher, NoAnswer, Request, answer_from_wire, to_wire
 from followspot.errors import FollowspotError
-from followspot.operator.run_handle import Ask, NoAnswer, RunHandle
 
 MAX_REQUEST = 1 << 20
 """Longest request, bytes."""
@@ -56,7 +56,17 @@ def serve_requests(run: str, graph: str, dispatcher: Dispatcher) -> Iterator[Non
         server.close()
 
 
-def runs_here(wanted: str | None = None) -> list[RunHandle]:
+@dataclass(frozen=True)
+class Served:
+    """A run whose process serves requests, here. graph: "" if it does not answer; ask: sends it requests."""
+
+    run: str
+    graph: str
+    pid: int
+    ask: Ask
+
+
+def served_here(wanted: str | None = None) -> list[Served]:
     """The user's runs on this machine, sorted by name.
 
     wanted: a process id or the beginning of a run's name; if there is such a run, only it is asked.
@@ -70,19 +80,19 @@ def runs_here(wanted: str | None = None) -> list[RunHandle]:
     meant = [name for name in names if wanted and _is_meant(wanted, name)]
     for name in meant or names:
         with suppress(OSError, FollowspotError, KeyError, TypeError, ValueError):  # the run has just ended
-            found.append(_found(name))
+            found.append(_described(name))
     return found
 
 
-def _found(name: str) -> RunHandle:
+def _described(name: str) -> Served:
     """The run behind the socket of this name."""
     pid, _, run = name.removeprefix(_prefix()).partition("-")
     try:
         about = _exchange(name, _DESCRIBE, _TIMEOUT)
     except TimeoutError:
-        return RunHandle(run, "", socket_of(name, run, int(pid)), int(pid))
+        return Served(run, "", int(pid), socket_of(name, run, int(pid)))
     run = str(about["run"])
-    return RunHandle(run, str(about["graph"]), socket_of(name, run, int(pid)), int(pid))
+    return Served(run, str(about["graph"]), int(pid), socket_of(name, run, int(pid)))
 
 
 def socket_of(name: str, run: str, pid: int) -> Ask:

@@ -14,8 +14,9 @@ from typing import Any, ClassVar
 import pytest
 
 from followspot.control.dispatch import Dispatcher, Request, Role
+from followspot.control.unix_socket import MAX_REQUEST, serve_requests
 from followspot.errors import FollowspotError
-from followspot.operator.control_socket import MAX_REQUEST, runs_here, serve_requests
+from followspot.operator.run_handle import runs_here
 
 RUN = "feedc0de" * 4
 

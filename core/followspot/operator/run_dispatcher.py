@@ -1,0 +1,53 @@
+"""The dispatcher of a run's operator: what each request of other processes does to the run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+from followspot.control.dispatch import Dispatcher
+from followspot.control.lifecycle import StopRun
+from followspot.control.observation import GetLog
+from followspot.control.worker_orders import RELAYED
+from followspot.graph.ship import plan_to_data
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.hot_swap import change_stages
+from followspot.operator.move import move_stages
+from followspot.operator.run_requests import (
+    ChangeStages,
+    GetPlan,
+    GetStatus,
+    GetSurroundings,
+    MoveStages,
+    Surroundings,
+)
+from followspot.operator.run_status import RunStatus
+
+
+def run_dispatcher(
+    run: Coordinator, surroundings: Surroundings, stop: Callable[[], None] | None = None
+) -> Dispatcher:
+    """The dispatcher of a run's requests. Safe from any thread.
+
+    stop: ends the sources of the run; `Coordinator.stop` by default.
+    """
+    end = run.stop if stop is None else stop
+
+    def status(_: GetStatus) -> RunStatus:
+        found = run.status()
+        return replace(found, workers=tuple(replace(worker, report=None) for worker in found.workers))
+
+    return Dispatcher(
+        "operator",
+        {
+            GetPlan: lambda _: plan_to_data(run.plan),
+            GetStatus: status,
+            GetLog: lambda request: run.records(request.after),
+            GetSurroundings: lambda _: surroundings,
+            ChangeStages: partial(change_stages, run),
+            MoveStages: partial(move_stages, run),
+            **dict.fromkeys(RELAYED, run.relay),
+            StopRun: lambda _: end(),
+        },
+    )

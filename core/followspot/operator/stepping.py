@@ -1,0 +1,67 @@
+"""A step of a paused replay: every source sends up to a capture time, then holds again."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+from uuid import uuid4
+
+from followspot.control.dispatch import NoAnswer
+from followspot.control.stage_status import StageStatus
+from followspot.control.worker_orders import HoldSources
+from followspot.errors import FollowspotError
+
+if TYPE_CHECKING:
+    from followspot.operator.run_handle import RunHandle
+
+_TIMEOUT = 10.0
+"""Seconds that the run has to take an order."""
+_STALLED = 60.0
+"""Seconds without a message of any source after which a step fails."""
+_POLL_INTERVAL = 0.02
+"""Seconds between two polls of the sources."""
+
+
+def step(run: RunHandle, count: int, source: str | None) -> int:
+    """Let a replay go on for the next `count` capture times of a source; see `RunHandle.step`."""
+    plan = run.plan()
+    fed = {edge.to_stage for edge in plan.edges}
+    sources = [stage for stage in plan.stages if stage.name not in fed]
+    chosen = source or min(sources, key=lambda stage: stage.camera is None).name
+    order = HoldSources(id=uuid4().hex, source=chosen, count=count)
+    run.ask(order, _TIMEOUT)
+    names, times, deadline = {stage.name for stage in sources}, None, 0.0
+    while True:
+        found = _statuses(run, names)
+        if found is None:
+            return order.until
+        if chosen in found and found[chosen].time > order.until:
+            order = order.model_copy(update={"until": found[chosen].time})
+            run.ask(order, _TIMEOUT)
+        if names == found.keys() and all(_has_stepped(stage, order) for stage in found.values()):
+            return order.until
+        if times != (times := {stage.stage: stage.time for stage in found.values()}):
+            deadline = time.monotonic() + _STALLED
+        if time.monotonic() > deadline:
+            raise NoAnswer(f"no source has sent anything for {_STALLED:.0f} s")
+        time.sleep(_POLL_INTERVAL)
+
+
+def _statuses(run: RunHandle, names: Collection[str]) -> dict[str, StageStatus] | None:
+    """The status of these stages; None if the run has ended."""
+    try:
+        workers = run.status().workers
+    except NoAnswer:
+        raise
+    except FollowspotError:
+        return None
+    stages = (stage for worker in workers for stage in worker.stages)
+    return {stage.stage: stage for stage in stages if stage.stage in names}
+
+
+def _has_stepped(source: StageStatus, order: HoldSources) -> bool:
+    """True if a source has sent all messages that the order allows."""
+    if source.state == "over":
+        return True
+    return source.state == "paused" and source.hold == order.id and source.time >= order.until
