@@ -31,46 +31,30 @@ from typing import Any
 
 from fuzzing.target import MORE_MB, Outcome, Target
 
-COUNTS = {
-    "zenoh": 80_000,
-    "ring": 20_000,
-    "graph": 2_500,
-    "room": 2_500,
-    "placement": 1_500,
-    "override": 500,
-    "graph_values": 5_000,
-    "room_values": 3_500,
-    "placement_values": 1_500,
-    "runs": 1_500,
-    "parameters": 5_000,
-    "tables": 2_000,
-    "keypoints": 500,
-    "calibration": 1_500,
-    "request": 3_000,
-    "status": 500,
-    "registry": 500,
-    "extreme_zenoh": 50_000,
-    "extreme_ring": 50_000,
-    "extreme_stage": 20_000,
-    "video": 1_000,
-    "images": 1_000,
+TARGETS = {
+    "fuzzing.wire": {"zenoh": 80_000, "ring": 20_000},
+    "fuzzing.files": {"graph": 2_500, "room": 2_500, "placement": 1_500, "override": 500, "tables": 2_000}
+    | {"keypoints": 500, "calibration": 1_500},
+    "fuzzing.documents": {
+        "graph_values": 5_000,
+        "room_values": 3_500,
+        "placement_values": 1_500,
+        "runs": 1_500,
+    },
+    "fuzzing.parameters": {"parameters": 5_000},
+    "fuzzing.control": {"request": 3_000, "status": 500, "registry": 500},
+    "fuzzing.edges": {"extreme_zenoh": 50_000, "extreme_ring": 50_000},
+    "fuzzing.stages": {"extreme_stage": 20_000},
+    "fuzzing.pictures": {"video": 1_000, "images": 1_000},
 }
-MODULES = {
-    "fuzzing.wire": ("zenoh", "ring"),
-    "fuzzing.edges": ("extreme_zenoh", "extreme_ring"),
-    "fuzzing.stages": ("extreme_stage",),
-    "fuzzing.files": ("graph", "room", "placement", "override", "tables", "keypoints", "calibration"),
-    "fuzzing.documents": ("graph_values", "room_values", "placement_values", "runs"),
-    "fuzzing.parameters": ("parameters",),
-    "fuzzing.control": ("request", "status", "registry"),
-    "fuzzing.pictures": ("video", "images"),
-}
+"""Module -> the names of its targets, and the usual number of inputs of each."""
+COUNTS = {name: count for targets in TARGETS.values() for name, count in targets.items()}
 _MOST_CRASHES = 20
 
 
 def target(name: str) -> Target:
     """The target; the others are not imported."""
-    module = next(module for module, names in MODULES.items() if name in names)
+    module = next(module for module, names in TARGETS.items() if name in names)
     made: Target = getattr(import_module(module), f"{name}_target")()
     return made
 
@@ -114,16 +98,7 @@ def besiege(name: str, seed: int, first: int, last: int) -> Outcome:
         with tempfile.NamedTemporaryFile() as file:
             file.write(bytes(8))
             file.flush()
-            words = [
-                sys.executable,
-                sys.argv[0],
-                "--child",
-                name,
-                str(seed),
-                str(first),
-                str(last),
-                file.name,
-            ]
+            words = [sys.executable, sys.argv[0], "--child", name, *map(str, (seed, first, last)), file.name]
             done = subprocess.run(
                 words, capture_output=True, env={**os.environ, "OPENCV_LOG_LEVEL": "SILENT"}
             )

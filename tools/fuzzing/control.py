@@ -23,8 +23,9 @@ from followspot.graph.ship import plan_from_data
 from followspot.security.grants import Grants
 from followspot.security.request_guard import FORMAT, Asked, RequestGuard
 from followspot.transport.host_registry import read_host_registry
-from fuzzing.mutation import broken_bytes, broken_text, broken_tree
+from fuzzing.mutation import broken_bytes, broken_text
 from fuzzing.target import Target
+from fuzzing.trees import broken_tree
 
 ROOT = Path(__file__).parents[2]
 HOST = "pc-left"

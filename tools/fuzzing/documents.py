@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from followspot.cli.main import main
 from followspot.errors import FollowspotError
 from followspot.graph import show
@@ -28,7 +30,7 @@ from followspot.operator.launch import run_plan
 from followspot.plugins.registry import load_stage
 from followspot.worker.wiring import RunOptions
 from fuzzing.target import Target
-from fuzzing.trees import Pairs, Raw, Tree, emit, extreme, extreme_like, mutated, read_tree
+from fuzzing.trees import Raw, Tree, broken_tree, emit, extreme, extreme_like, unlikely
 
 ROOT = Path(__file__).parents[2]
 LONGEST_S = 2.0
@@ -98,96 +100,79 @@ def _target(make: Callable[[random.Random], Files]) -> Target:
 def _files(rng: random.Random, *, graph: bool = False, room: bool = False, placement: bool = False) -> Files:
     """A good set of files, some of them mutated."""
     good = rng.choice((_GLOWBALLS, _PERSONS))
-    trees = read_tree(good), read_tree(_ROOMS[good]), _placement(good, rng)
-    trees[0].put("room", "room.yaml")
+    trees = {**yaml.safe_load(good), "room": "room.yaml"}, yaml.safe_load(_ROOMS[good]), _placement(good, rng)
     ways = (graph, _graph_way), (room, _room_way), (placement, _placement_way)
     return Files(
-        *(emit(mutated(t, rng, way) if chosen else t) for t, (chosen, way) in zip(trees, ways, strict=True))
+        *(emit(_mutated(t, rng, way) if chosen else t) for t, (chosen, way) in zip(trees, ways, strict=True))
     )
 
 
+def _mutated(tree: Tree, rng: random.Random, more: Callable[[Tree, random.Random], None]) -> Tree:
+    """The tree, changed in one to four ways; more: one that suits the kind of document."""
+    for _ in range(rng.choice((1, 1, 1, 1, 2, 4))):
+        if rng.random() < 0.7 and isinstance(tree, dict):
+            with contextlib.suppress(AttributeError, IndexError, KeyError, TypeError):  # changed before
+                more(tree, rng)
+        else:
+            tree = broken_tree(tree, rng, unlikely)
+    return tree
+
+
 def _placement(good: str, rng: random.Random) -> Tree:
-    stages = [name for name, _ in read_tree(good).get("stages").items]
-    left = Pairs([("host", "pc-left"), ("cameras", [_CAMERAS[good]])])
-    right = Pairs([("stages", rng.sample(stages, 2))])
-    return Pairs([("placement", "two"), ("workers", Pairs([("left", left), ("right", right)]))])
+    stages = list(yaml.safe_load(good)["stages"])
+    left, right = {"host": "pc-left", "cameras": [_CAMERAS[good]]}, {"stages": rng.sample(stages, 2)}
+    return {"placement": "two", "workers": {"left": left, "right": right}}
 
 
 def _graph_way(tree: Tree, rng: random.Random) -> None:
     """A parameter, a key of a stage, of an edge or of the graph gets an extreme value."""
-    stages = tree.get("stages")
-    if not isinstance(stages, Pairs) or not stages.items:
-        return
-    _, stage = rng.choice(stages.items)
-    if not isinstance(stage, Pairs):
-        return
+    names = list(tree["stages"])
+    stage = tree["stages"][rng.choice(names)]
     way = rng.randrange(6)
     if way <= 2:
         uses = stage.get("uses")
         _parameter(stage, uses if uses != "room.source" else "sim.camera", rng)
     elif way == 3:
         key = rng.choice(("uses", "each", "tolerance", "deadline", "on_error", "in", "with"))
-        stage.put(key, rng.choice((*_SWAPS, "room.source")) if key == "uses" else extreme(rng))
-    elif way == 4 and isinstance(stage.get("in"), Pairs) and stage.get("in").items:
-        inputs = stage.get("in")
-        port, _ = rng.choice(inputs.items)
-        feed = Pairs([("from", rng.choice(stages.items)[0])])
-        feed.put(rng.choice(("delay", "depth", "codec", "policy", "from")), extreme(rng))
-        inputs.put(port, rng.choice((feed, rng.choice(stages.items)[0], extreme(rng))))
+        stage[key] = rng.choice((*_SWAPS, "room.source")) if key == "uses" else extreme(rng)
+    elif way == 4 and stage.get("in"):
+        option = rng.choice(("delay", "depth", "codec", "policy", "from"))
+        feed = {"from": rng.choice(names), option: extreme(rng)}
+        stage["in"][rng.choice(list(stage["in"]))] = rng.choice((feed, rng.choice(names), extreme(rng)))
     else:
-        key = rng.choice(("seed", "extends", "params", "inputs", "outputs", "room", "graph"))
-        tree.put(key, rng.choice(([Raw('"graph.yaml"')], Pairs([("x", extreme(rng))]), extreme(rng))))
+        key = rng.choice(("seed", "vars", "include", "extends", "graph", "room"))
+        tree[key] = rng.choice(([Raw('"graph.yaml"')], {"x": extreme(rng)}, extreme(rng)))
 
 
 def _room_way(tree: Tree, rng: random.Random) -> None:
     """A number of a camera, a plane or a target, or a parameter of a source gets an extreme value."""
-    cameras = tree.get("cameras")
-    if not isinstance(cameras, Pairs) or not cameras.items:
-        return
-    camera = rng.choice(cameras.items)[1]
+    cameras = tree["cameras"]
+    camera = cameras[rng.choice(list(cameras))]
     way = rng.randrange(5)
-    if way <= 1 and isinstance(camera, Pairs) and camera.items:
-        key = rng.choice((*(key for key, _ in camera.items), "host", "clock_offset", "model"))
-        camera.put(key, extreme_like(camera.get(key), rng))
-    elif way <= 3 and isinstance(camera, Pairs):
-        key, value = rng.choice((("source", camera.get("source")), ("truth", tree.get("truth"))))
-        if isinstance(value, Pairs):
-            alike = _parameter(value, value.get("uses"), rng)
-            if alike is not None and rng.random() < 0.7:  # the same for all cameras, as a room requires
-                for _, other in cameras.items:
-                    if isinstance(other, Pairs) and isinstance(other.get("source"), Pairs):
-                        _with(other.get("source")).put(*alike)
-                if isinstance(tree.get("truth"), Pairs):
-                    _with(tree.get("truth")).put(*alike)
+    if way <= 1:
+        key = rng.choice((*camera, "host", "clock_offset", "model"))
+        camera[key] = extreme_like(camera.get(key), rng)
+    elif way <= 3:
+        use = rng.choice((camera["source"], tree["truth"]))
+        alike = _parameter(use, use["uses"], rng)
+        if alike is not None and rng.random() < 0.7:  # the same for all cameras, as a room requires
+            for other in (*(camera["source"] for camera in cameras.values()), tree["truth"]):
+                other.setdefault("with", {}).update([alike])
     else:
-        section = tree.get(rng.choice(("planes", "targets")))
-        if isinstance(section, Pairs) and section.items:
-            name, value = rng.choice(section.items)
-            if isinstance(value, Pairs) and value.items:
-                key, inner = rng.choice(value.items)
-                value.put(key, extreme_like(inner, rng))
-            else:
-                section.put(name, extreme_like(value, rng))
+        section = tree[rng.choice(("planes", "targets"))]
+        holder, name = section, rng.choice(list(section))
+        if isinstance(section[name], dict):
+            holder, name = section[name], rng.choice(list(section[name]))
+        holder[name] = extreme_like(holder[name], rng)
 
 
 def _placement_way(tree: Tree, rng: random.Random) -> None:
     """A worker has another host, camera or stage."""
-    workers = tree.get("workers")
-    if isinstance(workers, Pairs) and workers.items and isinstance(workers.items[0][1], Pairs):
-        workers.items[0][1].put(
-            rng.choice(("host", "cameras", "stages")), rng.choice((extreme(rng), [extreme(rng)]))
-        )
+    worker = tree["workers"]["left"]
+    worker[rng.choice(("host", "cameras", "stages"))] = rng.choice((extreme(rng), [extreme(rng)]))
 
 
-def _with(holder: Pairs) -> Pairs:
-    """The parameters of a stage, added if there are none."""
-    if not isinstance(holder.get("with"), Pairs):
-        holder.put("with", Pairs([]))
-    found: Pairs = holder.get("with")
-    return found
-
-
-def _parameter(holder: Pairs, uses: Any, rng: random.Random) -> tuple[str, Tree] | None:
+def _parameter(holder: Tree, uses: Any, rng: random.Random) -> tuple[str, Tree] | None:
     """Give a parameter that the stage has an extreme value; the parameter and the value."""
     try:
         fields = load_stage(uses).Params.model_fields
@@ -197,7 +182,7 @@ def _parameter(holder: Pairs, uses: Any, rng: random.Random) -> tuple[str, Tree]
         return None
     name = rng.choice(list(fields))
     found = name, extreme_like(fields[name].get_default(call_default_factory=True), rng)
-    _with(holder).put(*found)
+    holder.setdefault("with", {}).update([found])
     return found
 
 

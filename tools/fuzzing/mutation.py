@@ -1,10 +1,9 @@
-"""Ways to break an input: bytes, text and trees of plain data, all from one random number generator."""
+"""Ways to break an input of bytes or text, all from one random number generator."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 NASTY_INTEGERS = (0, 1, -1, 127, 255, 65_535, 2**31 - 1, 2**31, 2**32, 2**63 - 1, -(2**63), 2**64, 10**30)
 NASTY_FLOATS = (0.0, -0.0, 1e-320, 1e308, -1e308, float("inf"), float("-inf"), float("nan"))
@@ -87,55 +86,3 @@ def broken_text(data: bytes, rng: random.Random, others: Sequence[bytes] = ()) -
             other = rng.randrange(len(lines))
             lines[number], lines[other] = lines[other], line
     return "\n".join(lines).encode("utf-8", "surrogatepass")
-
-
-def broken_tree(tree: Any, rng: random.Random) -> Any:
-    """Plain data with one to three of its values changed, moved, dropped or put elsewhere."""
-    for _ in range(rng.choice((1, 1, 2, 3))):
-        tree = _changed(tree, rng)
-    return tree
-
-
-def _changed(tree: Any, rng: random.Random) -> Any:
-    """The tree with one change at a random depth."""
-    if isinstance(tree, dict) and tree and rng.random() < 0.85:
-        key = rng.choice(list(tree))
-        way = rng.randrange(8)
-        if way == 0:
-            return {name: value for name, value in tree.items() if name != key}
-        if way == 1:
-            return {**tree, rng.choice(NASTY_TEXT): tree[key]}
-        return {**tree, key: _changed(tree[key], rng)}
-    if isinstance(tree, list | tuple) and tree and rng.random() < 0.85:
-        place = rng.randrange(len(tree))
-        items = list(tree)
-        way = rng.randrange(8)
-        if way == 0:
-            del items[place]
-        elif way == 1:
-            items.insert(place, items[place])
-        else:
-            items[place] = _changed(items[place], rng)
-        return items
-    return rng.choice(_VALUES)(rng)
-
-
-def _deep(rng: random.Random) -> Any:
-    tree: Any = []
-    for _ in range(rng.choice((5, 50, 500))):
-        tree = [tree]
-    return tree
-
-
-_VALUES: tuple[Callable[[random.Random], Any], ...] = (
-    lambda rng: rng.choice(NASTY_INTEGERS[:-2]),
-    lambda rng: rng.choice(NASTY_FLOATS),
-    lambda rng: rng.choice(NASTY_TEXT[:-4]),
-    lambda rng: None,
-    lambda rng: rng.random() < 0.5,
-    lambda rng: [],
-    lambda rng: {},
-    lambda rng: [0] * rng.choice((1, 1000)),
-    lambda rng: rng.randrange(-5, 50),
-    _deep,
-)

@@ -1,8 +1,6 @@
-"""Well-formed documents that say extreme things: values, keys, names and whole subtrees are replaced.
+"""Plain data with values changed, dropped, doubled and renamed: requests, heads of messages, documents.
 
-A document is a tree of mappings, lists and scalars; a mapping is a list of pairs, so that keys can stand in
-it twice, and `Raw` is a piece of YAML as it is, so that numbers, aliases and tags can be what Python has no
-value for.
+A document may hold `Raw` pieces of YAML: numbers, aliases and tags that Python has no value for.
 """
 
 from __future__ import annotations
@@ -10,11 +8,11 @@ from __future__ import annotations
 import json
 import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import yaml
+from fuzzing.mutation import NASTY_FLOATS, NASTY_INTEGERS, NASTY_TEXT
 
 Tree = Any
 
@@ -26,49 +24,60 @@ class Raw:
     text: str
 
 
-@dataclass
-class Pairs:
-    """A mapping; keys may stand in it twice."""
-
-    items: list[tuple[str, Tree]]
-
-    def get(self, key: str) -> Tree:
-        """The first value of a key."""
-        return next((value for name, value in self.items if name == key), None)
-
-    def put(self, key: str, value: Tree) -> None:
-        """Replace the first value of a key, or add it."""
-        for number, (name, _) in enumerate(self.items):
-            if name == key:
-                self.items[number] = (key, value)
-                return
-        self.items.append((key, value))
+def nasty(_: Tree, rng: random.Random) -> Tree:
+    """A value that JSON and msgpack can hold."""
+    return rng.choice(_NASTY)(rng)
 
 
-def read_tree(text: str) -> Tree:
-    """The tree of a good document."""
-    return _tree(yaml.safe_load(text))
+def unlikely(value: Tree, rng: random.Random) -> Tree:
+    """A value for documents: an extreme one, more often of the kind of the old one."""
+    return extreme_like(value, rng) if rng.random() < 0.6 else extreme(rng)
+
+
+def broken_tree(tree: Tree, rng: random.Random, other: Callable[[Tree, random.Random], Tree] = nasty) -> Tree:
+    """The tree with one to three of its values changed, dropped, doubled or renamed, at random depths.
+
+    other: gives the value that takes the place of an old one.
+    """
+    for _ in range(rng.choice((1, 1, 2, 3))):
+        tree = _changed(tree, rng, other)
+    return tree
+
+
+def _changed(tree: Tree, rng: random.Random, other: Callable[[Tree, random.Random], Tree]) -> Tree:
+    if isinstance(tree, dict) and tree and rng.random() < 0.93:
+        key = rng.choice(list(tree))
+        way = rng.randrange(8)
+        if way == 0:
+            return {name: value for name, value in tree.items() if name != key}
+        if way == 1:
+            return {**tree, rng.choice(NASTY_TEXT): tree[key]}
+        return {**tree, key: _changed(tree[key], rng, other)}
+    if isinstance(tree, list | tuple) and tree and rng.random() < 0.93:
+        place = rng.randrange(len(tree))
+        items = list(tree)
+        way = rng.randrange(8)
+        if way == 0:
+            del items[place]
+        elif way == 1:
+            items.insert(place, items[place])
+        else:
+            items[place] = _changed(items[place], rng, other)
+        return items
+    return other(tree, rng)
 
 
 def emit(tree: Tree) -> str:
     """The document, in flow style."""
     if isinstance(tree, Raw):
         return tree.text
-    if isinstance(tree, Pairs):
-        return "{" + ", ".join(f"{_scalar(key)}: {emit(value)}" for key, value in tree.items) + "}"
+    if isinstance(tree, dict):
+        return "{" + ", ".join(f"{json.dumps(key)}: {emit(value)}" for key, value in tree.items()) + "}"
     if isinstance(tree, list):
         return "[" + ", ".join(map(emit, tree)) + "]"
-    return _scalar(tree)
-
-
-def mutated(tree: Tree, rng: random.Random, more: Callable[[Tree, random.Random], None]) -> Tree:
-    """The tree, changed in place in one to four ways; more: one that suits the kind of document."""
-    for _ in range(rng.choice((1, 1, 1, 1, 2, 4))):
-        if rng.random() < 0.7:
-            more(tree, rng)
-        else:
-            rng.choice(_WAYS)(tree, rng)
-    return tree
+    if isinstance(tree, float) and not math.isfinite(tree):
+        return str(tree).replace("inf", ".inf").replace("nan", ".nan")
+    return json.dumps(tree)
 
 
 def extreme(rng: random.Random) -> Tree:
@@ -114,10 +123,8 @@ _TEXTS: tuple[Tree, ...] = (
     *("cameras", "cameras[kind=color]", "cameras[", "latest"),
 )
 _ODD: tuple[Tree, ...] = (
-    *(None, True, False, [], [[]], [None], [1_000_000, 1_000_000], [0] * 1000, ["x"] * 100, Pairs([])),
-    Pairs([("x", 1)]),
-    Pairs([("from", "track"), ("delay", 1000)]),
-    Pairs([("x", 1), ("x", 2)]),
+    *(None, True, False, [], [[]], [None], [1_000_000, 1_000_000], [0] * 1000, ["x"] * 100, {}),
+    *({"x": 1}, {"from": "track", "delay": 1000}, Raw("{x: 1, x: 2}")),
     *map(Raw, ("[" * 60 + "]" * 60, "{a: " * 60 + "1" + "}" * 60, "*a", "&a [*a]", "&b 1", "!!float 1", "")),
     *map(Raw, ("2020-01-01", "12:30:00", "0o17", "1_000", "? x", "<<", "'unfinished", "\t", "- 1", "|\n x")),
     Raw("&a [x, x, x, x, x, x, x, x]"),
@@ -126,93 +133,22 @@ _ODD: tuple[Tree, ...] = (
 _EXTREMES = (_NUMBERS, _TEXTS, _ODD)
 
 
-def _tree(value: Any) -> Tree:
-    if isinstance(value, dict):
-        return Pairs([(str(key), _tree(inner)) for key, inner in value.items()])
-    return [_tree(inner) for inner in value] if isinstance(value, list) else value
+def _deep(rng: random.Random) -> Any:
+    tree: Any = []
+    for _ in range(rng.choice((5, 50, 500))):
+        tree = [tree]
+    return tree
 
 
-def _scalar(value: Any) -> str:
-    if isinstance(value, float):
-        return (
-            repr(value) if math.isfinite(value) else str(value).replace("inf", ".inf").replace("nan", ".nan")
-        )
-    return json.dumps(value)
-
-
-def _places(tree: Tree) -> Iterator[tuple[Pairs | list[Tree], int]]:
-    """Every value below a tree with its container and its key."""
-    if isinstance(tree, Pairs):
-        inner = [value for _, value in tree.items]
-    elif isinstance(tree, list):
-        inner = tree
-    else:
-        return
-    for number, value in enumerate(inner):
-        yield tree, number
-        yield from _places(value)
-
-
-def _place(tree: Tree, rng: random.Random) -> tuple[Pairs | list[Tree], int]:
-    return rng.choice(list(_places(tree)) or [([tree], 0)])
-
-
-def _at(holder: Pairs | list[Tree], number: int) -> Tree:
-    return holder.items[number][1] if isinstance(holder, Pairs) else holder[number]
-
-
-def _set(holder: Pairs | list[Tree], number: int, value: Tree) -> None:
-    if isinstance(holder, Pairs):
-        holder.items[number] = (holder.items[number][0], value)
-    else:
-        holder[number] = value
-
-
-def _replace(tree: Tree, rng: random.Random) -> None:
-    holder, number = _place(tree, rng)
-    _set(holder, number, extreme(rng))
-
-
-def _replace_alike(tree: Tree, rng: random.Random) -> None:
-    holder, number = _place(tree, rng)
-    _set(holder, number, extreme_like(_at(holder, number), rng))
-
-
-def _drop(tree: Tree, rng: random.Random) -> None:
-    holder, number = _place(tree, rng)
-    del (holder.items if isinstance(holder, Pairs) else holder)[number]
-
-
-def _double(tree: Tree, rng: random.Random) -> None:
-    holder, number = _place(tree, rng)
-    items: list[Any] = holder.items if isinstance(holder, Pairs) else holder
-    items.insert(rng.randrange(len(items) + 1), items[number])
-
-
-def _rename(tree: Tree, rng: random.Random) -> None:
-    holder, number = _place(tree, rng)
-    if isinstance(holder, Pairs):
-        name = rng.choice(_TEXTS)
-        holder.items[number] = (name if isinstance(name, str) else "x", holder.items[number][1])
-
-
-def _move(tree: Tree, rng: random.Random) -> None:
-    """A value takes the place of another, which may hold it."""
-    value = _at(*_place(tree, rng))
-    _set(*_place(tree, rng), read_tree(emit_plain(value)))
-
-
-def emit_plain(tree: Tree) -> str:
-    """The document without pieces that are no YAML by themselves."""
-    return emit(_plain(tree))
-
-
-def _plain(tree: Tree) -> Tree:
-    if isinstance(tree, Pairs):
-        return Pairs([(key, _plain(value)) for key, value in tree.items])
-    if isinstance(tree, list):
-        return [_plain(value) for value in tree]
-    return None if isinstance(tree, Raw) or (isinstance(tree, str) and not tree.isprintable()) else tree
-
-
-_WAYS = (_replace, _replace, _replace_alike, _replace_alike, _replace_alike, _drop, _double, _rename, _move)
+_NASTY: tuple[Callable[[random.Random], Any], ...] = (
+    lambda rng: rng.choice(NASTY_INTEGERS[:-2]),
+    lambda rng: rng.choice(NASTY_FLOATS),
+    lambda rng: rng.choice(NASTY_TEXT[:-4]),
+    lambda rng: None,
+    lambda rng: rng.random() < 0.5,
+    lambda rng: [],
+    lambda rng: {},
+    lambda rng: [0] * rng.choice((1, 1000)),
+    lambda rng: rng.randrange(-5, 50),
+    _deep,
+)

@@ -18,8 +18,9 @@ from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import Invalid, Watermark
 from followspot.transport.wire import ALIGN, PREFIX, VERSION, unpack_head
 from followspot.transport.zenoh.codec import pack_as, unpack_as
-from fuzzing.mutation import broken_bytes, broken_tree
+from fuzzing.mutation import broken_bytes
 from fuzzing.target import Target
+from fuzzing.trees import broken_tree
 
 KINDS: tuple[type[Message], ...] = tuple(
     kind
