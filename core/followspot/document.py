@@ -121,6 +121,11 @@ def node_of(value: Any, place: Place) -> Node:
     return _node_of(value, place, MAX_DEPTH)
 
 
+def dump(data: Any) -> str:
+    """The text of a document from plain Python values; `parse` gives the same values back."""
+    return str(yaml.dump(data, Dumper=_Dumper, sort_keys=False, width=110, default_flow_style=None))
+
+
 def resolve(text: str) -> Scalar:
     """The value of an unquoted scalar. Raises ValueError with the reason if a number is too large."""
     if text in _WORDS:
@@ -148,6 +153,20 @@ def checked_number(value: float) -> float:
 def fits(value: int) -> bool:
     """Whether a whole number fits into 64 bits."""
     return -LARGEST_INT - 1 <= value <= LARGEST_INT
+
+
+class _Dumper(yaml.SafeDumper):
+    """Quotes text that would be read as something else; PyYAML alone has the words of YAML 1.1 in mind."""
+
+    def text(self, value: str) -> yaml.ScalarNode:
+        try:
+            plain_text = resolve(value) == value
+        except ValueError:
+            plain_text = False
+        return self.represent_scalar(_STR_TAG, value, style=None if plain_text else "'")
+
+
+_Dumper.add_representer(str, _Dumper.text)
 
 
 class _TooLarge(Exception):

@@ -15,6 +15,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--mermaid", action="store_true", help="print a Mermaid flow chart")
     form.add_argument("--svg", metavar="FILE", help="write an SVG picture")
+    form.add_argument("--flat", action="store_true", help="print it as one file without sub-graphs")
+    form.add_argument("--origin", action="store_true", help="print where each stage and value is written")
     form.add_argument("--json", action="store_true", help="print the plan as JSON")
 
 
@@ -24,8 +26,13 @@ def _run(args: argparse.Namespace) -> int:
     Examples:
       followspot graph graphs/glowballs.yaml --placement camera
       followspot graph graphs/glowballs.yaml --svg glowballs.svg
+      followspot graph graphs/show.yaml --flat > flat.yaml     without sub-graphs and overlays
+      followspot graph graphs/show.yaml --origin               which file says what
     """
     from followspot.graph import show
+    from followspot.graph.compose.flat import flat_text
+    from followspot.graph.compose.origin import origin_text
+    from followspot.graph.load import composed_graph
     from followspot.graph.ship import plan_to_data
 
     plan = plan_of(args)
@@ -33,6 +40,9 @@ def _run(args: argparse.Namespace) -> int:
         Path(args.svg).write_text(show.svg(plan), encoding="utf-8")
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
+    elif args.flat or args.origin:
+        composed = composed_graph(args.graph, args.overrides)
+        print(origin_text(composed) if args.origin else flat_text(composed, plan, args.room), end="")
     else:
         print(show.mermaid(plan) if args.mermaid else show.text(plan))
     return 0

@@ -10,7 +10,7 @@ from pathlib import Path
 from followspot.document import Node, read
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import kind_of
-from followspot.graph.compose.compose import compose
+from followspot.graph.compose.compose import Composed, compose
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
 from followspot.room import Room
@@ -40,8 +40,7 @@ def load(
 
     Raises InputError if the files cannot be put together, for then the graph is not known.
     """
-    changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
-    composed = compose(Path(path), changes, mistakes)
+    composed = _composed(path, overrides, mistakes)
     found, document = _room(room, composed.room, mistakes)
     if not composed.complete:
         raise InputError(mistakes)
@@ -52,6 +51,20 @@ def load(
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
     return Loaded(composed.name, found, document, composed.seed, stages)
+
+
+def composed_graph(path: str | Path, overrides: Sequence[str] = ()) -> Composed:
+    """The stages of a graph file and of all that it uses. Raises InputError."""
+    mistakes: list[Mistake] = []
+    composed = _composed(path, overrides, mistakes)
+    if mistakes:
+        raise InputError(mistakes)
+    return composed
+
+
+def _composed(path: str | Path, overrides: Sequence[str], mistakes: list[Mistake]) -> Composed:
+    found = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
+    return compose(Path(path), found, mistakes)
 
 
 def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tuple[Room | None, Node | None]:

@@ -8,8 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal
 
-import yaml
-
+from followspot.document import dump
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.expand import ROOM_SOURCE
@@ -127,7 +126,7 @@ class Graph:
         data: dict[str, Any] = {"graph": self.name}
         data |= {} if named is None else {"room": str(named)}
         data |= {} if self.seed is None else {"seed": self.seed}
-        return str(yaml.safe_dump({**data, "stages": self.stages}, sort_keys=False, width=110))
+        return dump({**data, "stages": self.stages})
 
     def save(self, path: str | Path) -> Path:
         """Write the graph file, with a relative path to the room if it lies below. Raises OSError."""

@@ -60,7 +60,11 @@ def test_the_whole_demo_without_delays_has_a_mistake_for_each_edge(tmp_path: Pat
     with pytest.raises(InputError) as caught:
         compile_graph(tmp_path / "g.yaml", room=ROOT / "graphs" / "rooms" / "simulated.yaml")
     lines = [mistake.place.line for mistake in caught.value.mistakes if mistake.place]
-    expected = [n for n, line in enumerate(sampled.splitlines(), 1) if "forecast: track.forecast" in line]
+    expected = [
+        n
+        for n, line in enumerate(sampled.splitlines(), 1)
+        if "in: {" in line and "forecast: track.forecast" in line
+    ]
     assert lines == expected
     assert len(lines) == 6
     assert all(m.remedy == "delay it: {from: track.forecast, delay: 1}" for m in caught.value.mistakes)

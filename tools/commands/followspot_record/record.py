@@ -16,7 +16,7 @@ from followspot.cli.graph_options import plan_of
 from followspot.cli.run import execute
 from followspot.errors import FollowspotError, InputError
 from followspot.files import read_text
-from followspot.graph.compose.compose import compose
+from followspot.graph.load import composed_graph
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 from followspot.graph.ship import plan_to_data
@@ -152,7 +152,7 @@ def _files(args: argparse.Namespace) -> dict[str, str]:
     graph = getattr(args, "graph", None)
     if graph is None:
         return {}
-    composed = compose(Path(graph), (), [])
+    composed = composed_graph(graph)
     found: dict[str, str] = {}
     for path in composed.files:
         text = _text(path)
