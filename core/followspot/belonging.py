@@ -42,8 +42,8 @@ def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit
             asked.append(partial(_as_many, column.name, column.shape.index("T"), len(room.targets)))
         if column.refers == "targets" and room.targets:
             asked.append(partial(_within, column.name, len(room.targets)))
-        if column.refers == "cameras":
-            asked.append(partial(_within_cameras, column.name))
+        if scalars.get(column.refers) == tuple[str, ...]:
+            asked.append(partial(_within_field, column.name, column.refers))
         if column.refers == "states":
             asked.append(partial(_within, column.name, len(STATES)))
     return partial(_first, asked) if asked else None
@@ -90,5 +90,5 @@ def _within(column: str, count: int, message: Message) -> str:
     return f"{column} holds {found.min()} to {found.max()}, where 0 to {count - 1} can be"
 
 
-def _within_cameras(column: str, message: Message) -> str:
-    return _within(column, len(message.cameras), message)  # type: ignore[attr-defined]
+def _within_field(column: str, field: str, message: Message) -> str:
+    return _within(column, len(getattr(message, field)), message)

@@ -59,21 +59,52 @@ class Column(NamedTuple):
     dtype: np.dtype[Any]
     unit: str
     refers: str = ""
-    """What its numbers index: "targets", "cameras" (of the message), "states"; "" if nothing."""
+    """What its numbers index: "targets", "states" or a field of texts of the message; "" if nothing."""
+    names: tuple[str, ...] = ()
+    """Names of its columns in a table; by default they follow from its own."""
+    decimals: int | None = None
+    """Digits after the point in a text file; None: as many as tell the number."""
+    extra: bool = False
+    """True if a text file leaves it out unless its columns are asked for by name."""
+
+
+class Cells(NamedTuple):
+    """One column of a table that a message is written as; see `followspot.message_table`.
+
+    values: (R,) numbers, truth values or texts, or a list of one JSON value for each row; decimals, extra: as
+    of a `Column`.
+    """
+
+    name: str
+    values: Array | list[Any]
+    decimals: int | None = None
+    extra: bool = False
 
 
 SCALARS: tuple[type, ...] = (str, int, float, bool)
 
 
-def column(*shape: int | str, dtype: str = "f8", unit: str = "1", refers: str = "") -> Any:
+def column(
+    *shape: int | str,
+    dtype: str = "f8",
+    unit: str = "1",
+    refers: str = "",
+    names: str = "",
+    decimals: int | None = None,
+    extra: bool = False,
+) -> Any:
     """Declare an array field: sizes are numbers, or names that must agree within one message.
 
     dtype: a numpy type code, by default float64; unit: of the values ("px", "m", "1"); refers: for indices,
-    what they index ("targets" of the room, "cameras" of the message, "states" of a target).
+    what they index ("targets" of the room, "states" of a target, or a field of the message that is a tuple of
+    texts, such as "cameras").
+
+    In a table each number of a row has a column. names: of these columns, separated by spaces, by default
+    x, y, z for `xyz`, `object` for targets, else sigma_0, sigma_1 for `sigma`; decimals: digits after the
+    point in text files; extra: whether text files leave it out.
     """
-    return dataclasses.field(
-        metadata={"shape": shape, "dtype": np.dtype(dtype), "unit": unit, "refers": refers}
-    )
+    metadata = (shape, np.dtype(dtype), unit, refers, tuple(names.split()), decimals, extra)
+    return dataclasses.field(metadata=dict(zip(Column._fields[1:], metadata, strict=True)))
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(column,))
@@ -89,7 +120,7 @@ class Message:
         dataclasses.dataclass(frozen=True, eq=False)(cls)
         hints = get_type_hints(cls)
         cls.columns = tuple(
-            Column(f.name, *(f.metadata[part] for part in ("shape", "dtype", "unit", "refers")))
+            Column(f.name, **f.metadata)
             for f in dataclasses.fields(cls)  # type: ignore[arg-type]  # it became one two lines ago
             if "shape" in f.metadata
         )
@@ -104,6 +135,15 @@ class Message:
                 raise TypeError(
                     f"{cls.__name__}.{name}: a field is a column(), str, int, float, bool or tuple[str, ...]"
                 )
+        texts = {name for name, kind in cls.scalars if kind == tuple[str, ...]}
+        for c in cls.columns:
+            if c.refers and c.refers not in ("targets", "states", *texts):
+                what = "neither targets, states nor a field of texts"
+                raise TypeError(f"{cls.__name__}.{c.name} refers to {c.refers}: {what}")
+            if c.names and (
+                str in map(type, c.shape[1:]) or len(c.names) != math.prod(map(int, c.shape[1:]))
+            ):
+                raise TypeError(f"{cls.__name__}.{c.name} has other numbers in a row than names")
 
     @classmethod
     def empty(cls) -> Self:
@@ -116,14 +156,21 @@ class Message:
             values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
         return cls(**values)
 
-    def where(self, keep: Array) -> Self:
+    def where(self, keep: Array | slice) -> Self:
         """The message with only these rows, in every column as long as the first.
 
-        keep: a mask (N,) or row numbers (K,).
+        keep: a mask (N,), row numbers (K,) or a slice.
         """
         rows = self.columns[0].shape[0]
         kept = {c.name: getattr(self, c.name)[keep] for c in self.columns if c.shape[:1] == (rows,)}
         return dataclasses.replace(self, **kept)  # type: ignore[type-var]
+
+    def as_table(self, room: Any) -> list[Cells] | None:
+        """Its table in a `followspot.room.Room`, for a type whose declaration does not say it; else None.
+
+        Without rows, the columns have the same names.
+        """
+        return None
 
     def _repr_html_(self) -> str:
         fields = [(name, "", "", str(getattr(self, name))) for name, _ in self.scalars]

@@ -9,7 +9,12 @@ pan is positive to the person's left, tilt upwards.
 
 from __future__ import annotations
 
-from followspot.messages import Array, Message, column
+import numpy as np
+
+from followspot.geometry import direction, seen_from_above, wrap
+from followspot.messages import Array, Cells, Message, column
+from followspot.room import Camera, Room
+from followspot.tracking import STATES
 
 
 class Gradients(Message):
@@ -76,6 +81,25 @@ class Poses(Message):
     confidence: Array = column("M")
     """Agreement of the picture with the pose, 0 to 1."""
 
+    def as_table(self, room: Room) -> list[Cells]:
+        """Poses as their camera sees them: phi, r and torso_heading are relative to it (phi 0: its axis,
+        torso_heading 0: the chest faces it); of fused poses they are relative to the room.
+        """
+        phi, r, torso = as_seen(room.cameras.get(self.camera), self.xy, self.heading)
+        x, y = self.xy.T
+        numbers = {"x": x, "y": y, "z_head_top": self.height, "phi": phi, "r": r, "torso_heading": torso}
+        more = {"head_pan": self.pan, "head_tilt": self.tilt, "confidence": self.confidence}
+        sigma = [f"sigma_{name}" for name in ("x", "y", "height", "heading", "pan", "tilt")]
+        spread = zip(sigma, self.sigma.T, strict=True)
+        return [
+            Cells("person", self.person),
+            *(Cells(name, values, 4) for name, values in (numbers | more).items()),
+            Cells("camera", [self.camera] * len(x)),
+            Cells("state", np.array(STATES, object)[np.minimum(self.state, len(STATES) - 1)], extra=True),
+            Cells("heading", self.heading, extra=True),
+            *(Cells(name, values, extra=True) for name, values in spread),
+        ]
+
 
 class PoseTruth(Message):
     """Ground truth of the persons in one frame, one row each; columns as in `Poses`."""
@@ -88,3 +112,11 @@ class PoseTruth(Message):
     tilt: Array = column("M", unit="rad")
     visible: Array = column("M")
     """Visible share of the upper body in the camera that sees most of it."""
+
+
+def as_seen(camera: Camera | None, xy: Array, heading: Array) -> tuple[Array, Array, Array]:
+    """Direction, distance and heading relative to the camera, of (M, 2) m and (M,) rad; None: to the room."""
+    if camera is None:
+        return direction(xy), np.hypot(xy[:, 0], xy[:, 1]), wrap(heading)
+    phi, r = seen_from_above(camera, xy)
+    return phi, r, wrap(heading - direction(camera.center[:2] - xy))

@@ -32,6 +32,8 @@ class InputSpec:
     type: type[Message]
     kind: InputKind
     required: bool
+    uniform: bool = False
+    """True if all its messages are of one type, whichever it is: `Joined[M]` with a type variable M."""
 
 
 @dataclass(frozen=True)
@@ -50,9 +52,14 @@ class Ports:
     outputs: tuple[OutputSpec, ...]
     source: bool
 
+    @property
+    def any_name(self) -> bool:
+        """True if a graph may give the input any name: there is one alone, and it takes any message."""
+        return len(self.inputs) == 1 and self.inputs[0].type is Message
+
     def input(self, name: str) -> InputSpec | None:
-        """The input of that name."""
-        return next((port for port in self.inputs if port.name == name), None)
+        """The input that a graph means by this name."""
+        return next((port for port in self.inputs if self.any_name or port.name == name), None)
 
     def output(self, name: str) -> OutputSpec | None:
         """The output of that name."""
@@ -116,7 +123,8 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
             f"{stage.__name__}.process: input {name} is no message type;"
             f" write {name}: MessageType, Joined[MessageType] or Latest[MessageType]"
         )
-    return InputSpec(name, found, typing.cast(InputKind, kind), parameter.default is parameter.empty)
+    required, uniform = parameter.default is parameter.empty, isinstance(hint, typing.TypeVar)
+    return InputSpec(name, found, typing.cast(InputKind, kind), required, uniform)
 
 
 def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
@@ -138,8 +146,9 @@ def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
 
 
 def _message(hint: Any) -> type[Message] | None:
-    """The message type behind `T` or `T | None`."""
+    """The message type behind `T`, `T | None` or a type variable with such a bound."""
     hint = _optional(hint)
+    hint = hint.__bound__ if isinstance(hint, typing.TypeVar) else hint
     return hint if isinstance(hint, type) and issubclass(hint, Message) else None
 
 

@@ -29,7 +29,7 @@ from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 import numpy as np
 import pydantic
 
-from followspot.messages import Array
+from followspot.messages import Array, Message
 from followspot.room import Camera, Room
 
 T = TypeVar("T")
@@ -164,6 +164,8 @@ class Context:
     out: Path = Path()
     """The run's output folder."""
     seed: int = 0
+    receives: tuple[type[Message], ...] = ()
+    """Types of the messages that the edges bring, each once."""
     warn: Callable[[str], None] = _no_warning
     """Report a problem that does not stop the run; the user sees it with the stage's name, now and at the
     end."""

@@ -7,7 +7,10 @@ each of N rows which targets it may belong to. Messages name cameras; numbers of
 
 from __future__ import annotations
 
-from followspot.messages import Array, Message, column
+import numpy as np
+
+from followspot.messages import Array, Cells, Message, column
+from followspot.room import Room
 
 LOST, TRACKED, MISSING, PREDICTED = 0, 1, 2, 3
 STATES = ("lost", "tracked", "missing", "predicted")
@@ -52,6 +55,24 @@ class Blobs(Message):
     """Bhattacharyya coefficient with the template (eq. 2); 1 for infrared blobs."""
     targets: Array = column("N", "T", dtype="?")
     """Targets that the blob may belong to: by colour and search region, or by search region alone."""
+
+    def as_table(self, room: Room) -> list[Cells]:
+        """A row for each blob and target that it may belong to; one without a target if it has none."""
+        blob, target = np.argwhere(np.column_stack([self.targets, ~self.targets.any(axis=1)])).T
+        known = [*room.targets, *map(str, range(len(room.targets), self.targets.shape[1]))]
+        u, v = self.pixel[blob].T
+        x, y = self.xy[blob].T
+        return [
+            Cells("camera", [self.camera] * len(blob)),
+            Cells("target", np.array([*known[: self.targets.shape[1]], ""], object)[target]),
+            Cells("u", u, 3),
+            Cells("v", v, 3),
+            Cells("area", self.area[blob], 0),
+            Cells("similarity", self.similarity[blob], 4),
+            Cells("blob", blob, extra=True),
+            Cells("x", x, 3, extra=True),
+            Cells("y", y, 3, extra=True),
+        ]
 
 
 class Pairs(Message):
@@ -137,9 +158,9 @@ class Tracks(Message):
 
     target: Array = column("M", dtype="i4", refers="targets")
     state: Array = column("M", dtype="u1", refers="states")
-    xyz: Array = column("M", 3, unit="m")
-    velocity: Array = column("M", 3, unit="m/s")
-    sigma: Array = column("M", 3, unit="m")
+    xyz: Array = column("M", 3, unit="m", decimals=6)
+    velocity: Array = column("M", 3, unit="m/s", names="vx vy vz", decimals=6)
+    sigma: Array = column("M", 3, unit="m", names="sx sy sz", decimals=6)
     """One standard deviation along each axis."""
 
 
@@ -147,6 +168,7 @@ class Truth(Message):
     """Ground truth of one frame."""
 
     objects: tuple[str, ...]
+    """Name of each object, one a row."""
     xyz: Array = column("M", 3, unit="m")
     hidden: Array = column("M", dtype="?")
     """Less than 5 % visible in every camera."""
@@ -156,18 +178,25 @@ class Truth(Message):
     """At least 50 % visible in two cameras, a colour and an infrared one if the room has both kinds, or in a
     depth camera."""
 
+    def as_table(self, room: Room) -> list[Cells]:
+        """The columns of a file of ground truth (`cameras.truth_csv`)."""
+        flags = (Cells(name, getattr(self, name).astype("u1")) for name in ("hidden", "trackable", "pair"))
+        x, y, z = self.xyz.T
+        names = [*self.objects, *[""] * len(x)][: len(x)]
+        return [Cells("object", names), Cells("x", x), Cells("y", y), Cells("z", z), *flags]
+
 
 class ImageTracks(Message):
     """Image tracks of one camera that were measured in this frame, one row each."""
 
     camera: str
-    target: Array = column("M", dtype="i4", refers="targets")
+    target: Array = column("M", dtype="i4", refers="targets", names="target")
     track: Array = column("M", dtype="i4")
     """Number of the track; each throw of a target has its own."""
-    xy: Array = column("M", 2, unit="px")
+    xy: Array = column("M", 2, unit="px", decimals=3, extra=True)
     """Position with the lens distortion removed (same matrix K)."""
-    pixel: Array = column("M", 2, unit="px")
+    pixel: Array = column("M", 2, unit="px", names="u v", decimals=3)
     """The same position in the distorted picture."""
-    velocity: Array = column("M", 2, unit="px/s")
-    residual: Array = column("M", unit="px")
+    velocity: Array = column("M", 2, unit="px/s", names="du dv", decimals=3)
+    residual: Array = column("M", unit="px", decimals=3)
     """RMS distance of the track so far from the motion model."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Message
 from followspot.errors import FollowspotError
-from followspot.messages import SCALARS, Array, column
+from followspot.messages import SCALARS, Array, Column, column
 
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in SCALARS} | {"texts": tuple[str, ...]}
 _MAX_FIELDS = 200
@@ -33,9 +33,23 @@ def contract_of(kind: type[Message]) -> str:
             "type": type_name(kind),
             "scalars": {name: names[scalar] for name, scalar in kind.scalars},
             "columns": {
-                c.name: {"shape": list(c.shape), "dtype": c.dtype.str, "unit": c.unit} for c in kind.columns
+                c.name: {"shape": list(c.shape), "dtype": c.dtype.str, "unit": c.unit} | _table(c)
+                for c in kind.columns
             },
         }
+    )
+
+
+def is_of(contract: str, kind: type[Message]) -> bool:
+    """True if messages of this contract are messages of the type; names in tables make no difference.
+
+    Raises ContractError.
+    """
+    made = message_type(contract)
+    return (
+        made.__name__ == kind.__name__
+        and made.scalars == kind.scalars
+        and [c[:4] for c in made.columns] == [c[:4] for c in kind.columns]
     )
 
 
@@ -51,7 +65,15 @@ def message_type(contract: str) -> type[Message]:
     fields = {**hints, **dict.fromkeys(columns, Array)}
     if len(fields) > _MAX_FIELDS or not all(map(_is_field, (name, *fields))):
         raise ContractError(f"no contract of a message type: impossible names in {contract[:200]}")
-    return type(name, (Message,), {"__annotations__": fields, "__module__": __name__, **columns})
+    try:
+        return type(name, (Message,), {"__annotations__": fields, "__module__": __name__, **columns})
+    except TypeError as error:
+        raise ContractError(f"no contract of a message type: {error}") from None
+
+
+def _table(c: Column) -> dict[str, Any]:
+    """What a table needs besides, if it is said."""
+    return ({"refers": c.refers} if c.refers else {}) | ({"names": list(c.names)} if c.names else {})
 
 
 def _column(said: Any) -> Any:
@@ -59,7 +81,8 @@ def _column(said: Any) -> Any:
     dtype = np.dtype(str(said["dtype"]))
     if dtype.kind not in "biufc":
         raise ValueError(f"dtype {dtype} is not made of plain numbers")
-    return column(*shape, dtype=dtype.str, unit=str(said["unit"]))
+    refers, names = str(said.get("refers", "")), " ".join(map(str, said.get("names", ())))
+    return column(*shape, dtype=dtype.str, unit=str(said["unit"]), refers=refers, names=names)
 
 
 def _is_field(name: str) -> bool:

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, TypeVar
 
 from followspot import Field, InputPath, Message, Stage, StageParams, at
 from followspot.errors import FollowspotError
-from followspot_recording.contract import contract_of, type_name
+from followspot_recording.contract import is_of, type_name
 from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 
@@ -88,7 +88,7 @@ class Replay(Stage):
     def _check(self, recording: Recording, kind: type[Message]) -> None:
         """Whether the port holds messages of this type. Raises FollowspotError."""
         channel = recording.ports[self.port]
-        if channel.contract != contract_of(kind):
+        if channel.schema != type_name(kind) or not is_of(channel.contract, kind):
             raise FollowspotError(
                 f"{recording.path}: {self.port} holds {channel.schema}, and {self.context.name} replays"
                 f" {type_name(kind)} of this version; replay it with the followspot that recorded it"

@@ -11,7 +11,7 @@ from followspot import Array, Field, Joined, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot.people import Boxes, Poses
-from followspot.room import Camera
+from followspot.room import Camera, Target
 from followspot.tracking import Frame, Tracks
 from followspot_sinks.line_sink import below
 from followspot_sinks.picture_files import PictureFile, PictureFolder, VideoFile
@@ -19,6 +19,8 @@ from followspot_sinks.pose_drawing import arrows, images, outline
 
 PALETTE = ((66, 135, 245), (80, 200, 90), (240, 120, 60), (200, 90, 220), (60, 210, 230), (150, 150, 250))
 """BGR, for one person or target after the other."""
+RADIUS = 0.05
+"""Of a target that the room does not have, m."""
 BOX = (200, 200, 200)
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 FRACTION = 4
@@ -48,8 +50,7 @@ class Draw(Stage):
         """Create the folder. Raises FollowspotError if that is not possible."""
         self.folder = below(self.context.out, self.params.path)
         self.files: dict[str, PictureFile] = {}
-        self.names = tuple(self.room.targets)
-        self.radii = [target.radius for target in self.room.targets.values()]
+        self.targets = tuple(self.room.targets.values())
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
@@ -90,7 +91,8 @@ class Draw(Stage):
     def draw_tracks(self, picture: Array, camera: Camera, tracks: Tracks) -> None:
         """A circle as large as the target, and its name."""
         for target, xyz in zip(tracks.target.tolist(), tracks.xyz, strict=True):
-            edge = xyz + self.radii[target] * camera.rotation[0]
+            known = self.targets[target] if 0 <= target < len(self.targets) else Target(str(target), RADIUS)
+            edge = xyz + known.radius * camera.rotation[0]
             for middle, rim in images(camera, np.array([xyz, edge])):
                 radius = max(3.0, float(np.linalg.norm(rim - middle)))
                 color = PALETTE[target % len(PALETTE)]
@@ -98,7 +100,7 @@ class Draw(Stage):
                     cv2.circle(
                         picture, fixed(middle), round(radius * 2**FRACTION), color, 1, cv2.LINE_AA, FRACTION
                     )
-                    label(picture, middle + np.array([radius, -radius]), self.names[target], color)
+                    label(picture, middle + np.array([radius, -radius]), known.name, color)
 
     def close(self) -> None:
         """Complete all files."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from io import FileIO
 from pathlib import Path
-from typing import ClassVar
 
 from followspot import Stage
 from followspot.errors import FollowspotError, InputError, Mistake
@@ -19,8 +18,6 @@ class LineSink(Stage):
     The file on disk ends with a whole line at any time, so that it is valid also after a kill.
     """
 
-    head: ClassVar[str] = ""
-    """First line of the file."""
     file: FileIO | None = None
 
     def setup(self) -> None:
@@ -31,8 +28,8 @@ class LineSink(Stage):
             self.file = FileIO(path, "w")
         except OSError as error:
             raise FollowspotError(f"{path} cannot be written: {error.strerror}") from None
-        self.pending = [self.head]
-        self.pending_bytes = len(self.head)
+        self.pending: list[str] = []
+        self.pending_bytes = 0
 
     def write(self, lines: Iterable[str]) -> None:
         """Add lines, each with its line end. Raises FollowspotError if the disk does not take them."""

@@ -43,11 +43,12 @@ class Slots:
 
 def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
     """The slots after one frame of targets; target t has row t. A target with values beyond `FARTHEST` is not
-    known.
+    known, one that the room does not have has no slot.
     """
     known = np.zeros_like(slots.known)
     position, velocity = slots.position.copy(), slots.velocity.copy()
-    tracks = tracks.where(_meant(np.hstack([tracks.xyz, tracks.velocity])))
+    ours = (tracks.target >= 0) & (tracks.target < len(known))
+    tracks = tracks.where(ours & _meant(np.hstack([tracks.xyz, tracks.velocity])))
     known[tracks.target] = True
     position[tracks.target] = tracks.xyz
     velocity[tracks.target] = tracks.velocity

@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 
 from followspot import Field, Message
+from followspot.message_table import as_json
 from followspot_sinks.datagrams import DatagramSink
-from followspot_sinks.json_lines import as_json
 
 MOST_BYTES = 65_507
 """Longest UDP datagram."""
 
 
 class UdpJson(DatagramSink):
-    """Send a JSON object per message: its type, source, seq, time (ns) and every field; NaN becomes null."""
+    """Send a JSON object per message, as `sinks.jsonl` writes it."""
 
     class Params(DatagramSink.Params):
         port: int = Field(9001, ge=1, le=65535, unit="1", description="UDP port of the receiver")
@@ -29,7 +29,7 @@ class UdpJson(DatagramSink):
         """Send one message; warn once of messages that do not fit into a datagram."""
         if self.network is None:
             return
-        packet = json.dumps(as_json(message), allow_nan=False, separators=(",", ":")).encode()
+        packet = json.dumps(as_json(message, self.room), allow_nan=False, separators=(",", ":")).encode()
         if len(packet) <= MOST_BYTES:
             self.network.send(packet)
         elif not self.too_long:

@@ -18,8 +18,8 @@ pytest.importorskip("hatchling")
 ROOT = Path(__file__).parents[2]
 PLUGIN = "followspot_sinks"
 STAGES = {
-    "csv": "csv_files.tracks:CsvTracks",
-    "csv_blobs": "csv_files.blobs:CsvBlobs",
+    "csv": "csv_file:CsvFile",
+    "console": "console:Console",
     "jsonl": "json_lines:JsonLines",
 }
 COMPILED = shutil.ignore_patterns("__pycache__")

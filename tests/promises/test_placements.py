@@ -15,8 +15,8 @@ SHOWN = """
 """
 """What is drawn is written as pictures, which lose nothing."""
 BALLS = """
-  color_seen: {uses: sinks.csv_blobs, in: {blobs: color}, with: {path: color.csv}}
-  infrared_seen: {uses: sinks.csv_blobs, in: {blobs: infrared}, with: {path: infrared.csv}}
+  color_seen: {uses: sinks.csv, in: {blobs: color}, with: {path: color.csv}}
+  infrared_seen: {uses: sinks.csv, in: {blobs: infrared}, with: {path: infrared.csv}}
   forecast: {uses: sinks.jsonl, in: {message: track.forecast}, with: {path: forecast.jsonl}}
 """
 

@@ -215,8 +215,12 @@ def test_distance_from_detections_takes_the_nearest_blob_of_each_camera(tmp_path
     image = [((c.projection @ [0, 0, 0, 1])[:2] / (c.projection @ [0, 0, 0, 1])[2]).tolist() for c in cameras]
     near = [image[0][0] + 3, image[0][1] + 4]  # 5 px off
     far = [image[0][0] + 30, image[0][1]]
-    line = {"time": 2_000_000_000, "view": [[0, 1], [0, 1]], "targets": [[True], [True]]}
-    line["xy"] = [[near, image[1]], [far, image[1]]]
+    rows = [
+        {"targets": "red", "view_0": cameras[0].name, "view_1": cameras[1].name}
+        | {"xy_0_0": xy[0], "xy_0_1": xy[1], "xy_1_0": image[1][0], "xy_1_1": image[1][1]}
+        for xy in (near, far)
+    ]
+    line = {"time": 2_000_000_000, "rows": rows}
     (tmp_path / "candidates.jsonl").write_text(json.dumps(line) + "\n")
     tracks = TrackTable(("red",), np.array([2.0]), np.zeros(1, int), np.ones(1, "u1"), np.zeros((1, 3)))
     apart = detection_errors(tmp_path, tracks, ("red",), cameras)["red"]
@@ -226,9 +230,12 @@ def test_distance_from_detections_takes_the_nearest_blob_of_each_camera(tmp_path
 
 
 def test_fused_positions_count_only_where_the_target_is_tracked(tmp_path: Path) -> None:
+    def row(name: str, xyz: tuple[float, ...], steps: int) -> dict[str, object]:
+        return {"object": name, **dict(zip("xyz", xyz, strict=True)), "iterations": steps}
+
     lines = [
-        {"time": 1_000_000_000, "target": [0, 1], "xyz": [[1, 0, 0], [2, 0, 0]], "iterations": [3, 4]},
-        {"time": 1_033_333_333, "target": [1], "xyz": [[2, 1, 0]], "iterations": [5]},
+        {"time": 1_000_000_000, "rows": [row("red", (1, 0, 0), 3), row("blue", (2, 0, 0), 4)]},
+        {"time": 1_033_333_333, "rows": [row("blue", (2, 1, 0), 5)]},
     ]
     (tmp_path / "positions.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     tracks = TrackTable(

@@ -199,12 +199,13 @@ def test_ports_become_tables_and_lines(
     with (tmp_path / "track.tracks.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert {row["seq"] for row in rows} == set(map(str, range(FRAMES)))
-    assert all(abs(float(row["xyz_2"])) < 5 for row in rows)
+    assert all(abs(float(row["z"])) < 5 for row in rows)
+    assert {row["object"] for row in rows} == {"green", "red", "blue"}
     assert (tmp_path / "color.cam0.out.csv").exists()
     assert main(["export", str(show), str(tmp_path), "--to", "jsonl", "--json"]) == 0
     lines = (tmp_path / "track.forecast.jsonl").read_text().splitlines()
     assert len(lines) == FRAMES
-    assert len(json.loads(lines[0])["xyz"]) == 3
+    assert [row["object"] for row in json.loads(lines[0])["rows"]] == ["green", "red", "blue"]
     assert not list(tmp_path.glob("camera*"))
 
 

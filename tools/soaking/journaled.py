@@ -30,7 +30,7 @@ from followspot_balls.verify_pairs import VerifyPairs as PlainVerifyPairs
 from followspot_sim.camera import SimCamera
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.truth import SimTruth
-from followspot_sinks.csv_files.tracks import CsvTracks as PlainCsvTracks
+from followspot_sinks.csv_file import CsvFile
 
 _files: dict[str, int] = {}
 _seen: dict[str, Message] = {}
@@ -127,7 +127,7 @@ Triangulate = journaled(PlainTriangulate)
 MeanShift = journaled(PlainMeanShift)
 Bridge = journaled(PlainBridge)
 Kalman = journaled(PlainKalman)
-CsvTracks = journaled(PlainCsvTracks)
+CsvTracks = journaled(CsvFile)
 
 
 @journaled

@@ -113,7 +113,7 @@ def _check_inputs(instance: Instance, stage: type[Stage], mistakes: list[Mistake
             mistakes.append(
                 Mistake(entry.place, f'stage "{declared.name}" has no input "{entry.port}"', remedy)
             )
-    named = {entry.port for entry in declared.inputs}
+    named = {port.name for entry in declared.inputs if (port := found.input(entry.port)) is not None}
     for port in found.inputs:
         if port.required and port.name not in named:
             text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'

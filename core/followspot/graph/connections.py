@@ -10,6 +10,7 @@ from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, successors
 from followspot.graph.expand import Wire
 from followspot.graph.sampling import Link
+from followspot.messages import Message
 from followspot.ports import InputSpec, OutputSpec, Ports, accepts, ports
 from followspot.stage import Stage
 
@@ -42,15 +43,19 @@ def connect(
     """Both ports of every wire whose stages are known."""
     edges = []
     into: dict[tuple[str, str], list[Wire]] = defaultdict(list)
+    given: dict[tuple[str, str], OutputSpec] = {}
     for wire in wires:
         target = classes.get(wire.target.name)
         port = None if target is None else ports(target).input(wire.port)
         source = classes.get(wire.source.name)
         if port is None or source is None:
             continue
-        into[wire.target.name, wire.port].append(wire)
+        into[wire.target.name, port.name].append(wire)
         output = _output(wire, ports(source), port, mistakes)
         if output is not None:
+            first = given.setdefault((wire.target.name, port.name), output)
+            if port.uniform and first.type is not output.type:
+                mistakes.append(_two_types(wire, first, output))
             edges.append(CheckedEdge(wire, output.name, port.kind == "latest" and not wire.feed.delay))
     for (name, port_name), members in into.items():
         port = ports(classes[name]).input(port_name)
@@ -73,6 +78,12 @@ def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list
     mistakes.append(Mistake(first.port_place, text, remedy))
 
 
+def _two_types(wire: Wire, first: OutputSpec, other: OutputSpec) -> Mistake:
+    stage = wire.target.declared.name
+    text = f'stage "{stage}" takes messages of one type, {first.type.__name__} and {other.type.__name__} come'
+    return Mistake(wire.feed.place, text, "give each type a stage of its own")
+
+
 def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake]) -> OutputSpec | None:
     """The output that feeds a wire: the named one, else the only one of the right type."""
     name, feed = wire.source.declared.name, wire.feed
@@ -92,6 +103,8 @@ def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake])
         return named if named in fitting else None
     elif len(fitting) == 1:
         return fitting[0]
+    elif port.type is Message and (same := source.output(wire.port)) is not None:
+        return same  # of several, the one with the name that the graph gives the input
     elif len(source.outputs) == 1:
         text = f'"{name}" gives {source.outputs[0].type.__name__}, but {wanted}'
         mistakes.append(Mistake(feed.place, text, f"name a stage that gives {port.type.__name__}"))

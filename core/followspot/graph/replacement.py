@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 
 from followspot.graph.plan import Plan, PlannedStage
-from followspot.ports import Ports, accepts, ports
+from followspot.messages import Message
+from followspot.plugins.registry import load_stage
+from followspot.ports import InputSpec, Ports, accepts, ports
 from followspot.stage import Stage
 
 Misfit = tuple[str, str]
@@ -30,26 +33,43 @@ def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: P
 
 
 def _inputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:
-    fed = {edge.to_port for edge in plan.edges if edge.to_stage == old.name}
-    for port in before.inputs:
-        new = after.input(port.name)
-        if port.name not in fed:
-            continue
-        if new is None:
+    fed = _fed(old, plan)
+    one_each = len(before.inputs) == len(after.inputs) == 1
+    for name, types in fed.items():
+        port, new = before.input(name), after.input(name)
+        if port is None or new is None or not (one_each or new.name == port.name):
             have = ", ".join(p.name for p in after.inputs)
-            yield f'the replacement of "{old.name}" has no input "{port.name}"', f"its inputs: {have}"
-        elif new.kind != port.kind or not accepts(new.type, port.type):
+            yield f'the replacement of "{old.name}" has no input "{name}"', f"its inputs: {have}"
+        elif not (_like(port, new, len(types)) and all(accepts(new.type, each) for each in types)):
+            given = " and ".join(sorted({each.__name__ for each in types}))
             yield (
-                f'input "{port.name}" of "{old.name}" is {port.kind} {port.type.__name__}, '
+                f'input "{name}" of "{old.name}" is {port.kind} {given}, '
                 f"that of its replacement {new.kind} {new.type.__name__}",
                 "",
             )
+    met = {port.name for name in fed if (port := after.input(name)) is not None}
     for new in after.inputs:
-        if new.required and new.name not in fed:
+        if new.required and new.name not in met:
             yield (
                 f'the replacement of "{old.name}" needs the input "{new.name}"',
                 "nothing feeds it here",
             )
+
+
+def _fed(old: PlannedStage, plan: Plan) -> dict[str, list[type[Message]]]:
+    """Types of the messages that edges bring to each input, by its name in the graph."""
+    uses = {stage.name: stage.uses for stage in plan.stages}
+    fed: dict[str, list[type[Message]]] = defaultdict(list)
+    for edge in plan.edges:
+        if edge.to_stage == old.name:
+            sent = ports(load_stage(uses[edge.from_stage])).output(edge.from_port)
+            fed[edge.to_port] += [] if sent is None else [sent.type]
+    return fed
+
+
+def _like(port: InputSpec, new: InputSpec, edges: int) -> bool:
+    """True if the inputs take messages alike; of a single edge, a join takes what a plain input takes."""
+    return port.kind == new.kind or (edges == 1 and {port.kind, new.kind} == {"plain", "joined"})
 
 
 def _outputs(old: PlannedStage, before: Ports, after: Ports, plan: Plan) -> Iterator[Misfit]:

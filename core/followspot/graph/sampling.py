@@ -52,11 +52,7 @@ def sampled_cycles(links: Iterable[Link]) -> list[Mistake]:
 def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
     """The same of the instances of a plan; the mistakes have no place."""
     group = {stage.name: stage.group for stage in plan.stages}
-    kinds = {
-        (stage.name, port.name): port.kind
-        for stage in plan.stages
-        for port in ports(load_stage(stage.uses)).inputs
-    }
+    known = {stage.name: ports(load_stage(stage.uses)) for stage in plan.stages}
     links = [
         Link(
             edge.from_stage,
@@ -64,7 +60,7 @@ def plan_sampled_cycles(plan: Plan) -> list[Mistake]:
             edge.to_stage,
             edge.to_port,
             edge.delay,
-            kinds[edge.to_stage, edge.to_port] == "latest",
+            (port := known[edge.to_stage].input(edge.to_port)) is not None and port.kind == "latest",
             edge.policy,
         )
         for edge in plan.edges

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -100,7 +100,7 @@ class Graph:
         if name in self.stages:
             raise FollowspotError(f'stage "{name}" is there already')
         used = uses if isinstance(uses, str) else offer_stage(uses)
-        inputs = set() if used == ROOM_SOURCE else {port.name for port in ports(load_stage(used)).inputs}
+        inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
         feeds = {key: _feed(value) for key, value in arguments.items() if key in inputs}
         params = {key: _plain(value) for key, value in arguments.items() if key not in inputs}
         entry = {
@@ -154,6 +154,12 @@ class Graph:
 
     def __repr__(self) -> str:
         return f"<Graph {self.name}: {', '.join(self.stages) or 'no stages'}>"
+
+
+def _inputs(stage: type[Stage], names: Collection[str]) -> set[str]:
+    """Those names that mean inputs of the stage."""
+    found, taken = ports(stage), stage.Params.model_fields
+    return {name for name in names if name not in taken and found.input(name) is not None}
 
 
 def _feed(value: Any) -> Any:

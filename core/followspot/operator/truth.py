@@ -36,7 +36,7 @@ T = TypeVar("T")
 TRACKS = "tracks.csv"
 """File of the tracks in a run's output folder: the default of `sinks.csv`."""
 POSES = "poses.csv"
-"""File of the persons' poses there: the default of `sinks.csv_poses`."""
+"""File of the persons' poses there."""
 
 
 def room_truth(

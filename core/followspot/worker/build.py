@@ -139,6 +139,7 @@ class _Builder:
             camera=self.plan.room.cameras[stage.camera] if stage.camera else None,
             out=self.options.out,
             seed=self.plan.seed,
+            receives=self.wiring.received_types(stage.name),
             warn=warn,
             loan=partial(_loan, tuple(outputs.values())),
             pause=self.pace.wait_aside if stage.live else self.pace.wait,
@@ -198,7 +199,7 @@ class _Builder:
     def _join(self, stage: PlannedStage) -> Join:
         by_port: Mapping[str, list[int]] = defaultdict(list)
         for number in self.wiring.into[stage.name]:
-            by_port[self.plan.edges[number].to_port].append(number)
+            by_port[self.wiring.input_port(self.plan.edges[number]).name].append(number)
         input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
         lateness = self.wiring.lateness[stage.name]
         return Join(input_ports, window=self.wiring.window(stage), lateness=lateness)

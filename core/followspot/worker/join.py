@@ -8,7 +8,7 @@ a live join depends on the time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from followspot.messages import Message
 from followspot.ports import InputSpec
@@ -54,9 +54,16 @@ class Join:
         """Ledger column of messages after their window closed: `LATE` once a deadline closed one."""
 
     def read_by(self, inputs: Sequence[InputSpec]) -> Join:
-        """The same inputs for a stage that declares these ports, perhaps in another order."""
+        """The same inputs for a stage that declares these ports, perhaps in another order; the only input of
+        one stage is that of the other, whatever their names are.
+        """
         known = {port.name: port for port in self.ports}
-        arranged = [known.get(p.name) or JoinInput(p.name, joined=p.kind == "joined") for p in inputs]
+        if len(inputs) == len(self.ports) == 1:
+            known = {inputs[0].name: self.ports[0]}
+        arranged = [
+            replace(known.get(p.name) or JoinInput(p.name, joined=False), joined=p.kind == "joined")
+            for p in inputs
+        ]
         join = Join(arranged, window=self.window, lateness=self.lateness)
         join.closed, join.in_time = self.closed, self.in_time
         return join

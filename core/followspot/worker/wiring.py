@@ -58,9 +58,15 @@ class Wiring:
         outputs = {port.name: port.type for port in self.ports[edge.from_stage].outputs}
         return outputs[edge.from_port]
 
+    def received_types(self, stage: str) -> tuple[type[Message], ...]:
+        """Types of the messages on the edges that lead to a stage, each once."""
+        return tuple(dict.fromkeys(self.message_type(self.plan.edges[n]) for n in self.into[stage]))
+
     def input_port(self, edge: PlannedEdge) -> InputSpec:
         """The declaration of the port that an edge leads to."""
-        return next(port for port in self.ports[edge.to_stage].inputs if port.name == edge.to_port)
+        port = self.ports[edge.to_stage].input(edge.to_port)
+        assert port is not None, f"{edge.name} leads nowhere"
+        return port
 
     def sampled(self, edge: PlannedEdge) -> bool:
         """Whether the edge is a sampled input, which never fires."""

@@ -1,4 +1,4 @@
-"""Tracks for the eye."""
+"""Messages for the eye."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,11 @@ from followspot_sinks.console import Console
 
 
 def test_rate_of_printing_follows_capture_time(capsys: pytest.CaptureFixture[str]) -> None:
-    sink = Console(Context(room=Room(targets={"red": Target("red", 0.1)})), maximum_rate=10)
+    sink = Console(
+        Context(room=Room(targets={"red": Target("red", 0.1)})),
+        maximum_rate=10,
+        columns=["object", "state", "x", "y", "z"],
+    )
     sink.setup()
     for frame in range(60):
         message = Tracks(
@@ -20,7 +24,7 @@ def test_rate_of_printing_follows_capture_time(capsys: pytest.CaptureFixture[str
             velocity=np.zeros((1, 3)),
             sigma=np.full((1, 3), 0.004),
         )
-        sink.process(stamped(message, Header("track", frame, frame * 10**9 // 60)))
+        sink.process((stamped(message, Header("track", frame, frame * 10**9 // 60)),))
     printed = capsys.readouterr().out.splitlines()
     assert len(printed) == 10
-    assert printed[1] == "    0.100 s  red  tracked     +1.000  -2.000  +0.060 m  ± 4.0 mm"
+    assert printed[1] == "    0.100 s  red  tracked  x +1.000  y -2.000  z +0.060"

@@ -9,8 +9,7 @@ from followspot import Context, FollowspotError, Header, InputError, Room, Targe
 from followspot.accuracy import read_tracks_csv
 from followspot.messages import stamped
 from followspot.tracking import Blobs, Tracks
-from followspot_sinks.csv_files.blobs import CsvBlobs
-from followspot_sinks.csv_files.tracks import CsvTracks
+from followspot_sinks.csv_file import CsvFile
 
 ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})
 
@@ -28,10 +27,10 @@ def tracks(seq: int, time: int, rows: int = 2) -> Tracks:
 
 
 def saved(folder: Path, *messages: Tracks) -> Path:
-    sink = CsvTracks(Context(room=ROOM, out=folder))
+    sink = CsvFile(Context(room=ROOM, out=folder))
     sink.setup()
     for message in messages:
-        sink.process(message)
+        sink.process((message,))
     sink.close()
     return folder / "tracks.csv"
 
@@ -57,10 +56,10 @@ def test_saved_tracks_read_back(tmp_path: Path) -> None:
 
 
 def test_file_ends_with_a_whole_line_also_before_close(tmp_path: Path) -> None:
-    sink = CsvTracks(Context(room=ROOM, out=tmp_path))
+    sink = CsvFile(Context(room=ROOM, out=tmp_path))
     sink.setup()
     for frame in range(500):
-        sink.process(tracks(frame, frame))
+        sink.process((tracks(frame, frame),))
     written = (tmp_path / "tracks.csv").read_text()
     assert written.count("\n") > 900
     assert written.endswith("\n")
@@ -69,7 +68,7 @@ def test_file_ends_with_a_whole_line_also_before_close(tmp_path: Path) -> None:
 
 def test_output_cannot_leave_the_output_folder(tmp_path: Path) -> None:
     for name in ("../tracks.csv", "/tmp/tracks.csv", "a/../../tracks.csv", "."):
-        sink = CsvTracks(Context(out=tmp_path / "run"), path=name)
+        sink = CsvFile(Context(out=tmp_path / "run"), path=name)
         with pytest.raises(InputError, match="outside the output folder"):
             sink.setup()
         sink.close()
@@ -78,7 +77,7 @@ def test_output_cannot_leave_the_output_folder(tmp_path: Path) -> None:
 def test_full_disk_is_an_error_that_says_so(tmp_path: Path) -> None:
     if not Path("/dev/full").exists():
         pytest.skip("needs /dev/full")
-    sink = CsvTracks(Context(room=ROOM, out=Path("/dev")), path="full")
+    sink = CsvFile(Context(room=ROOM, out=Path("/dev"), receives=(Tracks,)), path="full")
     sink.setup()
     with pytest.raises(FollowspotError, match=r"/dev/full is cut short: No space left on device"):
         sink.close()
@@ -93,7 +92,7 @@ def test_blobs_are_one_row_per_blob_and_target(tmp_path: Path) -> None:
         similarity=np.array([0.91, 1.0]),
         targets=np.array([[True, True], [False, True]]),
     )
-    sink = CsvBlobs(Context(room=ROOM, out=tmp_path))
+    sink = CsvFile(Context(room=ROOM, out=tmp_path), path="blobs.csv")
     sink.setup()
     sink.process((stamped(blobs, Header("color/cam0", 3, 100_000_000)),))
     sink.close()

@@ -7,7 +7,7 @@ import numpy as np
 from followspot import Context, Header, Room, Target
 from followspot.messages import stamped
 from followspot.tracking import ImageTracks
-from followspot_sinks.csv_files.image_tracks import CsvImageTracks
+from followspot_sinks.csv_file import CsvFile
 
 ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})
 
@@ -22,7 +22,7 @@ def test_image_tracks_are_one_row_per_track_at_its_place_in_the_picture(tmp_path
         velocity=np.array([[1.0, -2.0], [0.5, 300.0]]),
         residual=np.array([0.75, 1 / 3]),
     )
-    sink = CsvImageTracks(Context(room=ROOM, out=tmp_path))
+    sink = CsvFile(Context(room=ROOM, out=tmp_path), path="image_tracks.csv")
     sink.setup()
     sink.process((stamped(tracks, Header("throws/cam0", 3, 100_000_000)),))
     sink.process((stamped(ImageTracks.empty(), Header("throws/cam0", 4, 133_333_333)),))

@@ -8,9 +8,9 @@ import pytest
 from followspot import Camera, Context, Header, Room
 from followspot.accuracy import read_pose_truth_csv, read_poses_csv
 from followspot.messages import stamped
-from followspot.people import Poses
+from followspot.people import Poses, as_seen
 from followspot.testing import check_stage
-from followspot_sinks.csv_files.poses import CsvPoses, as_seen
+from followspot_sinks.csv_file import CsvFile
 
 PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"
 needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")
@@ -42,16 +42,16 @@ def poses(seen_by: str, xy: list[list[float]], heading: list[float]) -> Poses:
 
 
 def saved(folder: Path, *messages: Poses) -> Path:
-    sink = CsvPoses(Context(room=Room(cameras={"left": camera()}), out=folder))
+    sink = CsvFile(Context(room=Room(cameras={"left": camera()}), out=folder), path="poses.csv")
     sink.setup()
     for message in messages:
-        sink.process(message)
+        sink.process((message,))
     sink.close()
     return folder / "poses.csv"
 
 
 def test_stage_keeps_the_promises_of_stages() -> None:
-    check_stage(CsvPoses)
+    check_stage(CsvFile)
 
 
 def test_pose_is_told_as_its_camera_sees_it(tmp_path: Path) -> None:

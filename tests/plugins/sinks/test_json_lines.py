@@ -15,7 +15,7 @@ def lines(folder: Path, *messages: object) -> list[dict]:
     sink = JsonLines(Context(out=folder), path="deep/er.jsonl")
     sink.setup()
     for message in messages:
-        sink.process(message)
+        sink.process((message,))
     sink.close()
     return [json.loads(line) for line in (folder / "deep/er.jsonl").read_text().splitlines()]
 
@@ -35,10 +35,9 @@ def test_line_holds_type_header_and_every_field(tmp_path: Path) -> None:
             "seq": 4,
             "time": 133_333_333,
             "objects": ["red"],
-            "xyz": [[1.0, 2.0, 1 / 3]],
-            "hidden": [False],
-            "trackable": [True],
-            "pair": [True],
+            "rows": [
+                {"object": "red", "x": 1.0, "y": 2.0, "z": 1 / 3, "hidden": 0, "trackable": 1, "pair": 1}
+            ],
         }
     ]
 
@@ -56,5 +55,5 @@ def test_unknown_numbers_become_null(tmp_path: Path) -> None:
         predicted=np.array([False]),
     )
     empty, full = lines(tmp_path, positions, one)
-    assert empty["xyz"] == []
-    assert full["covariance"] == [[[None] * 3] * 3]
+    assert empty["rows"] == []
+    assert full["rows"][0]["covariance_2_2"] is None

@@ -194,7 +194,9 @@ def test_any_message_as_json(receiver: socket.socket) -> None:
     sink = UdpJson(Context(), port=receiver.getsockname()[1])
     (packet,) = received(sink, [tracks(3, 1)], receiver)
     told = json.loads(packet)
-    assert (told["type"], told["seq"], told["xyz"]) == ("Tracks", 3, [[2.0, -2.0, 0.5]])
+    (row,) = told["rows"]
+    assert (told["type"], told["seq"], row["object"]) == ("Tracks", 3, "1")  # the room has no targets
+    assert [row[axis] for axis in "xyz"] == [2.0, -2.0, 0.5]
 
 
 def test_a_message_too_long_for_a_datagram_is_told_of_once(receiver: socket.socket) -> None:

@@ -279,7 +279,7 @@ def test_mistakes_name_the_remedy(tmp_path: Path, capsys: pytest.CaptureFixture[
     for options, said in [
         ([], "give --points, --run, --track or --against"),
         (["--run", str(tmp_path), "--length", "1"], "--length is measured on points"),
-        (["--run", str(tmp_path)], "sinks.csv_blobs"),
+        (["--run", str(tmp_path)], "sinks.csv"),
         (["--against", room, "--limit", "-1"], "--limit -1 is not positive"),
         (["--against", one], "share 1 cameras"),
         (["--against", str(tmp_path / "none.toml")], "none.toml cannot be read"),

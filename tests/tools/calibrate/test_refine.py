@@ -216,7 +216,7 @@ def test_a_noisy_calibration_is_corrected_from_one_recording(tmp_path, capsys):
     before = load(room)
     assert error_mm(list(before.cameras.values()), true, points) > 5
     graph, out, clips = tmp_path / "graph.yaml", str(tmp_path / "out"), str(GLOWBALLS / "templates")
-    blobs = {"uses": "sinks.csv_blobs", "in": {"blobs": ["color", "infrared"]}}
+    blobs = {"uses": "sinks.csv", "in": {"blobs": ["color", "infrared"]}, "with": {"path": "blobs.csv"}}
     graph.write_text(json.dumps({"extends": str(ROOT / GRAPH), "stages": {"blobs": blobs}}))
     capsys.readouterr()
     tracking = ["run", str(graph), "--room", str(room), "--out", out, "--frames", "100", "--json", "--quiet"]

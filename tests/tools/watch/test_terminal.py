@@ -158,7 +158,8 @@ def test_echo_prints_messages_until_the_run_ends(run: str, capsys: pytest.Captur
     lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     tracks = [line for line in lines if line["port"] == "track.tracks"]
     assert [line["seq"] for line in tracks] == [0, 1]
-    assert tracks[0]["xyz"] == [[1.0, None, 0.5]]
+    (row,) = tracks[0]["rows"]
+    assert [row[name] for name in ("object", "state", "x", "y", "z")] == ["green", "tracked", 1.0, None, 0.5]
 
 
 def test_echo_ends_after_so_many_and_takes_all_cameras(run: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -63,7 +63,7 @@ def tracking_plan(
     if not found:
         text = f"graph {plan.graph} has no stage that joins the blobs of several cameras"
         raise InputError.of(text, "give one that tracks, for example graphs/glowballs.yaml")
-    stage = {"uses": "sinks.csv_blobs", "in": {"blobs": list(found)}, "with": {"path": SIGHTINGS}}
+    stage = {"uses": "sinks.csv", "in": {"blobs": list(found)}, "with": {"path": SIGHTINGS}}
     changed = {"extends": str(Path(graph).absolute()), "stages": {"write_sightings": stage}}
     file = folder / "graph.yaml"
     file.write_text(json.dumps(changed), encoding="utf-8")  # which is YAML, too
@@ -106,7 +106,7 @@ def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
 
 
 def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> BlobTable:
-    """Blobs as `sinks.csv_blobs` writes them. Raises InputError with line numbers."""
+    """Blobs as `sinks.csv` writes them. Raises InputError with line numbers."""
     rows = [
         (row.choice("camera", cameras), row.choice("target", targets), *row.numbers("time", "u", "v"))
         for row in read_rows(path, ("time", "camera", "target", "u", "v"))

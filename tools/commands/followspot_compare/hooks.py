@@ -37,7 +37,7 @@ def run(args: argparse.Namespace) -> int:
     Every graph file is a variant; each --variant is another variant of the first graph. The command prints
     for each target, and as means: coverage, RMSE, median and 95th percentile (mm), identity switches, false
     positions while hidden, recovery, jerk cost, reprojection error, speed, and ratios to the first variant.
-    For graphs that write poses of persons (sinks.csv_poses) it prints coverage, errors of direction,
+    For graphs that write poses of persons (sinks.csv) it prints coverage, errors of direction,
     distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
     acquire and to vanish, and speed.
 

@@ -35,18 +35,19 @@ def read_fused(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> Fuse
     """Fused positions of those targets and frames that have a track; None if none were recorded."""
     time, target, xyz, steps = [], [], [], []
     for message in _messages(folder / POSITIONS):
-        time += [message["time"]] * len(message["target"])
-        target += message["target"]
-        xyz += message["xyz"]
-        steps += message["iterations"]
+        for row in message["rows"]:
+            time.append(message["time"])
+            target.append(objects.index(row["object"]))
+            xyz.append([row["x"], row["y"], row["z"]])
+            steps.append(row["iterations"])
     if not time:
         return None
-    stamp, row = np.array(time, "i8"), np.array(target, "i4")
-    kept = np.isin(keys(stamp, row), track_keys(tracks, objects))
+    stamp, number = np.array(time, "i8"), np.array(target, "i4")
+    kept = np.isin(keys(stamp, number), track_keys(tracks, objects))
     table = TrackTable(
         tuple(objects),
         stamp[kept] * SECONDS,
-        row[kept],
+        number[kept],
         np.full(int(kept.sum()), TRACKED, "u1"),
         np.array(xyz, "f8")[kept],
     )
@@ -61,10 +62,10 @@ def detection_errors(
     In each camera the nearest blob counts that is part of a candidate of the target, as the 2D candidates
     of Jin & Qian 2008 are (section 4). Empty without candidates or tracks.
     """
-    blobs = list(_blobs(folder / CANDIDATES))
+    blobs = list(_blobs(folder / CANDIDATES, objects, [camera.name for camera in cameras]))
     if not blobs or not len(tracks.time):
         return {}
-    time, target, camera, pixel = (np.concatenate(column) for column in zip(*blobs, strict=True))
+    time, target, camera, pixel = (np.array(column) for column in zip(*blobs, strict=True))
     key, known = keys(time, target), track_keys(tracks, objects)
     order = np.argsort(known)
     row = order[np.searchsorted(known[order], key).clip(max=len(known) - 1)]
@@ -96,15 +97,16 @@ def _images(cameras: Sequence[Camera], camera: Array, xyz: Array) -> Array:
     return np.asarray(homogeneous[:, :2] / homogeneous[:, 2:])
 
 
-def _blobs(path: Path) -> Iterator[tuple[Array, Array, Array, Array]]:
+def _blobs(
+    path: Path, objects: Sequence[str], cameras: Sequence[str]
+) -> Iterator[tuple[int, int, int, tuple[float, float]]]:
     """Both ends of every candidate, once per target that it may belong to: time, target, camera, xy."""
     for message in _messages(path):
-        if not message["xy"]:
-            continue
-        row, target = np.nonzero(np.array(message["targets"], bool))
-        camera, xy = np.array(message["view"])[row], np.array(message["xy"])[row]
-        time = np.full(2 * len(row), message["time"], "i8")
-        yield time, np.repeat(target, 2), camera.ravel(), xy.reshape(-1, 2)
+        for row in message["rows"]:
+            for name in row["targets"].split():
+                for end in "01":
+                    xy = row[f"xy_{end}_0"], row[f"xy_{end}_1"]
+                    yield message["time"], objects.index(name), cameras.index(row[f"view_{end}"]), xy
 
 
 def _messages(path: Path) -> Iterator[dict[str, Any]]:

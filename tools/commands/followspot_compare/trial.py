@@ -76,7 +76,7 @@ def run_trial(
         raise FollowspotError(f'variant "{variant}" failed in room {room}:\n{reasons}')
     measured = (variant, room, report.frames, report.seconds, tracking_ms(report))
     if isinstance(truth, PoseTruthTable):
-        _require(options.out / POSES, plan, "sinks.csv_poses")
+        _require(options.out / POSES, plan, "sinks.csv")
         return Trial(*measured, {}, (), poses_score(plan.room, options.out, truth))
     targets, iterations = _figures(plan, options.out, truth)
     return Trial(*measured, targets, tuple(iterations.tolist()))

@@ -17,7 +17,7 @@ from followspot.tracking import Frame
 from followspot_record.embedded import plan_of_recording
 from followspot_record.formats import FORMATS, Port
 from followspot_record.record import PLAN
-from followspot_recording.contract import contract_of, message_type, type_name
+from followspot_recording.contract import is_of, message_type, type_name
 from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 from followspot_recording.records import Channel
@@ -69,4 +69,4 @@ def recorded_room(recording: Recording) -> Room:
 def type_of(channel: Channel) -> type[Message]:
     """The installed message type if it equals the recorded one, else a made one. Raises ContractError."""
     known = next((kind for kind in REPLAYS.values() if type_name(kind) == channel.schema), None)
-    return known if known and contract_of(known) == channel.contract else message_type(channel.contract)
+    return known if known and is_of(channel.contract, known) else message_type(channel.contract)

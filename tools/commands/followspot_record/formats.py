@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from followspot import Context, Room
+from followspot.message_table import as_json
 from followspot.messages import Message
-from followspot_record.rows import TEXT, as_json, headings, rows
+from followspot_record.recorded_rows import TEXT, headings, rows
 from followspot_sinks.rerun.viewer import Rerun
 
 _GROUP = 1 << 14
@@ -47,9 +48,9 @@ def write_csv(path: Path, port: Port) -> int:
     count = 0
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(headings(port.kind))
+        writer.writerow(headings(port.kind, port.room))
         for message in port.messages:
-            for row in rows(message):
+            for row in rows(message, port.room):
                 writer.writerow(row)
                 count += 1
     return count
@@ -60,7 +61,7 @@ def write_jsonl(path: Path, port: Port) -> int:
     count = 0
     with path.open("w", encoding="utf-8") as file:
         for message in port.messages:
-            file.write(json.dumps(as_json(message), allow_nan=False, separators=(",", ":")) + "\n")
+            file.write(json.dumps(as_json(message, port.room), allow_nan=False, separators=(",", ":")) + "\n")
             count += 1
     return count
 
@@ -70,7 +71,7 @@ def write_parquet(path: Path, port: Port) -> int:
     import pyarrow as pa
     from pyarrow.parquet import ParquetWriter
 
-    codes = headings(port.kind)
+    codes = headings(port.kind, port.room)
     schema = pa.schema(
         [(name, pa.string() if code == TEXT else pa.from_numpy_dtype(code)) for name, code in codes.items()]
     )
@@ -78,7 +79,7 @@ def write_parquet(path: Path, port: Port) -> int:
     waiting: list[tuple[Any, ...]] = []
     with ParquetWriter(path, schema) as writer:
         for message in chain(port.messages, [None]):
-            waiting += () if message is None else rows(message)
+            waiting += () if message is None else rows(message, port.room)
             if waiting and (message is None or len(waiting) >= _GROUP):
                 columns = zip(*waiting, strict=True)
                 arrays = [pa.array(c, f.type) for c, f in zip(columns, schema, strict=True)]

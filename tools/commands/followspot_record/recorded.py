@@ -13,7 +13,7 @@ from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot_record.embedded import plan_of_recording
 from followspot_record.export import recorded_room, type_of
-from followspot_record.rows import headings, rows
+from followspot_record.recorded_rows import headings, rows
 from followspot_recording.decoding import decoded
 from followspot_recording.recording import Recording
 
@@ -34,8 +34,9 @@ class RecordedPort:
         """A DataFrame with a row for each row of each message. Raises ImportError without pandas."""
         import pandas
 
-        found = [row for message in self for row in rows(message)]
-        return pandas.DataFrame(found, columns=list(headings(self.type)))
+        room = recorded_room(self._recording)
+        found = [row for message in self for row in rows(message, room)]
+        return pandas.DataFrame(found, columns=list(headings(self.type, room)))
 
     def __repr__(self) -> str:
         return f"<{self.name}: {self.type.__name__}>"

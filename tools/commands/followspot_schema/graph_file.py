@@ -125,9 +125,11 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
 
 def _of(name: str, stage: type[Stage]) -> Schema:
     found = ports(stage)
-    feeds = {p.name: {"$ref": "#/$defs/feed"} for p in found.inputs}
-    need = [p.name for p in found.inputs if p.required]
-    described = form(f"inputs of {name}", feeds, need)
+    feed: Schema = {"$ref": "#/$defs/feed"}
+    need = [p.name for p in found.inputs if p.required and not found.any_name]
+    described = form(f"inputs of {name}", {p.name: feed for p in found.inputs}, need)
+    if found.any_name:
+        described = named(f"the input of {name}, under any name", feed)
     says: Schema = {"properties": {"in": described, "with": parameters(name, stage)}}
     must = [
         key for key, wanted in (("in", need), ("with", says["properties"]["with"].get("required"))) if wanted

@@ -21,7 +21,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "reported",
         type=Path,
         metavar="TRACKS.csv",
-        help="tracks as the stage sinks.csv writes them, or poses as sinks.csv_poses does",
+        help="tracks or poses as the stage sinks.csv writes them",
     )
     parser.add_argument(
         "truth",

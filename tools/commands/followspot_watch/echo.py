@@ -7,14 +7,16 @@ import json
 import sys
 from contextlib import suppress
 from dataclasses import replace
+from itertools import islice
 from typing import Any
 
-import numpy as np
-
+from followspot import Room
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import RunHandle, connected_run
-from followspot.messages import Array, Message
+from followspot.message_table import as_json, rows_of, table_of
+from followspot.messages import Message, stamped
 from followspot.plugins.registry import use_plugin_files
+from followspot.tables import table
 from followspot.tracking import Frame
 from followspot_dashboard.picture import Picture
 from followspot_watch.run_monitor import RunMonitor
@@ -24,7 +26,9 @@ SINK = "dashboard.echo"
 _PERIOD = 0.5
 """Seconds between two checks whether the run has ended."""
 _ROWS = 6
-"""Rows of an array that the text shows."""
+"""Rows of a message that the text shows."""
+_WIDEST = 60
+"""Characters of a cell that the text shows."""
 
 
 def echo(args: argparse.Namespace) -> int:
@@ -36,7 +40,7 @@ def echo(args: argparse.Namespace) -> int:
             for port in tapped_ports(args.port, run)
         ]
         with subscribed(run, ports, SINK) as subscriber, suppress(KeyboardInterrupt):
-            _print(subscriber, args, Warner(run))
+            _print(subscriber, args, Warner(run), run.plan().room)
     return 0
 
 
@@ -58,7 +62,7 @@ class Warner:
                 print(f"followspot: {line}", file=sys.stderr, flush=True)
 
 
-def _print(subscriber: TapSubscriber, args: argparse.Namespace, warner: Warner) -> None:
+def _print(subscriber: TapSubscriber, args: argparse.Namespace, warner: Warner, room: Room) -> None:
     left, came = args.number, True
     for received in subscriber.messages(_PERIOD):
         if received is None:
@@ -67,37 +71,34 @@ def _print(subscriber: TapSubscriber, args: argparse.Namespace, warner: Warner) 
             came = False
             continue
         came = True
-        print(json.dumps(data(*received)) if args.json else text(*received), flush=True)
+        show = (lambda *given: json.dumps(data(*given))) if args.json else text
+        print(show(*received, room), flush=True)
         left -= 1
         if left == 0:
             return
 
 
-def data(port: str, message: Message) -> dict[str, Any]:
-    """A message in JSON types. NaN and infinity become null; of a picture there is only the size."""
-    header = message.header
-    fields: dict[str, Any] = {name: getattr(message, name) for name, _ in message.scalars}
-    if not isinstance(message, Picture):
-        fields |= {column.name: _plain(getattr(message, column.name)) for column in message.columns}
-    about = {"port": port, "source": header.source, "seq": header.seq, "time": header.time}
-    return {**about, "type": type(message).__name__, **fields}
+def data(port: str, message: Message, room: Room) -> dict[str, Any]:
+    """A message in JSON types, with the names of `followspot.message_table`; of a picture only the size."""
+    if isinstance(message, Picture):
+        message = stamped(message.where(slice(0)), message.header)
+    return {"port": port, **as_json(message, room)}
 
 
-def text(port: str, message: Message) -> str:
-    """A message as text."""
+def text(port: str, message: Message, room: Room) -> str:
+    """A message as text: single values, then its table."""
     header = message.header
     lines = [f"{port}  {type(message).__name__}  {header.source}#{header.seq}  {header.time / 1e9:.6f} s"]
     lines += [f"  {name} {getattr(message, name)!r}" for name, _ in message.scalars]
-    for column in message.columns:
-        array = getattr(message, column.name)
-        if not isinstance(message, Picture) and array.size:
-            shown = np.array2string(array[:_ROWS], precision=4, suppress_small=True, prefix=" " * 4)
-            more = f"  ... {len(array)} rows" if len(array) > _ROWS else ""
-            lines.append(f"  {column.name} [{column.unit}] {array.shape}\n    {shown}{more}")
+    if isinstance(message, Picture):
+        return "\n".join(lines)
+    cells = [one for one in table_of(message, room) if one.name not in dict(message.scalars)]
+    rows = list(islice(rows_of(cells), _ROWS + 1))
+    if rows:
+        texts = [[_cell(value) for value in row] for row in rows[:_ROWS]]
+        lines += [table([one.name for one in cells], texts), *["  ..."] * (len(rows) > _ROWS)]
     return "\n".join(lines)
 
 
-def _plain(array: Array) -> Any:
-    if array.dtype.kind == "f" and not np.isfinite(array).all():
-        return np.where(np.isfinite(array), array, None).tolist()  # type: ignore[call-overload]
-    return array.tolist()
+def _cell(value: Any) -> str:
+    return f"{value:.4f}" if isinstance(value, float) else str(value)[:_WIDEST]

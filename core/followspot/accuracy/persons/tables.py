@@ -58,7 +58,7 @@ class PoseTruthTable:
 
 
 def read_poses_csv(path: Path, viewpoint: Viewpoint) -> PoseTable:
-    """Poses as `sinks.csv_poses` writes them; more columns are ignored. Raises InputError.
+    """Poses as `sinks.csv` writes them; more columns are ignored. Raises InputError.
 
     viewpoint: places of the cameras that headings are relative to.
     """

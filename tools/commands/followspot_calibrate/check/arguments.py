@@ -23,7 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--run",
         type=Path,
         metavar="DIR",
-        help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs)",
+        help="a run's output with tracks.csv and blobs.csv (sinks.csv)",
     )
     tracking.add_argument("--track", action="store_true", help="track the room's own recording now")
     add("--graph", default=GRAPH, help=f"graph for --track, with a stage sinks.csv (default: {GRAPH})")

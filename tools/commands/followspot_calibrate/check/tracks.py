@@ -39,8 +39,8 @@ def read_run(folder: Path, room: Room) -> Tracked:
     blobs = next((folder / name for name in FILES if (folder / name).is_file()), None)
     if blobs is None:
         remedy = (
-            "add a stage to the graph: blobs: {uses: sinks.csv_blobs, in: {blobs: [color, infrared]}}; "
-            "or let the check track by itself: --track"
+            "add a stage to the graph: blobs: {uses: sinks.csv, in: {blobs: [color, infrared]}, "
+            "with: {path: blobs.csv}}; or let the check track by itself: --track"
         )
         raise InputError.of(f"{folder} has no {FILES[0]}", remedy)
     table = read_tracks_csv(folder / TRACKS)

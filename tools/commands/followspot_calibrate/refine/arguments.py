@@ -20,7 +20,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--run",
         type=Path,
         metavar="DIR",
-        help="a run's output with tracks.csv and blobs.csv (sinks.csv_blobs) instead of tracking now",
+        help="a run's output with tracks.csv and blobs.csv (sinks.csv) instead of tracking now",
     )
     add(
         "--clips",

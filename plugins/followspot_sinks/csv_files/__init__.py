@@ -1,1 +1,0 @@
-"""Sinks that write CSV files."""

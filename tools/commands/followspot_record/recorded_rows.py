@@ -1,0 +1,43 @@
+"""Recorded messages as rows of a table."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from followspot import Room
+from followspot.errors import FollowspotError
+from followspot.message_table import head_of, rows_of, table_of
+from followspot.messages import Message
+
+TEXT = ""
+"""Stands for the type of a column of texts."""
+_HEAD = {"seq": "i8", "time_ns": "i8", "source": TEXT}
+_SCALARS: dict[Any, str] = {int: "i8", float: "f8", bool: "?"}
+
+
+def headings(kind: type[Message], room: Room) -> dict[str, str]:
+    """Names of a table's columns and their numpy type codes: frame, capture time and source, then all that
+    the type's table has. Raises FollowspotError if two names are equal.
+    """
+    scalars = {name: _SCALARS.get(scalar, TEXT) for name, scalar in kind.scalars}
+    columns = {}
+    for name, values, *_ in head_of(kind, room):
+        code = values.dtype.str if isinstance(values, np.ndarray) and values.dtype != object else TEXT
+        columns[name] = code or scalars.get(name, TEXT)
+    if twice := _HEAD.keys() & columns.keys():
+        raise FollowspotError(
+            f"{kind.__name__} has a field named {min(twice)} like another column; export it to jsonl"
+        )
+    return _HEAD | columns
+
+
+def rows(message: Message, room: Room) -> Iterator[tuple[Any, ...]]:
+    """The rows of one message; NaN is None, lists are JSON."""
+    header = message.header
+    for row in rows_of(table_of(message, room)):
+        cells = (json.dumps(cell) if isinstance(cell, list | tuple) else cell for cell in row)
+        yield (header.seq, header.time, header.source, *cells)
