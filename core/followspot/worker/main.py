@@ -6,19 +6,16 @@ and reports. When the host dies, the worker ends its sources, completes its outp
 
 from __future__ import annotations
 
-import os
 import signal
 import socket
 import sys
-import threading
-import time
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from followspot.control.checkpoint import state_from_data
-from followspot.control.dispatch import Dispatcher
+from followspot.control.dispatch import Handlers
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.pipe import Channel, ChannelClosed, Received
 from followspot.control.swap import ChangeOrder
@@ -42,6 +39,7 @@ from followspot.worker.edge_links import EdgeLinks, rows_of, uses_zenoh
 from followspot.worker.host_reporter import HostReporter
 from followspot.worker.hot_swap import HotSwap
 from followspot.worker.ledger import COLUMNS, Ledger
+from followspot.worker.orders import Orders
 from followspot.worker.report import Warnings, missing, worker_report
 from followspot.worker.scheduler import Worker
 from followspot.worker.taps import WorkerTaps
@@ -49,8 +47,6 @@ from followspot.worker.wiring import RunOptions, Wiring
 
 _REMINDER = 0.5
 """Seconds between two announcements, at the barrier, that the ends of edges here exist."""
-GRACE = 3.0
-"""Seconds that a worker has to complete its outputs after its host has gone."""
 
 
 class WorkerMain:
@@ -70,7 +66,7 @@ class WorkerMain:
         self.taps: WorkerTaps | None = None
         self.restart = False
         self.reporter = HostReporter(channel, self.log, self.warnings)
-        self._orders: list[Received] = []
+        self._early: list[Received] = []
         """Orders that came before the start."""
 
     def live(self) -> None:
@@ -155,7 +151,7 @@ class WorkerMain:
             received = self.channel.receive()
             if isinstance(received.request, StartRun | StopRun):
                 return isinstance(received.request, StartRun)
-            self._orders.append(received)
+            self._early.append(received)
 
     def _run(self) -> None:
         assert self.worker is not None
@@ -165,57 +161,31 @@ class WorkerMain:
 
             self.published = published(self.worker, self.links)
         self.change = HotSwap(self.worker, self.reporter.send_change)
-        self._dispatcher = self._handlers(self.worker, self.links)
-        self.worker.ends.watch(self.channel.fileno(), self._listen)
-        self.worker.pace.watch(self.channel.fileno(), self._listen)
-        self._obey([*self._orders, *self.channel.buffered()])
+        handlers = self._handlers(self.worker, self.links)
+        orders = Orders(
+            self.channel, self.worker, handlers, in_process=self._in_process, restart=self.restart
+        )
+        orders.listen(self._early)
         if not self._in_process:
             signal.signal(signal.SIGTERM, lambda *_: self.worker.stop() if self.worker else None)
-        self.reporter.start(self.worker, self._leave_soon)
+        self.reporter.start(self.worker, orders.leave_soon)
         try:
             self.worker.run()
         finally:
             self.change.close()
 
-    def _listen(self) -> bool:
-        """Receive orders: a stop takes effect at once, all others between two firings.
-
-        Returns True if the host has gone.
-        """
-        assert self.worker is not None
-        try:
-            received = self.channel.arrived()
-        except ChannelClosed:
-            self._leave_soon()
-            if self.restart:  # another worker will continue these streams, so they must not end
-                self.worker.between_firings(_leave)
-            self.worker.stop()
-            return True
-        if any(isinstance(order, StopRun) for order, _ in received):
-            self.worker.stop()
-        self.worker.between_firings(partial(self._obey, received))
-        return False
-
-    def _obey(self, received: Sequence[Received]) -> None:
-        """Carry out orders; called between two firings."""
-        for order, descriptors in received:
-            self._dispatcher.dispatch(order, *descriptors)
-
-    def _handlers(self, worker: Worker, links: EdgeLinks) -> Dispatcher:
+    def _handlers(self, worker: Worker, links: EdgeLinks) -> Handlers:
         """The handlers of all orders to a running worker."""
-        return Dispatcher(
-            "worker",
-            {
-                **worker.handlers,
-                **(self.taps.handlers if self.taps is not None else {}),
-                EndWorkers: lambda order: self._give_up(order.workers),
-                TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
-                SendStates: lambda _: self.reporter.send_states(worker),
-                SetClock: self._set_clock,
-                LeaveRun: self._leave_run,
-                ChangeOrder: self.change.obey,
-            },
-        )
+        return {
+            **worker.handlers,
+            **(self.taps.handlers if self.taps is not None else {}),
+            EndWorkers: lambda order: self._give_up(order.workers),
+            TakeRing: lambda order, end: links.renew(worker, order.edge, socket.socket(fileno=end)),
+            SendStates: lambda _: self.reporter.send_states(worker),
+            SetClock: self._set_clock,
+            LeaveRun: self._leave_run,
+            ChangeOrder: self.change.obey,
+        }
 
     def _set_clock(self, order: SetClock) -> None:
         self.clock.captured, self.clock.steady = order.correction
@@ -243,22 +213,6 @@ class WorkerMain:
                     self.warnings.add(
                         runner.name, f"it starts without its former state, which cannot be restored: {error}"
                     )
-
-    def _leave_soon(self) -> None:
-        """Exit after `GRACE` seconds: the host has gone, and the outputs are completed by then or never."""
-        if not self._in_process:
-            threading.Thread(target=_exit_later, daemon=True).start()
-
-
-def _leave() -> None:
-    """End the worker in the middle of its streams. Raises ChannelClosed."""
-    raise ChannelClosed("the host has gone")
-
-
-def _exit_later() -> None:
-    """End the process after `GRACE` seconds, whatever the worker does."""
-    time.sleep(GRACE)
-    os._exit(1)
 
 
 def _shared_words(fd: int, edges: int) -> memoryview:
