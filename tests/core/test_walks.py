@@ -35,6 +35,12 @@ stages:
   gray:   {uses: pictures.gray, in: {frame: camera}}
   keep:   {uses: pictures.keep, in: {frame: gray}}
 """
+ENDLESS = """
+graph: walked
+stages:
+  a: {uses: ticks.live, with: {count: 1000000, period: 0.005}}
+  b: {uses: ticks.tally, in: {number: a}}
+"""
 WORD = "b.step=7"
 
 
@@ -89,9 +95,7 @@ def is_the_change(value: Any) -> bool:
 
 def test_the_walk_of_a_swap_is_the_documented_one_and_has_at_most_ten_files(tmp_path: Path) -> None:
     graph = tmp_path / "walked.yaml"
-    graph.write_text(
-        "graph: walked\nstages:\n  a: {uses: ticks.live}\n  b: {uses: ticks.tally, in: {number: a}}\n"
-    )
+    graph.write_text(ENDLESS)
     with (
         traced(is_the_change) as files,
         fs.run(graph, plugin_files=[STAGES / "ticks.py"], out=tmp_path / "out") as run,
