@@ -16,13 +16,14 @@ from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.room_file import load, save
 from followspot_calibrate.board.chain import chained
-from followspot_calibrate.board.poses import BoardPose, Pose, Relation, board_poses, relate
+from followspot_calibrate.board.poses import BoardPose, Relation, board_poses, relate
 from followspot_calibrate.board.rigidity import distances
 from followspot_calibrate.board.solving import solve
 from followspot_calibrate.board.timestamps import read_timestamps
 from followspot_calibrate.board.verdict import warnings_of
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import View
+from followspot_calibrate.similarity import Similarity
 
 SHARED = Path(__file__).parents[3] / "../shared/data"
 needs_shared = pytest.mark.skipif(not SHARED.parent.exists(), reason="needs ../shared")
@@ -178,24 +179,24 @@ def test_flat_board_far_away_has_two_poses_and_the_right_ones_agree() -> None:
 def test_moments_agree_up_to_three_degrees_and_a_twentieth_of_the_distance() -> None:
     def placed(degrees: float, shift: float) -> BoardPose:
         rotation = cv2.Rodrigues(np.radians([0.0, degrees, 0.0]))[0]
-        return BoardPose(Pose(rotation, rotation @ [0.0, 0.0, 2.0] + [shift, 0.0, 0.0]), 0.1)
+        return BoardPose(Similarity(rotation, rotation @ [0.0, 0.0, 2.0] + [shift, 0.0, 0.0]), 0.1)
 
     here = [[placed(0, 0)]] * 8
     there = [(0, 0), (0.1, 0.002), (-0.1, 0), (0, -0.002), (2, 0), (4, 0), (0, 0.08), (0, 0.12)]
     relation = relate(here, [[placed(*where)] for where in there])
     assert relation is not None
     assert (relation.moments, relation.shared) == (6, 8)
-    assert np.linalg.norm(relation.pose.translation) < 0.001
+    assert np.linalg.norm(relation.pose.shift) < 0.001
     assert relate([[]], [[placed(0, 0)]]) is None
 
 
 @pytest.mark.parametrize("moments", [2, 3])
 def test_three_moments_link_two_cameras_and_two_do_not(moments: int) -> None:
-    pose = Pose(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    pose = Similarity(np.eye(3), np.array([1.0, 0.0, 0.0]))
     pairs = {(0, 1): Relation(pose, moments, 9), (0, 2): Relation(pose, 9, 9)}
     if moments == 3:
         poses = chained(["left", "middle", "right"], pairs)
-        np.testing.assert_array_equal(poses[1].translation, pose.translation)
+        np.testing.assert_array_equal(poses[1].shift, pose.shift)
         return
     with pytest.raises(FollowspotError, match=r"left-middle agree on 2 moments .* 3 needed"):
         chained(["left", "middle", "right"], pairs)

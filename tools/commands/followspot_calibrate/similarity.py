@@ -19,7 +19,10 @@ FLAT = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Similarity:
-    """X_new = scale rotation X_old + shift; rotation (3, 3), shift (3,) m."""
+    """X_new = scale rotation X_old + shift; rotation (3, 3), shift (3,) m.
+
+    The pose of a camera is one, from the room to the camera.
+    """
 
     rotation: Array
     shift: Array
@@ -28,6 +31,15 @@ class Similarity:
     def points(self, points: Array) -> Array:
         """Points in the new frame, (N, 3)."""
         return np.asarray(self.scale * points @ self.rotation.T + self.shift)
+
+    def after(self, first: Similarity) -> Similarity:
+        """The similarity that leads through the first one and then this one."""
+        return Similarity(self.rotation @ first.rotation, self.points(first.shift), self.scale * first.scale)
+
+    @property
+    def inverse(self) -> Similarity:
+        """The way back."""
+        return Similarity(self.rotation.T, -self.rotation.T @ self.shift / self.scale, 1 / self.scale)
 
     def camera(self, camera: Camera) -> Camera:
         """The camera in the new frame; it sees the same."""

@@ -89,20 +89,29 @@ def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) ->
     if not (out / TRACKS).exists():
         raise FollowspotError(f"graph {plan.graph} writes no {TRACKS}; it needs a stage sinks.csv")
     targets = tuple(plan.room.targets)
-    table = read_tracks_csv(out / TRACKS)
-    number = np.array([targets.index(name) for name in table.objects], int)
-    tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
+    tracks = in_room(read_tracks_csv(out / TRACKS), targets)
     return Tracked(tracks, read_blobs(out / SIGHTINGS, tuple(plan.room.cameras), targets))
+
+
+def in_room(table: TrackTable, targets: tuple[str, ...]) -> TrackTable:
+    """The tracks with the targets numbered in the order of the room, which has them all."""
+    number = np.array([targets.index(name) for name in table.objects], int)
+    return TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
 
 
 def track_recording(graph: str, room: Path, frames: int | None) -> Tracked:
     """Track the room's own recording, with progress on a terminal. Raises FollowspotError."""
     with TemporaryDirectory(prefix="followspot-track-") as folder, closing(ProgressBar()) as bar:
         plan = tracking_plan(graph, room, (), (), Path(folder))
-        if frames is None and any(stage.live for stage in plan.stages):
-            remedy = "record them first, or say how many frames to use: --frames 1000"
-            raise InputError.of(f"the cameras of {room} are live and never end", remedy)
+        require_end(plan, room, frames)
         return track(plan, Path(folder), frames, bar.show if bar.terminal else None)
+
+
+def require_end(plan: Plan, room: Path, frames: int | None) -> None:
+    """Raises InputError if the run would never end."""
+    if frames is None and any(stage.live for stage in plan.stages):
+        remedy = "record them first, or say how many frames to use: --frames 1000"
+        raise InputError.of(f"the cameras of {room} are live and never end", remedy)
 
 
 def read_blobs(path: Path, cameras: Sequence[str], targets: Sequence[str]) -> BlobTable:

@@ -6,7 +6,8 @@ from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 from followspot.errors import FollowspotError
-from followspot_calibrate.board.poses import STILL, BoardPose, Pose, Relation, relate
+from followspot_calibrate.board.poses import STILL, BoardPose, Relation, relate
+from followspot_calibrate.similarity import Similarity
 
 LEAST_MOMENTS = 3
 """Smallest number of agreeing views that links a pair of cameras."""
@@ -27,7 +28,7 @@ def relations(seen: Sequence[Seen]) -> dict[tuple[int, int], Relation]:
     return found
 
 
-def chained(names: Sequence[str], pairs: Pairs) -> list[Pose]:
+def chained(names: Sequence[str], pairs: Pairs) -> list[Similarity]:
     """Poses from the first camera to each, over the pairs that agree on most moments (Prim 1957).
 
     Raises FollowspotError if a camera is linked to no other; it names the best pair to mend.

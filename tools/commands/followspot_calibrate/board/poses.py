@@ -13,6 +13,7 @@ from followspot.geometry import undistort
 from followspot.messages import Array
 from followspot_calibrate.boards.board import Board
 from followspot_calibrate.boards.detection import View
+from followspot_calibrate.similarity import Similarity
 
 POOR = 3.0
 """RMS error of a view's pose from which it is no view of the board at all, px."""
@@ -25,31 +26,14 @@ MOST_MOMENTS = 300
 """Largest number of shared views of a pair that are compared, evenly spread."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """x' = rotation x + translation; rotation: (3, 3); translation: (3,) m."""
-
-    rotation: Array
-    translation: Array
-
-    def after(self, first: Pose) -> Pose:
-        """The pose that leads through the first one and then this one."""
-        return Pose(self.rotation @ first.rotation, self.rotation @ first.translation + self.translation)
-
-    @property
-    def inverse(self) -> Pose:
-        """The way back."""
-        return Pose(self.rotation.T, -self.rotation.T @ self.translation)
-
-
-STILL = Pose(np.eye(3), np.zeros(3))
+STILL = Similarity(np.eye(3), np.zeros(3))
 
 
 @dataclass(frozen=True, eq=False)
 class BoardPose:
     """A pose from the board to a camera and its error, px RMS; a flat board far away has two such poses."""
 
-    pose: Pose
+    pose: Similarity
     error: float
 
 
@@ -66,17 +50,17 @@ def board_poses(camera: Camera, view: View, board: Board) -> list[BoardPose]:
     except cv2.error:
         return []
     found = [
-        BoardPose(Pose(cv2.Rodrigues(turns[i])[0], shifts[i].ravel()), float(errors[i].item()))
+        BoardPose(Similarity(cv2.Rodrigues(turns[i])[0], shifts[i].ravel()), float(errors[i].item()))
         for i in range(count)
     ]
-    return [one for one in found if one.error < POOR and one.pose.translation[2] > 0]
+    return [one for one in found if one.error < POOR and one.pose.shift[2] > 0]
 
 
 @dataclass(frozen=True, eq=False)
 class Relation:
     """Camera b against camera a: x_b = pose x_a; moments: that agree; shared: with the board in both."""
 
-    pose: Pose
+    pose: Similarity
     moments: int
     shared: int
 
@@ -94,18 +78,20 @@ def relate(a: Sequence[Sequence[BoardPose]], b: Sequence[Sequence[BoardPose]]) -
             for other in in_b:
                 proposals.append(other.pose.after(one.pose.inverse))
                 moment.append(number)
-                distance.append(np.linalg.norm(one.pose.translation))
+                distance.append(np.linalg.norm(one.pose.shift))
     if not proposals:
         return None
     R = np.array([pose.rotation for pose in proposals])
-    t = np.array([pose.translation for pose in proposals])
+    t = np.array([pose.shift for pose in proposals])
     cosine = (np.einsum("iab,jab->ij", R, R) - 1) / 2
     apart = np.linalg.norm(t[:, None] - t[None], axis=2) / np.array(distance)
     strain = np.arccos(np.clip(cosine, -1, 1)) / NEAR_ANGLE + apart / NEAR_SHIFT
     center = int(np.minimum(strain, 1).sum(axis=1).argmin())
     near = strain[center] < 1
     agreeing = len(set(np.array(moment)[near].tolist()))
-    return Relation(Pose(_mean_rotation(R[near]), np.median(t[near], axis=0)), agreeing, len(set(moment)))
+    return Relation(
+        Similarity(_mean_rotation(R[near]), np.median(t[near], axis=0)), agreeing, len(set(moment))
+    )
 
 
 def _mean_rotation(rotations: Array) -> Array:

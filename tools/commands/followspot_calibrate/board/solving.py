@@ -12,12 +12,13 @@ from followspot.errors import FollowspotError
 from followspot.messages import Array
 from followspot_calibrate.adjust import Free, adjust
 from followspot_calibrate.board.chain import Pairs, chained, relations
-from followspot_calibrate.board.poses import Pose, board_poses
+from followspot_calibrate.board.poses import board_poses
 from followspot_calibrate.board.rigidity import Distances, distances
 from followspot_calibrate.board.sighting import sightings_of
 from followspot_calibrate.boards.board import Board
 from followspot_calibrate.boards.detection import View
 from followspot_calibrate.sightings import Sightings
+from followspot_calibrate.similarity import Similarity, on_a_line, similarity
 from followspot_calibrate.triangulation import triangulate
 
 ROUNDS = 2
@@ -84,9 +85,10 @@ def solve(
     points[lonely], pixel[lonely] = np.nan, np.nan
     residual[np.isnan(pixel[..., 0])] = np.nan
     scale = distances(seen.frame, seen.label, points, board).scale
-    placed, points = scaled(placed, points, scale)
-    room = _origin(cameras[0], placed[0]) if floor is None else _on_floor(seen, points, board, floor)
-    placed, points = moved(placed, points, room)
+    larger = Similarity(np.eye(3), np.zeros(3), scale)
+    first, points = larger.camera(placed[0]), larger.points(points)
+    room = _origin(cameras[0], first) if floor is None else _on_floor(seen, points, board, floor)
+    placed, points = tuple(room.after(larger).camera(camera) for camera in placed), room.points(points)
     apart = distances(seen.frame, seen.label, points, board)
     rejected = seen.seen.sum(axis=0) - np.isfinite(residual).sum(axis=0)
     return BoardCalibration(placed, seen, points, residual, rejected, pairs, apart, scale)
@@ -101,43 +103,24 @@ def start(
     ]
     pairs = relations(seen)
     poses = chained([camera.name for camera in cameras], pairs)
-    return pairs, tuple(_posed(camera, pose) for camera, pose in zip(cameras, poses, strict=True))
+    placed = zip(cameras, poses, strict=True)
+    return pairs, tuple(replace(c, rotation=p.rotation, translation=p.shift) for c, p in placed)
 
 
-def scaled(cameras: Sequence[Camera], points: Array, scale: float) -> tuple[tuple[Camera, ...], Array]:
-    """The same room, larger."""
-    return tuple(replace(c, translation=c.translation * scale) for c in cameras), points * scale
+def _origin(before: Camera, after: Camera) -> Similarity:
+    """From the present frame to the one in which a camera stands as before."""
+    known = Similarity(before.rotation, before.translation)
+    return known.inverse.after(Similarity(after.rotation, after.translation))
 
 
-def moved(cameras: Sequence[Camera], points: Array, room: Pose) -> tuple[tuple[Camera, ...], Array]:
-    """The same room in another frame. room: from the present frame to that one."""
-    back = room.inverse
-    poses = (Pose(camera.rotation, camera.translation).after(back) for camera in cameras)
-    placed = tuple(_posed(camera, pose) for camera, pose in zip(cameras, poses, strict=True))
-    return placed, points @ room.rotation.T + room.translation
-
-
-def _posed(camera: Camera, pose: Pose) -> Camera:
-    return replace(camera, rotation=pose.rotation, translation=pose.translation)
-
-
-def _origin(before: Camera, after: Camera) -> Pose:
-    """The frame in which a camera stands as before."""
-    known = Pose(before.rotation, before.translation)
-    return known.inverse.after(Pose(after.rotation, after.translation))
-
-
-def _on_floor(seen: Sightings, points: Array, board: Board, moment: int) -> Pose:
-    """The frame of a board on the floor (Kabsch 1976). Raises FollowspotError if it was not seen."""
+def _on_floor(seen: Sightings, points: Array, board: Board, moment: int) -> Similarity:
+    """To the frame of a board on the floor. Raises FollowspotError if it was not seen."""
     rows = (seen.frame == moment) & np.isfinite(points).all(axis=1)
     corners = board.corners[seen.label[rows]] @ FLOOR.T
-    if rows.sum() < 4 or np.linalg.matrix_rank(corners - corners.mean(axis=0), 1e-6) < 2:
+    if rows.sum() < 4 or on_a_line(corners):
         known = np.unique(seen.frame[np.isfinite(points).all(axis=1)])
         nearest = known[np.abs(known - moment).argmin()] if len(known) else "none"
         raise FollowspotError(
             f"--floor {moment}: two cameras do not see the board then; the nearest moment is {nearest}"
         )
-    center, target = points[rows].mean(axis=0), corners.mean(axis=0)
-    U, _, Vt = np.linalg.svd((corners - target).T @ (points[rows] - center))
-    R = U @ np.diag([1, 1, np.linalg.det(U @ Vt)]) @ Vt
-    return Pose(R, target - R @ center)
+    return similarity(points[rows], corners, scaled=False)

@@ -41,10 +41,9 @@ def measured_length(points: Array, frame: Array, label: Array, length: float) ->
 
     points: (N, 3) m, NaN if unknown; frame, label: (N,); length: m.
     """
-    first, second = ({int(frame[row]): row for row in np.flatnonzero(label == one)} for one in (0, 1))
-    both = sorted(first.keys() & second.keys())
-    ends = points[[first[one] for one in both]] - points[[second[one] for one in both]]
-    apart = np.linalg.norm(ends, axis=1)
+    one, other = (np.flatnonzero(label == number) for number in (0, 1))
+    _, first, second = np.intersect1d(frame[one], frame[other], return_indices=True)
+    apart = np.linalg.norm(points[one[first]] - points[other[second]], axis=1)
     apart = apart[np.isfinite(apart)]
     if len(apart) < FEWEST:
         raise FollowspotError(

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Room
-from followspot.accuracy import TrackTable, read_tracks_csv
+from followspot.accuracy import read_tracks_csv
 from followspot.errors import InputError
 from followspot.geometry import Views
 from followspot.library.execute import TRACKS
 from followspot.messages import Array
-from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, moments_at, read_blobs
+from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, in_room, moments_at, read_blobs
 
 REACH = 0.03
 """Largest distance of a blob from its target's image over the longer side of the picture."""
@@ -49,9 +49,7 @@ def read_run(folder: Path, room: Room) -> Tracked:
     if strange:
         text = f"{folder / TRACKS} has a target {strange[0]}, which the room does not have"
         raise InputError.of(text, "give the room file that the run used")
-    number = np.array([targets.index(name) for name in table.objects], int)
-    tracks = TrackTable(targets, table.time, number[table.target], table.state, table.xyz)
-    return Tracked(tracks, read_blobs(blobs, tuple(room.cameras), targets))
+    return Tracked(in_room(table, targets), read_blobs(blobs, tuple(room.cameras), targets))
 
 
 def target_sightings(tracked: Tracked, room: Room) -> TargetSightings:

@@ -20,10 +20,10 @@ from followspot.messages import Array
 from followspot.tables import table
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments
-from followspot_calibrate.clocks.page import page_of
+from followspot_calibrate.clocks.page import HEAD, cells, page_of
 from followspot_calibrate.output import print_result
 from followspot_calibrate.report import write_report
-from followspot_calibrate.tracked import Tracked, track, tracking_plan
+from followspot_calibrate.tracked import Tracked, require_end, track, tracking_plan
 
 FEWEST = 30
 """Sightings of moving targets that a camera's offset needs."""
@@ -42,9 +42,7 @@ def calibrate_clocks(args: argparse.Namespace) -> int:
     reference = camera_number(room, args.reference)
     with TemporaryDirectory(prefix="followspot-clocks-") as folder:
         plan = tracking_plan(args.graph, args.room, args.overrides, args.plugin_files, Path(folder))
-        if args.frames is None and any(stage.live for stage in plan.stages):
-            remedy = "record them first, or say how many frames to use: --frames 1000"
-            raise InputError.of(f"the cameras of {args.room} are live and never end", remedy)
+        require_end(plan, args.room, args.frames)
         found = found_in_rounds(plan, Path(folder), args)
     if reference is not None:
         found = found.relative_to(reference)
@@ -127,21 +125,14 @@ def write(path: Path, room: Room, found: Offsets) -> None:
 
 def text(room: Room, found: Offsets) -> str:
     """One line per camera."""
-    rows = [
-        (name, f"{offset * 1e3:+.2f}", f"{sigma * 1e3:.2f}", str(count))
-        for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True)
-    ]
-    return table(("camera", "offset ms", "+- ms", "sightings"), rows)
+    return table(HEAD, cells(room, found))
 
 
 def as_json(room: Room, found: Offsets) -> str:
     """The same as one JSON object, in seconds."""
+    columns = (each.tolist() for each in (found.offset, found.sigma, found.sightings))
     cameras = {
         name: {"clock_offset": round(offset, DECIMALS), "sigma": sigma, "sightings": count}
-        for name, offset, sigma, count in zip(room.cameras, *_columns(found), strict=True)
+        for name, offset, sigma, count in zip(room.cameras, *columns, strict=True)
     }
     return json.dumps({"room": room.name, "cameras": cameras})
-
-
-def _columns(found: Offsets) -> tuple[list[float], list[float], list[int]]:
-    return found.offset.tolist(), found.sigma.tolist(), found.sightings.tolist()

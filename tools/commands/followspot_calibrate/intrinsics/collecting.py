@@ -6,7 +6,10 @@ import sys
 from dataclasses import dataclass
 from typing import TextIO
 
+from rich.live import Live
+
 from followspot.errors import InputError, Mistake
+from followspot.tables import literal_console
 from followspot_calibrate.boards.detection import Detector, View
 from followspot_calibrate.boards.pictures import Numbered
 from followspot_calibrate.intrinsics.coverage import coverage
@@ -37,58 +40,33 @@ def collect(
     """
     views: list[View] = []
     size, looked_at = (0, 0), 0
-    display = Display(camera, stream)
+    console = literal_console(file=stream)
     try:
-        for number, gray in pictures:
-            if looked_at and gray.shape[::-1] != size:
-                raise InputError([_other_size(camera, number, gray.shape[::-1], size)])
-            size, looked_at = (gray.shape[1], gray.shape[0]), looked_at + 1
-            view = detector.find(gray, number)
-            if view is not None and (total is not None or _is_new(view, views, size)):
-                views.append(view)
-            display.show(views, size, looked_at, total)
-            if total is None and _is_enough(views, size):
-                break
+        with Live(console=console, transient=True, auto_refresh=False) as drawing:
+            for number, gray in pictures:
+                if looked_at and gray.shape[::-1] != size:
+                    raise InputError([_other_size(camera, number, gray.shape[::-1], size)])
+                size, looked_at = (gray.shape[1], gray.shape[0]), looked_at + 1
+                view = detector.find(gray, number)
+                if view is not None and (total is not None or _is_new(view, views, size)):
+                    views.append(view)
+                if console.is_terminal:
+                    drawing.update(_drawn(camera, views, size, looked_at, total), refresh=True)
+                if total is None and _is_enough(views, size):
+                    break
     except KeyboardInterrupt:
         if total is not None:
             raise
-    finally:
-        display.close()
     return Collected(tuple(views), size, looked_at)
 
 
-class Display:
-    """Coverage and progress on a terminal, drawn over itself; nothing elsewhere."""
-
-    def __init__(self, camera: str, stream: TextIO) -> None:
-        self.camera = camera
-        self.stream = stream
-        self.lines = 0
-
-    def show(self, views: list[View], size: tuple[int, int], looked_at: int, total: int | None) -> None:
-        """Draw the present state."""
-        if not self.stream.isatty():
-            return
-        covered = coverage(views, size)
-        hint = f"still missing: {', '.join(covered.missing)}" if covered.missing else "all parts are covered"
-        of = f" of {total}" if total else ""
-        head = f"{self.camera}: {len(views)} views in {looked_at}{of} pictures"
-        lines = [head, *covered.drawing(), hint]
-        self._back()
-        self.stream.write("".join(f"\x1b[K{line}\n" for line in lines))
-        self.stream.flush()
-        self.lines = len(lines)
-
-    def close(self) -> None:
-        """Wipe the drawing."""
-        self._back()
-        if self.lines:
-            self.stream.write("\x1b[J")
-            self.stream.flush()
-
-    def _back(self) -> None:
-        if self.lines:
-            self.stream.write(f"\x1b[{self.lines}A")
+def _drawn(camera: str, views: list[View], size: tuple[int, int], looked_at: int, total: int | None) -> str:
+    """The present state for a terminal."""
+    covered = coverage(views, size)
+    hint = f"still missing: {', '.join(covered.missing)}" if covered.missing else "all parts are covered"
+    of = f" of {total}" if total else ""
+    head = f"{camera}: {len(views)} views in {looked_at}{of} pictures"
+    return "\n".join([head, *covered.drawing(), hint])
 
 
 def _other_size(camera: str, number: int, found: tuple[int, ...], size: tuple[int, int]) -> Mistake:

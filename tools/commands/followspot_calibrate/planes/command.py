@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import argparse
-import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Mapping
 
 from followspot import Room
 from followspot.errors import InputError, did_you_mean, writing
 from followspot.messages import Array
 from followspot.room_file import load, update
-from followspot.tables import table
 from followspot_calibrate.output import print_result
 from followspot_calibrate.planes.dots import find_marks
-from followspot_calibrate.planes.fit import FittedPlane, fit_plane
+from followspot_calibrate.planes.fit import fit_plane
 from followspot_calibrate.planes.frame import moved_plane, onto_floor
 from followspot_calibrate.planes.marks import read_marks
 from followspot_calibrate.planes.page import page_of
+from followspot_calibrate.planes.text import as_json, summary
 from followspot_calibrate.report import write_report
 from followspot_calibrate.similarity import Similarity
 
@@ -59,38 +57,3 @@ def moved_truth(room: Room, motion: Similarity | None) -> list[str]:
     if motion is None or room.truth is None:
         return []
     return ["the room's truth is still given in the old frame; remove `truth:` or move it too"]
-
-
-def summary(fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str | None) -> str:
-    """A table: one line per plane that was measured."""
-    head = ("plane", "points", "left out", "rms mm", "max mm", "a x + b y + c z + d = 0")
-    rows = [
-        (
-            fit.name,
-            str(int(fit.kept.sum())),
-            str(int((~fit.kept).sum())),
-            f"{fit.rms_mm:.1f}",
-            f"{fit.max_mm:.1f}",
-            "  ".join(f"{value:+.4f}" for value in planes[fit.name]),
-        )
-        for fit in fits
-    ]
-    frame = f"\n{floor} is z = 0 now, z up; cameras and planes moved together" if floor else ""
-    return table(head, rows) + frame
-
-
-def as_json(
-    fits: Sequence[FittedPlane], planes: Mapping[str, Array], floor: str | None, warnings: Sequence[str]
-) -> str:
-    """The same for scripts."""
-    measured: dict[str, dict[str, Any]] = {
-        fit.name: {
-            "plane": planes[fit.name].tolist(),
-            "points": int(fit.kept.sum()),
-            "left_out": int((~fit.kept).sum()),
-            "rms_mm": round(fit.rms_mm, 4),
-            "max_mm": round(fit.max_mm, 4),
-        }
-        for fit in fits
-    }
-    return json.dumps({"planes": measured, "floor": floor, "warnings": list(warnings)})

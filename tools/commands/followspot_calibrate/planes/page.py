@@ -10,6 +10,7 @@ from followspot import Camera
 from followspot.messages import Array
 from followspot_calibrate.planes.fit import FittedPlane
 from followspot_calibrate.planes.marks import Marks
+from followspot_calibrate.planes.text import HEAD, cells
 from followspot_calibrate.report import Page, calibration_page, plain_table
 from followspot_calibrate.similarity import Similarity
 
@@ -27,19 +28,9 @@ def page_of(
 
     cameras, planes: in the frame of the room file; motion: from the frame of the fits to that, if it moved.
     """
-    head = ("plane", "points", "left out", "rms mm", "largest mm", "a", "b", "c", "d (m)")
-    rows = [
-        [
-            fit.name,
-            str(int(fit.kept.sum())),
-            str(int((~fit.kept).sum())),
-            f"{fit.rms_mm:.1f}",
-            f"{fit.max_mm:.1f}",
-            *(f"{value:+.4f}" for value in planes[fit.name]),
-        ]
-        for fit in fits
-    ]
-    table = plain_table("Planes", head, rows, note="a x + b y + c z + d = 0 with a unit normal, in metres.")
+    table = plain_table(
+        "Planes", HEAD, cells(fits, planes), note="a x + b y + c z + d = 0 with a unit normal, in metres."
+    )
     points = np.vstack([fit.found.points for fit in fits])
     summary = ", ".join(f"{fit.name} flat within {fit.rms_mm:.1f} mm (RMS)" for fit in fits)
     return calibration_page(

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Room
-from followspot_calibrate.report import Page, Section, calibration_page, plain_table
-from followspot_calibrate.wand.result import Calibrated, told
+from followspot_calibrate.report import Page, calibration_page, plain_table
+from followspot_calibrate.wand.result import Calibrated, shared_points, told
 
 SHARED_NOTE = "Points that both cameras saw; the more, the better the two are tied together."
 
@@ -27,15 +27,8 @@ def page_of(room: Room, result: Calibrated) -> Page:
         np.where(settled.used[..., None], settled.residual, np.nan),
         planes=room.planes if result.alignment.method == "centers" else None,
         warnings=result.warnings,
-        more=[plain_table("Figures", ("", ""), told(result)), _shared(result)],
+        more=[
+            plain_table("Figures", ("", ""), told(result)),
+            plain_table("Pairs", ("", *result.cameras), shared_points(result), note=SHARED_NOTE),
+        ],
     )
-
-
-def _shared(result: Calibrated) -> Section:
-    names = list(result.cameras)
-    shared = {frozenset((pair.first, pair.second)): str(pair.shared) for pair in result.solved.pairs}
-    rows = [
-        [name, *(shared.get(frozenset((i, j)), "–") for j in range(len(names)))]
-        for i, name in enumerate(names)
-    ]
-    return plain_table("Pairs", ("", *names), rows, note=SHARED_NOTE)

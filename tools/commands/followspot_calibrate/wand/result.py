@@ -61,15 +61,20 @@ def summary(result: Calibrated) -> str:
         )
         for name, one in _figures(result).items()
     ]
-    names = list(result.cameras)
-    shared = {(pair.first, pair.second): str(pair.shared) for pair in result.solved.pairs}
-    matrix = [
-        (name, *(shared.get((min(i, j), max(i, j)), "-") for j in range(len(names))))
-        for i, name in enumerate(names)
-    ]
-    parts = [table(head, rows), "points that pairs share\n" + table(("", *names), matrix)]
+    pairs = table(("", *result.cameras), shared_points(result))
+    parts = [table(head, rows), "points that pairs share\n" + pairs]
     parts.append("\n".join(f"{what}: {value}" for what, value in told(result)))
     return "\n\n".join(parts)
+
+
+def shared_points(result: Calibrated) -> list[tuple[str, ...]]:
+    """One line per camera: the points that it shares with each other one."""
+    shared = {frozenset((pair.first, pair.second)): str(pair.shared) for pair in result.solved.pairs}
+    numbers = range(len(result.cameras))
+    return [
+        (name, *(shared.get(frozenset((i, j)), "-") for j in numbers))
+        for i, name in enumerate(result.cameras)
+    ]
 
 
 def as_json(result: Calibrated) -> str:
