@@ -21,15 +21,14 @@ PAGE = Path(__file__).parent.parent / "docs" / "reference.md"
 HEAD = """# Stages
 
 Every stage that comes with followspot, as it describes itself: `followspot plugins NAME` prints the same.
-`Latest` inputs are sampled and never fire; `Joined` inputs take one message of each edge. This page is
-written by `python tools/reference.py`.
+[Writing a plugin](plugins.md#inputs-and-outputs) says what `Joined`, `Latest` and the other marks mean. This
+page is written by `python tools/reference.py`.
 
 Units: `1` is a number or a ratio, `sigma` a number of standard deviations. In a description, sigma is one
 standard deviation.
 """
 _FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
 """Path of this checkout; names of files that come with a plugin begin at the plugin."""
-KINDS = {"plain": "{}", "latest": "Latest[{}]", "joined": "Joined[{}]"}
 
 
 def reference() -> str:
@@ -42,9 +41,14 @@ def reference() -> str:
     return "\n".join(sections)
 
 
+def _marked(kind: str, name: str) -> str:
+    """A message type as the signature of `process` has it."""
+    return name if kind == "plain" else f"{kind.capitalize()}[{name}]"
+
+
 def _section(stage: Mapping[str, Any]) -> str:
     inputs = [
-        f"`{p['name']}: {KINDS[p['kind']].format(p['type'])}`{'' if p['required'] else ' (optional)'}"
+        f"`{p['name']}: {_marked(p['kind'], p['type'])}`{'' if p['required'] else ' (optional)'}"
         for p in stage["inputs"]
     ]
     outputs = [f"`{p['name']}: {p['type']}`" for p in stage["outputs"]]

@@ -31,11 +31,13 @@ if TYPE_CHECKING:
         InputPath,
         Joined,
         Latest,
+        Nearest,
         OutputHost,
         OutputPath,
         Source,
         Stage,
         StageParams,
+        Window,
     )
     from followspot.transport.zenoh.network import Network
 
@@ -71,11 +73,13 @@ _HOME = {
     "InputPath": "stage",
     "Joined": "stage",
     "Latest": "stage",
+    "Nearest": "stage",
     "OutputHost": "stage",
     "OutputPath": "stage",
     "Source": "stage",
     "Stage": "stage",
     "StageParams": "stage",
+    "Window": "stage",
 }
 
 __all__ = [
@@ -95,6 +99,7 @@ __all__ = [
     "Latest",
     "Message",
     "Mistake",
+    "Nearest",
     "Network",
     "OutputHost",
     "OutputPath",
@@ -109,6 +114,7 @@ __all__ = [
     "Subscription",
     "Table",
     "Target",
+    "Window",
     "at",
     "check",
     "column",

@@ -13,9 +13,17 @@ from typing import Any, Literal, get_args, get_origin
 
 from followspot.errors import FollowspotError
 from followspot.messages import Message
-from followspot.stage import JoinedInput, LatestInput, Source, Stage
+from followspot.stage import JoinedInput, LatestInput, NearestInput, Source, Stage, WindowInput
 
-InputKind = Literal["plain", "latest", "joined"]
+InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
+_MARKS: dict[type, InputKind] = {
+    LatestInput: "latest",
+    JoinedInput: "joined",
+    NearestInput: "nearest",
+    WindowInput: "window",
+}
+SEVERAL = ("joined", "window")
+"""Kinds of inputs whose argument is a tuple of messages."""
 ONE_OUTPUT = "out"
 """Name of the port of a stage that returns one message type."""
 
@@ -34,6 +42,16 @@ class InputSpec:
     required: bool
     uniform: bool = False
     """True if all its messages are of one type, whichever it is: `Joined[M]` with a type variable M."""
+
+    @property
+    def fires(self) -> bool:
+        """Whether a message of this input lets the stage fire; the other kinds are sampled."""
+        return self.kind in ("plain", "joined")
+
+    @property
+    def several(self) -> bool:
+        """Whether any number of edges may feed it, and its argument is a tuple."""
+        return self.kind in SEVERAL
 
 
 @dataclass(frozen=True)
@@ -87,6 +105,11 @@ def _ports(stage: Any) -> Ports:
         raise SignatureError(f"{stage.__name__}.process yields and has inputs; a source has none")
     if not source and not inputs:
         raise SignatureError(f"{stage.__name__}.process has no inputs: a source returns Source[MessageType]")
+    if inputs and not any(port.fires for port in inputs):
+        raise SignatureError(
+            f"{stage.__name__}.process has sampled inputs only, so it would never fire;"
+            " declare the one for whose messages it is to fire as MessageType or Joined[MessageType]"
+        )
     return Ports(inputs, _outputs(stage, get_args(returned)[0] if source else returned), source)
 
 
@@ -110,21 +133,22 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
         raise SignatureError(f"{stage.__name__}.process: *{name} cannot be a port; name each input")
     if name not in hints:
         raise SignatureError(f"{stage.__name__}.process: input {name} has no type; write {name}: MessageType")
-    hint, kind = hints[name], "plain"
+    hint = hints[name]
+    kind: InputKind = "plain"
     for mark in getattr(hint, "__metadata__", ()):
-        kind = {LatestInput: "latest", JoinedInput: "joined"}.get(type(mark), kind)
+        kind = _MARKS.get(type(mark), kind)
     if get_origin(hint) is typing.Annotated:
         hint = get_args(hint)[0]
-    if kind == "joined":
+    if kind in SEVERAL:
         hint = get_args(hint)[0]
     found = _message(hint)
     if found is None:
         raise SignatureError(
             f"{stage.__name__}.process: input {name} is no message type;"
-            f" write {name}: MessageType, Joined[MessageType] or Latest[MessageType]"
+            f" write {name}: MessageType, or MessageType in Joined, Latest, Nearest or Window"
         )
     required, uniform = parameter.default is parameter.empty, isinstance(hint, typing.TypeVar)
-    return InputSpec(name, found, typing.cast(InputKind, kind), required, uniform)
+    return InputSpec(name, found, kind, required, uniform)
 
 
 def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:

@@ -45,6 +45,14 @@ class JoinedInput:
     """Marks an input that collects one message from each connected edge."""
 
 
+class NearestInput:
+    """Marks an input that gives the message nearest in time to the firing: it never fires."""
+
+
+class WindowInput:
+    """Marks an input that gives every message since the last firing: it never fires."""
+
+
 class PathIn:
     """Marks a parameter that names an existing file or folder, relative to the file it is written in."""
 
@@ -65,6 +73,11 @@ Latest = Annotated[T | None, LatestInput()]
 """The newest message, or None before the first."""
 Joined = Annotated[tuple[T, ...], JoinedInput()]
 """One message per connected camera that has one at this time, in the order of the room's cameras."""
+Nearest = Annotated[T | None, NearestInput()]
+"""The message nearest in capture time to the firing, before or after it, or None if none lies within the
+tolerance of the edge or the stage."""
+Window = Annotated[tuple[T, ...], WindowInput()]
+"""Every message since the last firing up to the capture time of this one, in the order of capture times."""
 InputPath = Annotated[Path, PathIn()]
 OutputPath = Annotated[Path, PathOut()]
 OutputHost = Annotated[str, NetworkOut()]

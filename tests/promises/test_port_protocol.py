@@ -218,7 +218,7 @@ class PortOfRun(RuleBasedStateMachine):
         self.writers = {LEFT: (ring, 0), RIGHT: (ring, 1), LOOSE: (loose, 0)}
         self.output.attach(ring, ["left", "right"], [self.ledger.row(LEFT), self.ledger.row(RIGHT)])
         self.output.attach(loose, ["loose"], [self.ledger.row(LOOSE)])
-        join = Join((), window=0, lateness=LATENESS)
+        join = Join((), lateness=LATENESS)
         runner = StageRunner("count", 0, lambda: Count(Context()), join, {"out": self.output})
         self.sender = Worker([runner], [], [(ring, 0), (loose, 0)], Pace())
         first = not self.number and not self.produced

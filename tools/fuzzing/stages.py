@@ -82,7 +82,7 @@ class Stages:
         arguments: list[Any] = []
         for port in self.trials[uses].ports.inputs:
             message = _message(port.type, rng, header)
-            arguments.append((message,) if port.kind == "joined" else message)
+            arguments.append((message,) if port.several else message)
         return Call(uses, arguments)
 
     def take(self, call: Call) -> object:

@@ -8,6 +8,15 @@ from typing import Any
 
 from followspot.plugins.hooks import Command
 
+KINDS = {
+    "plain": "",
+    "joined": " (joined: one per edge)",
+    "latest": " (latest: sampled, never fires)",
+    "nearest": " (nearest in time, never fires)",
+    "window": " (window: all since the last firing, never fires)",
+}
+"""What is said of each kind of input."""
+
 
 def _configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
@@ -62,10 +71,9 @@ def _page(described: dict[str, Any]) -> str:
     from followspot.tables import table
 
     lines = [described["name"], "", described["description"], ""]
-    kinds = {"plain": "", "latest": " (latest: sampled, never fires)", "joined": " (joined: one per edge)"}
     for port in described["inputs"]:
         optional = "" if port["required"] else ", optional"
-        lines.append(f"  in   {port['name']}: {port['type']}{kinds[port['kind']]}{optional}")
+        lines.append(f"  in   {port['name']}: {port['type']}{KINDS[port['kind']]}{optional}")
     lines += [f"  out  {port['name']}: {port['type']}" for port in described["outputs"]]
     if described["parameters"]:
         rows = [

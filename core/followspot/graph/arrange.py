@@ -9,7 +9,7 @@ from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.placement import Placed
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
+from followspot.graph.plan import WINDOW_DEPTH, EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
 
 EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
 _NEAREST_FIRST: tuple[EdgeKind, ...] = ("reference", "ring", "zenoh")
@@ -91,10 +91,17 @@ def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
         to_port=wire.port,
         kind=kind,
         delay=wire.feed.delay,
-        depth=wire.feed.depth,
+        depth=_depth(edge),
         codec=wire.feed.codec if kind == "zenoh" else "raw",
+        tolerance=wire.feed.tolerance,
         policy=wire.feed.policy,
     )
+
+
+def _depth(edge: CheckedEdge) -> int:
+    """The written depth, else one for the kind of input."""
+    written = edge.wire.feed.depth
+    return WINDOW_DEPTH if edge.kind == "window" and "depth" not in edge.wire.feed.places else written
 
 
 def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:

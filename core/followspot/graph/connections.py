@@ -11,17 +11,22 @@ from followspot.graph.cycles import cycles, successors
 from followspot.graph.expand import Wire
 from followspot.graph.sampling import Link
 from followspot.messages import Message
-from followspot.ports import InputSpec, OutputSpec, Ports, accepts, ports
+from followspot.ports import InputKind, InputSpec, OutputSpec, Ports, accepts, ports
 from followspot.stage import Stage
 
 
 @dataclass(frozen=True)
 class CheckedEdge:
-    """A wire with both ports known; sampled: it leads to a `Latest` and has no delay."""
+    """A wire with both ports known; kind: of the input that it leads to."""
 
     wire: Wire
     output: str
-    sampled: bool
+    kind: InputKind
+
+    @property
+    def sampled(self) -> bool:
+        """Whether it leads to a `Latest` and has no delay."""
+        return self.kind == "latest" and not self.wire.feed.delay
 
     @property
     def held(self) -> bool:
@@ -52,11 +57,12 @@ def connect(
             continue
         into[wire.target.name, port.name].append(wire)
         output = _output(wire, ports(source), port, mistakes)
+        _check_settings(wire, port, mistakes)
         if output is not None:
             first = given.setdefault((wire.target.name, port.name), output)
             if port.uniform and first.type is not output.type:
                 mistakes.append(_two_types(wire, first, output))
-            edges.append(CheckedEdge(wire, output.name, port.kind == "latest" and not wire.feed.delay))
+            edges.append(CheckedEdge(wire, output.name, port.kind))
     for (name, port_name), members in into.items():
         port = ports(classes[name]).input(port_name)
         if port is not None:
@@ -64,8 +70,23 @@ def connect(
     return edges
 
 
+def _check_settings(wire: Wire, port: InputSpec, mistakes: list[Mistake]) -> None:
+    """A delay is for a plain input or a `Latest`, a tolerance for what is matched by capture time."""
+    feed, end = wire.feed, wire.target.declared.name
+    kind = port.kind.capitalize()
+    if feed.delay and port.kind in ("nearest", "window"):
+        text = (
+            f'input "{port.name}" of stage "{end}" is a {kind}, which goes by capture time and has no delay'
+        )
+        mistakes.append(Mistake(feed.places["delay"], text, f"declare it as Latest[{port.type.__name__}]"))
+    if feed.tolerance is not None and (feed.delay or port.kind in ("latest", "window")):
+        what = "has a delay" if feed.delay else f"is a {kind}"
+        text = f'input "{port.name}" of stage "{end}" {what} and matches no times'
+        mistakes.append(Mistake(feed.places["tolerance"], text, "remove the tolerance"))
+
+
 def _check_multiplicity(members: Sequence[Wire], port: InputSpec, mistakes: list[Mistake]) -> None:
-    if port.kind == "joined" or len(members) < 2:
+    if port.several or len(members) < 2:
         return
     first = members[0]
     senders = ", ".join(wire.source.name for wire in members[:6]) + (", ..." if len(members) > 6 else "")
@@ -116,7 +137,7 @@ def _output(wire: Wire, source: Ports, port: InputSpec, mistakes: list[Mistake])
 
 
 def check_cycles(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
-    """Every cycle needs a delay or a `Latest`."""
+    """Every cycle needs a delay or a `Latest`: all other inputs wait for the streams that feed them."""
     plain: dict[tuple[str, str], CheckedEdge] = {}
     for edge in edges:
         if not edge.held:

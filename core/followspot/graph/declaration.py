@@ -40,6 +40,7 @@ class Feed:
     codec: EdgeCodec
     policy: EdgePolicy
     place: Place
+    tolerance: float | None = None
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Places of the other settings, by key."""
 
@@ -114,16 +115,17 @@ def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
 
 def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
-    policy = PlannedEdge.policy
+    policy, tolerance = PlannedEdge.policy, PlannedEdge.tolerance
     origin: Node | None = node
     places: Mapping[str, Place] = {}
     if isinstance(node.value, Mapping):
-        form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy"), mistakes)
+        form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy", "tolerance"), mistakes)
         origin = form.get("from", required=True)
         places = _places(form)
         delay = _delay(form)
         codec = cast(EdgeCodec, form.text("codec", choices=_CODECS) or codec)
         policy = _policy(form, delay, mistakes)
+        tolerance = form.number("tolerance", least=0.0, most=MAX_WAIT)
         depth = form.whole("depth", least=1, most=MAX_DEPTH) or (1 if policy == "latest" else depth)
     if origin is None:
         return None
@@ -132,7 +134,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, places)
+    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, tolerance, places)
 
 
 def _delay(form: Form) -> int:

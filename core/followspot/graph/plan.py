@@ -19,6 +19,8 @@ EdgePolicy = Literal["block", "drop_oldest", "latest"]
 MAX_DELAY = 1000
 MAX_DEPTH = 10_000
 MAX_SEED = (1 << 63) - 1
+WINDOW_DEPTH = 1024
+"""Depth of an edge to a `Window`, if none is written: a second of a fast sensor."""
 AHEAD = 2
 """Messages in transit on an edge that drops; later ones wait in the sender, which can drop them."""
 
@@ -63,6 +65,8 @@ class PlannedEdge:
     """Most messages in flight."""
     codec: EdgeCodec = "raw"
     """How arrays travel on an edge over Zenoh."""
+    tolerance: Wait | None = None
+    """Largest difference in capture time to what it is matched with, s; None for that of the stage."""
     policy: EdgePolicy = "block"
     """Behaviour of a full edge in live runs: the sender waits, or the oldest message is dropped."""
 

@@ -98,9 +98,13 @@ class Trial:
     def _input(
         self, kind: type[Message], how: str, content: Content, header: Header, pixels: Array, camera: str
     ) -> Any:
-        if how == "latest" and content == "empty":
+        if content == "empty" and how in ("latest", "nearest"):
             return None
+        if content == "empty" and how == "window":
+            return ()
         made = stamped(seal(sample(kind, content, self.room, camera, pixels, header.seq)), header)
+        if how == "window":
+            return (stamped(made, header._replace(time=header.time - PERIOD // 2)), made)
         return (made,) if how == "joined" else made
 
 

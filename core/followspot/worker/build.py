@@ -17,11 +17,12 @@ from followspot.ports import InputSpec
 from followspot.stage import Context
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
-from followspot.worker.input_queue import UNCHANGED, InputQueue, SampledInput
+from followspot.worker.input_queue import UNCHANGED, InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import LOST, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.pace import Pace
+from followspot.worker.sampled_input import HeldInput, NearestInput, SampledInput, WindowInput
 from followspot.worker.scheduler import Worker
 from followspot.worker.source import LiveSourceRunner, SourceRunner
 from followspot.worker.stage_runner import StageRunner
@@ -93,11 +94,9 @@ class _Builder:
             if edge.kind == "reference":
                 queue.reopened = partial(worker.mark, ranks[edge.from_stage])
         for runner in self.runners:
-            for sampled in runner.join.sampled:
-                wake = partial(worker.mark_waiting, runner)
-                sampled.queue.wake = (
-                    wake if sampled.queue.keep is None else partial(_shed, sampled.queue, wake)
-                )
+            for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
+                wake = partial(worker.mark_waiting, runner, queue)
+                queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
         return worker
 
     def _queue(self, number: int) -> InputQueue:
@@ -105,7 +104,13 @@ class _Builder:
         lateness = self.wiring.lateness[edge.from_stage]
         depth, keep = self._limits(edge)
         queue = InputQueue(
-            edge.name, self.words, self.ledger.row(number), depth=depth, lateness=lateness, keep=keep
+            edge.name,
+            self.words,
+            self.ledger.row(number),
+            depth=depth,
+            lateness=lateness,
+            keep=keep,
+            window=self.wiring.tolerance(edge),
         )
         if edge.kind != "reference":
             kind = self.wiring.message_type(edge)
@@ -151,7 +156,7 @@ class _Builder:
                 stage.name,
                 rank,
                 build,
-                Join((), window=0, lateness=0),
+                Join((), lateness=0),
                 outputs,
                 on_error=stage.on_error,
                 clock=self.options.clock,
@@ -202,18 +207,24 @@ class _Builder:
             by_port[self.wiring.input_port(self.plan.edges[number]).name].append(number)
         input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
         lateness = self.wiring.lateness[stage.name]
-        return Join(input_ports, window=self.wiring.window(stage), lateness=lateness)
+        return Join(input_ports, lateness=lateness, lag=self.wiring.lag)
 
     def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
         numbers = list(numbers)
         if numbers and self.wiring.sampled(self.plan.edges[numbers[0]]):
-            edge = self.plan.edges[numbers[0]]
-            initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
-            timed = self.wiring.timed(edge)
-            sampled = SampledInput(self.queues[numbers[0]], delay=edge.delay, timed=timed, initial=initial)
-            return JoinInput(port.name, joined=False, sampled=sampled)
+            return JoinInput(port.name, joined=False, sampled=self._sampled(port, numbers))
         members = tuple(self.queues[n] for n in numbers)
-        return JoinInput(port.name, joined=port.kind == "joined", members=members)
+        return JoinInput(port.name, joined=port.several, members=members)
+
+    def _sampled(self, port: InputSpec, numbers: Sequence[int]) -> SampledInput:
+        queues = [self.queues[n] for n in numbers]
+        if port.kind == "window":
+            return WindowInput(queues)
+        edge = self.plan.edges[numbers[0]]
+        if port.kind == "nearest":
+            return NearestInput(queues[0], tolerance=self.wiring.tolerance(edge))
+        initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
+        return HeldInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
 
     def _way(self, number: int) -> str:
         """What edges must have in common to share a writer; an edge that drops has its own."""

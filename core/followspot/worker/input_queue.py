@@ -14,8 +14,8 @@ from followspot.worker.ledger import DELIVERED, DROPPED, INVALID, UNMATCHED
 
 UNCHANGED = -END
 """A watermark that is never news: the reading stage goes on waiting."""
-_BEFORE_ALL = -END - 1
-"""Earlier than any watermark: the first firings with a feedback edge wait for nothing."""
+_BEFORE_ALL = -END
+"""Earlier than any capture time."""
 _EVERY, _AGES = 8, 128
 """Every eighth message has its age noted; the newest 128 ages are kept."""
 
@@ -35,6 +35,7 @@ class InputQueue:
         "invalid_reason",
         "keep",
         "lateness",
+        "left_at",
         "messages",
         "missing",
         "name",
@@ -45,15 +46,25 @@ class InputQueue:
         "unfit",
         "wake",
         "watermark",
+        "window",
         "words",
     )
 
     def __init__(
-        self, name: str, words: memoryview, row: int, *, depth: int, lateness: int, keep: int | None = None
+        self,
+        name: str,
+        words: memoryview,
+        row: int,
+        *,
+        depth: int,
+        lateness: int,
+        keep: int | None = None,
+        window: int = 0,
     ) -> None:
         """words, row: the edge's counts in the ledger; depth: messages with which the queue is full.
 
-        keep: messages beyond which the oldest is dropped, None to drop none.
+        keep: messages beyond which the oldest is dropped, None to drop none; window: how much later than the
+        first of a join a message of this edge may be, ns.
         """
         self.name = name
         self.words = words
@@ -61,6 +72,9 @@ class InputQueue:
         self.depth = depth
         self.keep = keep
         self.lateness = lateness
+        self.window = window
+        self.left_at = _BEFORE_ALL
+        """Capture time, ns, of the newest message that a join took or discarded."""
         self.messages: deque[Message] = deque()
         self.watermark = -END
         self.reader: PortReader | None = None
@@ -76,7 +90,8 @@ class InputQueue:
         self.unfit: Misfit | None = None
         """Says why a message from another worker does not fit the room."""
         self.stale = 0
-        """Messages in the queue from a former writer: the present one gets no credit for them."""
+        """Oldest messages in the queue for which the writer gets no more credit: excused ones, or those of a
+        former writer."""
 
     def put(self, message: Message) -> None:
         """Take a message from a stage of the same worker, which counted it."""
@@ -138,7 +153,26 @@ class InputQueue:
     def discard(self, column: int) -> None:
         """Remove the oldest message and count it as dropped, late or unmatched."""
         self.words[self.row + column] += 1
-        self._pop()
+        self.left_at = self._pop().header.time
+
+    def supersede(self, time: int) -> None:
+        """Drop all messages captured up to `time`, ns, but the newest of these."""
+        messages = self.messages
+        while len(messages) > 1 and messages[1].header.time <= time:
+            self.discard(DROPPED)
+
+    def excuse(self, time: int) -> None:
+        """Let the messages captured up to `time`, ns, take no room: the sender may go on beyond them."""
+        before = self.stale
+        while self.stale < len(self.messages) and self.messages[self.stale].header.time <= time:
+            self.stale += 1
+        excused = self.stale - before
+        if self.reader is None:
+            self.depth += excused
+            if excused:
+                self.reopened()
+        elif excused:
+            self.reader.consumed(excused)
 
     def shed(self) -> None:
         """Drop the oldest messages beyond those that the edge keeps."""
@@ -151,10 +185,10 @@ class InputQueue:
         while self.messages and self.messages[0].header.time <= time:
             self.discard(column)
 
-    def clear(self) -> None:
+    def clear(self, column: int = UNMATCHED) -> None:
         """Discard all messages: the reading stage has ended."""
         while self.messages:
-            self.discard(UNMATCHED)
+            self.discard(column)
 
     def give_credit(self) -> None:
         """Give the writer in another worker credit for one more message."""
@@ -174,43 +208,10 @@ class InputQueue:
         message = self.messages.popleft()
         if self.stale:
             self.stale -= 1
+            if self.reader is None:
+                self.depth -= 1
         elif self.reader is not None:
             self.reader.consumed()
         elif len(self.messages) == self.depth - 1:
             self.reopened()
         return message
-
-
-class SampledInput:
-    """A sampled input, which never fires: `Latest`, or a feedback edge with `delay`."""
-
-    __slots__ = ("delay", "past", "queue", "sampled", "timed")
-
-    def __init__(self, queue: InputQueue, *, delay: int, timed: bool, initial: Message | None) -> None:
-        """delay: firings back, 0 for `Latest`; timed: sample by capture time, not by arrival."""
-        self.queue = queue
-        self.delay = delay
-        self.timed = timed
-        self.sampled = initial
-        self.past: deque[int] = deque([_BEFORE_ALL] * delay, maxlen=max(1, delay))
-
-    def ready(self, time: int) -> bool:
-        """Whether the sample for a firing at `time`, ns, is certain: the watermark has passed it."""
-        return not self.timed or self.queue.watermark > self._due(time)
-
-    def sample(self, time: int) -> Message | None:
-        """The newest message up to the firing at `time`, ns; older ones without a firing count as dropped."""
-        messages = self.queue.messages
-        due = self._due(time) if self.timed else END
-        while messages and messages[0].header.time <= due:
-            if len(messages) > 1 and messages[1].header.time <= due:
-                self.queue.discard(DROPPED)
-            else:
-                self.sampled = self.queue.take()
-        if self.delay:
-            self.past.append(time)
-        return self.sampled
-
-    def _due(self, time: int) -> int:
-        """Latest capture time, ns, to sample: of this firing, or of the one `delay` firings ago."""
-        return self.past[0] if self.delay else time

@@ -1,8 +1,10 @@
 """When a stage fires: the join of its inputs by capture time and watermark.
 
-A join is complete when every member has a message in the window, or a watermark beyond the window. The rule
-reads the streams alone and no clock, so any placement fires the same messages together. Only the deadline of
-a live join depends on the time.
+A join begins with the earliest message. It is complete when every member has a message in the window, or a
+watermark beyond the window. A member whose messages lie closer together than the window gives the one nearest
+to the join, and one that has just given such messages is waited for until that one is known. The rule reads
+the streams alone and no clock, so any placement fires the same messages together. Only the deadline of a live
+join depends on the time.
 """
 
 from __future__ import annotations
@@ -13,19 +15,21 @@ from dataclasses import dataclass, replace
 from followspot.messages import Message
 from followspot.ports import InputSpec
 from followspot.transport.token import ABSENT, END
-from followspot.worker.input_queue import InputQueue, SampledInput
+from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import LATE, UNMATCHED
+from followspot.worker.sampled_input import SampledInput
 
 
 @dataclass(frozen=True)
 class JoinInput:
     """One parameter of `process` and the edges that feed it: members of the join, or one sampled input.
 
-    An optional input without an edge has neither; the stage gets None.
+    An optional input without an edge has neither; the stage gets None, or an empty tuple.
     """
 
     name: str
     joined: bool
+    """Whether its argument is a tuple."""
     members: tuple[InputQueue, ...] = ()
     sampled: SampledInput | None = None
 
@@ -33,11 +37,11 @@ class JoinInput:
 class Join:
     """The inputs of one stage.
 
-    window: largest difference in capture time between members, ns; lateness: ns after a firing's time within
-    which nothing else fires (the window, plus the lateness of the inputs).
+    lateness: ns after a firing's time within which nothing else fires (the window, plus the lateness of the
+    inputs); lag: see :meth:`relieve`.
     """
 
-    def __init__(self, ports: Sequence[JoinInput], *, window: int, lateness: int) -> None:
+    def __init__(self, ports: Sequence[JoinInput], *, lateness: int, lag: int = 0) -> None:
         self.ports = tuple(ports)
         self.members = tuple(queue for port in ports for queue in port.members)
         self.sampled = tuple(port.sampled for port in ports if port.sampled is not None)
@@ -46,12 +50,14 @@ class Join:
         """Members that keep only their newest messages."""
         self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
         """The single member of the commonest stage, which fires for each message as it is."""
-        self.window = window
         self.lateness = lateness
+        self.lag = lag
         self.closed = -END - 1
         """Capture time, ns, up to which everything was fired or discarded; before all times at first."""
         self.in_time = UNMATCHED
         """Ledger column of messages after their window closed: `LATE` once a deadline closed one."""
+        self._reach = 0
+        """Window of the member that is earliest, ns."""
 
     def read_by(self, inputs: Sequence[InputSpec]) -> Join:
         """The same inputs for a stage that declares these ports, perhaps in another order; the only input of
@@ -61,11 +67,10 @@ class Join:
         if len(inputs) == len(self.ports) == 1:
             known = {inputs[0].name: self.ports[0]}
         arranged = [
-            replace(known.get(p.name) or JoinInput(p.name, joined=False), joined=p.kind == "joined")
-            for p in inputs
+            replace(known.get(p.name) or JoinInput(p.name, joined=False), joined=p.several) for p in inputs
         ]
-        join = Join(arranged, window=self.window, lateness=self.lateness)
-        join.closed, join.in_time = self.closed, self.in_time
+        join = Join(arranged, lateness=self.lateness, lag=self.lag)
+        join.closed, join.in_time, join._reach = self.closed, self.in_time, self._reach
         return join
 
     def ready(self, *, overdue: bool = False) -> int | None:
@@ -78,19 +83,32 @@ class Join:
             messages = self.members[0].messages
             if not messages:
                 return None
-            arrived = messages[0].header.time
-            return arrived if not self.sampled else self._sampled_ready(arrived)
+            return self._sampled_ready(messages[0].header.time, overdue)
         while True:
-            time = self._earliest()
-            if time is None:
+            first = self._first()
+            if first is None:
                 return None
-            if not self._certain(time + self.window):
+            time = first.messages[0].header.time
+            self._reach = first.window
+            if not self._certain(time):
                 if not overdue:
                     return None
                 self.in_time = LATE
-            if self._all_required(time + self.window):
-                return self._sampled_ready(time)
-            self._discard(time)
+                if not self._all_required(time):
+                    self._close(time)
+                    continue
+            elif not self._all_required(time):
+                first.discard(UNMATCHED)
+                continue
+            far = self._far(time)
+            if far is None:
+                return self._sampled_ready(time, overdue)
+            if len(far.messages) > 1:
+                far.discard(UNMATCHED)
+            elif not overdue:
+                return None
+            else:
+                return self._sampled_ready(time, overdue)
 
     def take(self, time: int) -> tuple[list[object], list[Message]]:
         """The arguments of the firing at `time` in the order of the ports, and the messages that fired."""
@@ -100,7 +118,6 @@ class Join:
             return [(message,) if self.ports[0].joined else message], [message]
         arguments: list[object] = []
         fired: list[Message] = []
-        limit = time + self.window
         for port in self.ports:
             if port.sampled is not None:
                 arguments.append(port.sampled.sample(time))
@@ -108,10 +125,28 @@ class Join:
             if not (port.members or port.joined):
                 arguments.append(None)
                 continue
-            found = [i.take() for i in port.members if i.messages and i.messages[0].header.time <= limit]
+            found = [self._taken(queue) for queue in port.members if self._has(queue, time)]
             fired += found
             arguments.append(tuple(found) if port.joined else found[0])
         return arguments, fired
+
+    def relieve(self) -> None:
+        """Let the senders of full edges go on where the stage waits for another input.
+
+        Before that input goes on, no firing takes anything. So messages up to the next possible firing take
+        no room, nor do those within `lag`, ns, by which streams of the graph may trail each other: the
+        largest sum, along any path, of the times that joins look ahead. So no rates and no depths stop a
+        replay: of the sources that full edges hold back, the one furthest behind would have to wait for
+        another that is further behind.
+        """
+        if self.only is not None:
+            return
+        earliest = self.watermark()
+        for sampled in self.sampled:
+            sampled.relieve(earliest, self.lag)
+        for queue in self.members:
+            if len(queue.messages) >= queue.depth:
+                queue.excuse(earliest + self.lag)
 
     def watermark(self) -> int:
         """The watermark of the stage: nothing fires earlier than this capture time, ns.
@@ -131,38 +166,74 @@ class Join:
             (queue.messages[0].header.entered for queue in self.members if queue.messages), default=None
         )
 
-    def _earliest(self) -> int | None:
-        """Capture time, ns, of the first message after all closed windows; None if there is none."""
-        earliest = END
+    def _first(self) -> InputQueue | None:
+        """The member with the earliest message after all closed windows; None if there is none."""
+        first, earliest = None, END
         for queue in self.members:
             if queue.messages and queue.messages[0].header.time <= self.closed:
                 queue.discard_until(self.closed, self.in_time)
             if queue.messages and queue.messages[0].header.time < earliest:
-                earliest = queue.messages[0].header.time
-        return earliest if earliest < END else None
+                first, earliest = queue, queue.messages[0].header.time
+        return first
 
-    def _certain(self, limit: int) -> bool:
-        """Whether every member has a message, or a watermark beyond `limit`, ns."""
-        for queue in self.members:  # noqa: SIM110  # asked for every firing; all() costs twice as much
-            if not queue.messages and queue.watermark <= limit:
+    def _certain(self, time: int) -> bool:
+        """Whether every member has a message, or a watermark beyond its window from `time`, ns, on."""
+        reach = self._reach
+        for queue in self.members:  # asked for every firing; all() costs twice as much
+            if not queue.messages:
+                window = queue.window
+                if queue.watermark <= time + (window if window > reach else reach):
+                    return False
+        return True
+
+    def _all_required(self, time: int) -> bool:
+        """Whether every required member has a message in its window from `time`, ns, on."""
+        for queue in self.required:  # noqa: SIM110  # likewise
+            if not self._has(queue, time):
                 return False
         return True
 
-    def _all_required(self, limit: int) -> bool:
-        """Whether every required member has a message in the window."""
-        for queue in self.required:  # likewise
-            if not queue.messages or queue.messages[0].header.time > limit:
-                return False
-        return True
+    def _has(self, queue: InputQueue, time: int) -> bool:
+        """Whether a member has a message in its window from `time`, ns, on."""
+        window, reach = queue.window, self._reach
+        limit = time + (window if window > reach else reach)
+        return bool(queue.messages) and queue.messages[0].header.time <= limit
 
-    def _sampled_ready(self, time: int) -> int | None:
+    def _far(self, time: int) -> InputQueue | None:
+        """A member whose next message is nearer to the join than its first, or may be; None if there is none.
+
+        The join is where the latest of the first messages is. Only messages that follow each other within
+        twice the window can be such; a member whose last two lie further apart is not waited for.
+        """
+        heads = [(q.messages[0].header.time, q) for q in self.members if self._has(q, time)]
+        pivot = max([head for head, _ in heads])
+        for head, queue in heads:
+            reach = max(queue.window, self._reach)
+            if head == pivot or head - queue.left_at > 2 * reach:
+                continue
+            if len(queue.messages) == 1:
+                if queue.watermark < 2 * pivot - head:
+                    return queue
+            elif abs((following := queue.messages[1].header.time) - pivot) < pivot - head:
+                others = min([other for other, member in heads if member is not queue])
+                if following - others <= reach:
+                    return queue
+        return None
+
+    def _sampled_ready(self, time: int, overdue: bool) -> int | None:
         for sampled in self.sampled:
-            if not sampled.ready(time):
+            if not sampled.ready(time) and (sampled.patient or not overdue):
                 return None
         return time
 
-    def _discard(self, time: int) -> None:
-        """Discard the messages of this window: a required partner is missing."""
+    def _close(self, time: int) -> None:
+        """Discard the messages of this window: a required partner did not come before the deadline."""
         for queue in self.members:
-            queue.discard_until(time + self.window, UNMATCHED)
+            queue.discard_until(time + max(queue.window, self._reach), UNMATCHED)
         self.closed = time + self.lateness
+
+    @staticmethod
+    def _taken(queue: InputQueue) -> Message:
+        message = queue.take()
+        queue.left_at = message.header.time
+        return message

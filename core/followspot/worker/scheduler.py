@@ -83,9 +83,12 @@ class Worker:
             self._marked[rank] = True
             heappush(self._ready, -rank)
 
-    def mark_waiting(self, runner: StageRunner) -> None:
-        """Schedule this stage runner after feedback came, if it has messages to fire with."""
-        if runner.done:
+    def mark_waiting(self, runner: StageRunner, queue: InputQueue) -> None:
+        """Schedule this stage runner after something came to a sampled input.
+
+        It need not be if it has no messages to fire with, unless the edge is full.
+        """
+        if runner.done or len(queue.messages) >= queue.depth:
             self.mark(runner.rank)
             return
         for queue in runner.join.members:

@@ -231,7 +231,7 @@ class StageRunner:
     def _discard_rest(self) -> None:
         """Discard messages after the last firing: feedback, or from a sender that was started again."""
         for sampled in self.join.sampled:
-            sampled.queue.clear()
+            sampled.discard_rest()
         for queue in self.join.members:
             queue.clear()
 
@@ -250,6 +250,7 @@ class StageRunner:
             self.join.closed = max(self.join.closed, watermark - 1)  # what comes back late is too late
             for _, output in self.outputs:
                 output.advance(watermark)
+        self.join.relieve()
 
     def _pass_on_absence(self) -> None:
         """Announce once that all inputs are absent, so that joins downstream do not wait for them."""

@@ -63,7 +63,7 @@ def paths_now(worker: Worker) -> tuple[PathStatus, ...]:
 
 def _status(runner: StageRunner, error: str, at_work: str) -> StageStatus:
     state, on = _state(runner, at_work)
-    queues = (*runner.join.members, *(sampled.queue for sampled in runner.join.sampled))
+    queues = (*runner.join.members, *(queue for sampled in runner.join.sampled for queue in sampled.queues))
     invalid = next((f"{i.name}: {i.invalid_reason}" for i in queues if i.invalid_reason), "")
     count = runner.count
     busy = round(count.busy_ns / 1e6, 3)
@@ -107,19 +107,19 @@ def _state(runner: StageRunner, at_work: str) -> tuple[StageState, tuple[str, ..
         return "sending", tuple(name for _, output in runner.outputs for name in _full(output))
     if runner.working:
         return "processing", ()
-    dry = tuple(
-        i.name for i in runner.join.members if not i.messages and i.watermark != END
-    ) or _awaited_feedback(runner)
+    dry = tuple(i.name for i in runner.join.members if not i.messages and i.watermark != END) or _awaited(
+        runner
+    )
     if dry or (isinstance(runner, LiveSourceRunner) and runner.grabbing):
         return "getting", dry
     return "waiting", (at_work,) if at_work else ()
 
 
-def _awaited_feedback(runner: StageRunner) -> tuple[str, ...]:
-    """Feedback edges for which the next firing waits."""
+def _awaited(runner: StageRunner) -> tuple[str, ...]:
+    """Edges to sampled inputs for which the next firing waits."""
     times = [
         messages[0].header.time for messages in (i.messages.copy() for i in runner.join.members) if messages
     ]
     if not times:
         return ()
-    return tuple(sampled.queue.name for sampled in runner.join.sampled if not sampled.ready(min(times)))
+    return tuple(name for sampled in runner.join.sampled for name in sampled.awaited(min(times)))

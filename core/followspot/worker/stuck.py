@@ -19,5 +19,9 @@ class StuckError(FollowspotError):
 
 def _why(runner: StageRunner) -> str:
     full = [i.name for _, o in runner.outputs for i in o.queues if len(i.messages) >= i.depth]
-    dry = [i.name for i in runner.join.members if not i.messages and i.watermark != END]
+    members = runner.join.members
+    dry = [queue.name for queue in members if not queue.messages and queue.watermark != END]
+    due = min((queue.messages[0].header.time for queue in members if queue.messages), default=None)
+    if due is not None:
+        dry += [name for sampled in runner.join.sampled for name in sampled.awaited(due)]
     return f"  {runner.name}: " + (f"full: {full}" if runner.blocked else f"waits for: {dry}")

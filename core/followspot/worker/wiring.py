@@ -51,6 +51,7 @@ class Wiring:
             self.into[edge.to_stage].append(number)
             self.out_of[edge.from_stage].append(number)
         self.lateness = self._latenesses()
+        self.lag = self._lag()
         self.deadline = self._deadlines()
 
     def message_type(self, edge: PlannedEdge) -> type[Message]:
@@ -70,7 +71,12 @@ class Wiring:
 
     def sampled(self, edge: PlannedEdge) -> bool:
         """Whether the edge is a sampled input, which never fires."""
-        return edge.delay > 0 or self.input_port(edge).kind == "latest"
+        return edge.delay > 0 or not self.input_port(edge).fires
+
+    def tolerance(self, edge: PlannedEdge) -> int:
+        """Largest distance in capture time between a message of the edge and what it is matched with, ns."""
+        own = self.stages[edge.to_stage].tolerance if edge.tolerance is None else edge.tolerance
+        return round(own * 1e9)
 
     def timed(self, edge: PlannedEdge) -> bool:
         """Whether a sampled input goes by capture time; a `Latest` of a live run goes by arrival."""
@@ -78,8 +84,9 @@ class Wiring:
 
     def window(self, stage: PlannedStage) -> int:
         """Largest difference in capture time within the stage's join, ns; 0 for a single input."""
-        members = [n for n in self.into[stage.name] if not self.sampled(self.plan.edges[n])]
-        return round(stage.tolerance * 1e9) if len(members) > 1 else 0
+        edges = [self.plan.edges[n] for n in self.into[stage.name]]
+        members = [self.tolerance(edge) for edge in edges if not self.sampled(edge)]
+        return max(members) if len(members) > 1 else 0
 
     def _latenesses(self) -> dict[str, int]:
         """Allowed lateness of each stage, ns: a message announces that nothing else comes within it.
@@ -94,15 +101,34 @@ class Wiring:
             lateness[stage.name] = self.window(stage) + max(inherited, default=0)
         return lateness
 
+    def _lag(self) -> int:
+        """Longest time, ns, by which the watermark of a port can trail that of the sources upstream.
+
+        A join of several members looks ahead by twice its window, for the nearest may lie on either side of
+        another's first message; a `Nearest` looks ahead by its tolerance.
+        """
+        lag: dict[str, int] = {}
+        for stage in self.plan.stages:
+            edges = [edge for n in self.into[stage.name] if not (edge := self.plan.edges[n]).delay]
+            near = [self.tolerance(edge) for edge in edges if self.input_port(edge).kind == "nearest"]
+            ahead = max(2 * self.window(stage), *near, 0)
+            lag[stage.name] = ahead + max((lag.get(edge.from_stage, 0) for edge in edges), default=0)
+        return max(lag.values(), default=0)
+
     def _deadlines(self) -> dict[str, float]:
         """Deadline of each stage, s from a message's entering the graph until it fires without the missing.
 
         A join adds its own deadline to those of the joins upstream: else their outputs would come too late.
+        So does a stage with a `Nearest` or a `Window`, which it waits for, too.
         """
         deadline: dict[str, float] = {}
         for stage in self.plan.stages:
             edges = [self.plan.edges[n] for n in self.into[stage.name]]
-            members = [deadline[e.from_stage] for e in edges if not self.sampled(e)]
-            own = stage.deadline if len(members) > 1 else 0.0
-            deadline[stage.name] = own + max(members, default=0.0)
+            awaited = [deadline[e.from_stage] for e in edges if self._awaited(e)]
+            own = stage.deadline if len(awaited) > 1 else 0.0
+            deadline[stage.name] = own + max(awaited, default=0.0)
         return deadline
+
+    def _awaited(self, edge: PlannedEdge) -> bool:
+        """Whether a live stage waits for messages of the edge."""
+        return not edge.delay and self.input_port(edge).kind != "latest"

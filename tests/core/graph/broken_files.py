@@ -19,6 +19,12 @@ class Broken:
     remedy: str = ""
 
 
+def _rates(feed: str, text: str, remedy: str = "") -> Broken:
+    """A stage with inputs of all kinds, one of which is fed like this."""
+    more = f"  rates: {{uses: toy.rates, in: {{blobs: pair, {feed}}}}}\n  save:"
+    return Broken("graph", "  save:", more, text, remedy)
+
+
 _PAIR = "pair: {uses: toy.pair, in: {blobs: detect}}"
 _ANY = "{uses: toy.any, in: {blobs: pair}}\n  "
 _CAM = """\
@@ -177,6 +183,12 @@ PORTS = [
     Broken(
         "graph", "{blobs: pair}", "{¦blobs: detect}", "takes one message, 2 come", "detect/cam0, detect/cam1"
     ),
+    _rates("window: {from: pair, delay: ¦1}", 'input "window" of stage "rates" is a Window', "Latest[Blobs]"),
+    _rates("near: {from: pair, delay: ¦2}", "goes by capture time and has no delay", "Latest[Blobs]"),
+    _rates("near: {from: pair, tolerance: ¦-1}", "tolerance cannot be -1", "a number from 0 to 3600"),
+    _rates("latest: {from: pair, tolerance: ¦1}", "is a Latest and matches no times", "remove the tolerance"),
+    _rates("latest: {from: pair, delay: 1, tolerance: ¦1}", "has a delay and matches no times"),
+    _rates("window: ¦rates", "the stages rates -> rates wait for each other", "{from: rates, delay: 1}"),
     Broken(
         "graph", "{frame: camera,", "{frame: ¦track,", "has no output of type Frame", "tracks (Tracks), for"
     ),

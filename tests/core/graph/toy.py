@@ -12,10 +12,12 @@ from followspot import (
     Joined,
     Latest,
     Message,
+    Nearest,
     OutputPath,
     Source,
     Stage,
     StageParams,
+    Window,
     column,
 )
 from followspot.tracking import Truth
@@ -128,6 +130,19 @@ class TrackAgain(Track):
     class Params(StageParams):
         model: str = Field(description="name of the motion model")
         gain: float = Field(2.0, description="factor", unit="1")
+
+
+class Rates(Stage):
+    """Takes blobs of other rates."""
+
+    def process(
+        self,
+        blobs: Blobs,
+        window: Window[Blobs] = (),
+        near: Nearest[Blobs] = None,
+        latest: Latest[Blobs] = None,
+    ) -> Blobs:
+        return blobs
 
 
 class Any(Stage):

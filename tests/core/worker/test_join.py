@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from followspot.messages import Header, Message, stamped
 from followspot.transport.token import END, Watermark
-from followspot.worker.input_queue import InputQueue, SampledInput
+from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import PRODUCED, Ledger
+from followspot.worker.sampled_input import HeldInput
 
 MS = 1_000_000
 
@@ -44,11 +45,17 @@ class Bench:
 
     def joined(self, window: int = 4 * MS, lateness: int | None = None) -> Join:
         port = JoinInput("all", joined=True, members=tuple(self.queues))
-        return Join([port], window=window, lateness=window if lateness is None else lateness)
+        self._let_differ(window)
+        return Join([port], lateness=window if lateness is None else lateness)
 
     def plain(self, window: int = 4 * MS) -> Join:
         ports = [JoinInput(f"in{n}", joined=False, members=(queue,)) for n, queue in enumerate(self.queues)]
-        return Join(ports, window=window, lateness=window)
+        self._let_differ(window)
+        return Join(ports, lateness=window)
+
+    def _let_differ(self, window: int) -> None:
+        for queue in self.queues:
+            queue.window = window
 
 
 def fire(join: Join) -> list[object] | None:
@@ -58,7 +65,7 @@ def fire(join: Join) -> list[object] | None:
 
 def test_single_input_fires_for_every_message() -> None:
     bench = Bench(1)
-    join = Join([JoinInput("in", joined=False, members=(bench.queues[0],))], window=0, lateness=0)
+    join = Join([JoinInput("in", joined=False, members=(bench.queues[0],))], lateness=0)
     bench.queues[0].put(tick(5, 1))
     bench.queues[0].put(tick(6, 2))
     assert [fire(join)[0].value, fire(join)[0].value] == [1, 2]  # type: ignore[index,union-attr,attr-defined]
@@ -174,9 +181,9 @@ def _firings(times: list[list[int]], order: random.Random) -> list[tuple[int, li
 def test_delayed_input_is_the_message_of_exactly_n_firings_ago(delay: int) -> None:
     bench = Bench(2)
     empty = Tick.empty()
-    sampled = SampledInput(bench.queues[1], delay=delay, timed=True, initial=empty)
+    sampled = HeldInput(bench.queues[1], delay=delay, timed=True, initial=empty)
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
-    join = Join([main, JoinInput("back", joined=False, sampled=sampled)], window=0, lateness=0)
+    join = Join([main, JoinInput("back", joined=False, sampled=sampled)], lateness=0)
     for n in range(8):
         bench.queues[0].put(tick(n * 10, n))
         time = join.ready()
@@ -188,9 +195,9 @@ def test_delayed_input_is_the_message_of_exactly_n_firings_ago(delay: int) -> No
 
 def test_delayed_input_waits_for_the_answer_to_the_firing_before() -> None:
     bench = Bench(2)
-    sampled = SampledInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
+    sampled = HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
-    join = Join([main, JoinInput("back", joined=False, sampled=sampled)], window=0, lateness=0)
+    join = Join([main, JoinInput("back", joined=False, sampled=sampled)], lateness=0)
     bench.queues[0].put(tick(0))
     bench.queues[0].put(tick(10))
     assert fire(join) is not None
@@ -201,9 +208,9 @@ def test_delayed_input_waits_for_the_answer_to_the_firing_before() -> None:
 
 def test_latest_forward_input_is_sampled_by_capture_time_not_by_arrival() -> None:
     bench = Bench(2)
-    sampled = SampledInput(bench.queues[1], delay=0, timed=True, initial=None)
+    sampled = HeldInput(bench.queues[1], delay=0, timed=True, initial=None)
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
-    join = Join([main, JoinInput("latest", joined=False, sampled=sampled)], window=0, lateness=0)
+    join = Join([main, JoinInput("latest", joined=False, sampled=sampled)], lateness=0)
     bench.queues[1].put(tick(3, 3))
     bench.queues[1].put(tick(4, 4))
     bench.queues[1].put(tick(20, 20))

@@ -79,7 +79,7 @@ class Bench:
             outputs[port].connect([queue])
             self.queues.append(queue)
         self.device = device
-        self.runner = LiveSourceRunner("camera", 0, lambda: device, Join((), window=0, lateness=0), outputs)
+        self.runner = LiveSourceRunner("camera", 0, lambda: device, Join((), lateness=0), outputs)
         self.runner.notify = lambda: None
 
     def begin(self) -> None:

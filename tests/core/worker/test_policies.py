@@ -59,7 +59,7 @@ def test_a_live_run_ends_with_every_message_accounted_for(tmp_path: Path, edges:
 def test_an_input_keeps_its_newest_messages_and_counts_the_others_as_dropped() -> None:
     ledger = Ledger(1)
     queue = InputQueue("edge", ledger.words, ledger.row(0), depth=100, lateness=0, keep=2)
-    join = Join([JoinInput("in", joined=False, members=(queue,))], window=0, lateness=0)
+    join = Join([JoinInput("in", joined=False, members=(queue,))], lateness=0)
     for time in range(10):
         queue.put(note(time))
     assert join.dropping == (queue,)

@@ -48,7 +48,7 @@ class Reading:
         ours, theirs = pair()
         self.writer = RingWriter([ours], DEPTH)
         self.queue.reader = RingReader(theirs, Note)
-        join = Join([JoinInput("note", joined=False, members=(self.queue,))], window=0, lateness=0)
+        join = Join([JoinInput("note", joined=False, members=(self.queue,))], lateness=0)
         self.runner = StageRunner("save", 0, lambda: Save(Context()), join, {})
         self.worker = Worker([self.runner], [self.queue], [], Pace())
         self.queue.wake = lambda: self.worker.mark(0)

@@ -146,6 +146,7 @@ def _feed() -> Schema:
             "from": {**TEXT, "description": "STAGE or STAGE.PORT"},
             "delay": {"type": "integer", "minimum": 0, "description": "frames; for feedback"},
             "depth": {"type": "integer", "minimum": 1, "description": "longest queue"},
+            "tolerance": {"type": "number", "minimum": 0, "description": "of matching by capture time, s"},
             "codec": {"enum": ["raw", "lossless", "jpeg"], "description": "of pictures between hosts"},
             "policy": {
                 "enum": ["block", "drop_oldest", "latest"],

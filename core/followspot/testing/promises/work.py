@@ -55,8 +55,7 @@ def takes_noise(trial: Trial) -> Iterator[str]:
 def goes_on_without_a_camera(trial: Trial) -> Iterator[str]:
     """Where a camera is gone a join has one message less; where all are gone, none."""
     inputs = [
-        () if port.kind == "joined" else value
-        for port, value in zip(trial.ports.inputs, trial.inputs(), strict=True)
+        () if port.several else value for port, value in zip(trial.ports.inputs, trial.inputs(), strict=True)
     ]
     if () in [value for value in inputs if isinstance(value, tuple)]:
         yield from _tried(trial, "a join without any camera raises", [inputs])

@@ -1,0 +1,195 @@
+"""Streams of different rates: windows, nearest messages, and edges that never stop a replay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from tests.core.worker.solo import Solo
+
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.operator.report import RunReport
+from followspot.plugins.registry import use_plugin_files
+from followspot.room import Room
+
+STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
+GRAPH = """
+graph: rates
+stages:
+  camera: {{uses: rates.sensor, with: {{hz: 60, count: {frames}, shift: {shift}}}}}
+  sensor: {{uses: rates.sensor, with: {{hz: {hz}, count: {readings}}}}}
+  meet:   {{uses: rates.{meet}, in: {{frame: camera, {port}: {feed}}}}}
+  save:   {{uses: rates.write, in: {{readings: meet}}}}
+"""
+
+
+def planned(folder: Path, meet: str, **changes: object) -> Plan:
+    values = {
+        "frames": 60,
+        "shift": 0.0041,
+        "hz": 1000,
+        "readings": 1000,
+        "feed": "sensor",
+        "port": "reading",
+    }
+    (folder / "rates.yaml").write_text(GRAPH.format(meet=meet, **{**values, **changes}))
+    return compile_graph(folder / "rates.yaml", plugin_files=[STAGES])
+
+
+def run(plan: Plan, folder: Path) -> RunReport:
+    report = Solo(plan, folder).run()
+    assert report.ok, report.errors
+    assert all(edge.balanced for _, edge in report.edges)
+    return report
+
+
+def written(folder: Path) -> list[tuple[int, list[tuple[int, int]]]]:
+    """Of each line its time, ns, and the values with their times, ns."""
+    found = []
+    for line in (folder / "readings.csv").read_text().splitlines():
+        time, _, rest = line.partition(":")
+        pairs = [(int(value), int(at)) for value, _, at in (word.partition("@") for word in rest.split())]
+        found.append((int(time), pairs))
+    return found
+
+
+def counts(report: RunReport, port: str) -> tuple[int, int, int]:
+    """Delivered, dropped and unmatched messages of the edge to a port of `meet`."""
+    count = next(count for edge, count in report.edges if edge.to_port == port)
+    return count.delivered, count.dropped, count.unmatched
+
+
+@pytest.mark.parametrize("depth", [1, 1024])
+def test_every_reading_up_to_the_last_frame_is_in_exactly_one_window(tmp_path: Path, depth: int) -> None:
+    feed = f"{{from: sensor, depth: {depth}}}"
+    report = run(planned(tmp_path, "gather", port="readings", feed=feed), tmp_path)
+    before = -1
+    seen = []
+    for time, pairs in written(tmp_path):
+        assert all(before < at <= time for _, at in pairs)
+        before = time
+        seen += [value for value, _ in pairs]
+    assert seen == list(range(988)), "frame 59 was captured at 987.4 ms"
+    assert counts(report, "readings") == (988, 0, 12)
+
+
+def test_a_window_holds_all_its_edges_in_the_order_of_time(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "gather", port="readings", feed="[sensor, sensor]", frames=3)
+    run(plan, tmp_path)
+    values = [value for _, pairs in written(tmp_path) for value, _ in pairs]
+    assert values == [n for n in range(38) for _ in range(2)]
+
+
+def test_a_latest_beside_a_slow_input_no_longer_stops_a_replay(tmp_path: Path) -> None:
+    (tmp_path / "held.yaml").write_text("""
+graph: held
+stages:
+  camera: {uses: rates.sensor, with: {hz: 60, count: 60}}
+  sensor: {uses: rates.sensor}
+  mix:    {uses: rates.mix, in: {frame: camera, latest: sensor}}
+  save:   {uses: rates.note, in: {reading: mix}}
+""")
+    report = run(compile_graph(tmp_path / "held.yaml", plugin_files=[STAGES]), tmp_path)
+    assert counts(report, "latest") == (60, 940, 0)
+
+
+def nearest(time: int, readings: list[tuple[int, int]], tolerance: int) -> list[tuple[int, int]]:
+    value, at = min(readings, key=lambda reading: (abs(reading[1] - time), reading[1]))
+    return [(value, at)] if abs(at - time) <= tolerance else []
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@example(hz=1000, shift=0.0007, tolerance=0.004)
+@example(hz=7, shift=-0.05, tolerance=0.02)
+@given(
+    hz=st.sampled_from([7, 60, 61, 240, 1000]),
+    shift=st.integers(-100_000, 100_000).map(lambda us: us / 1e6),
+    tolerance=st.sampled_from([0.0, 0.0004, 0.004, 0.05, 1.0]),
+)
+def test_a_nearest_is_the_nearest_of_all_readings(
+    tmp_path: Path, hz: float, shift: float, tolerance: float
+) -> None:
+    feed = f"{{from: sensor, tolerance: {tolerance}, depth: 1}}"
+    run(planned(tmp_path, "near", hz=hz, shift=shift, feed=feed, frames=30, readings=300), tmp_path)
+    readings = [(n, round(n / hz * 1e9)) for n in range(300)]
+    found = written(tmp_path)
+    assert len(found) == 30
+    assert all(pairs == nearest(time, readings, round(tolerance * 1e9)) for time, pairs in found)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@example(hz=1000, shift=0.0037)
+@example(hz=256.4, shift=0.00901)
+@given(hz=st.integers(130, 2000), shift=st.integers(0, 50_000).map(lambda us: us / 1e6))
+def test_a_join_takes_the_reading_nearest_to_the_frame(tmp_path: Path, hz: float, shift: float) -> None:
+    """From the second frame on: the first may come before any two readings say that they are frequent."""
+    run(planned(tmp_path, "meet", hz=hz, shift=shift, frames=30, readings=2000), tmp_path)
+    readings = [(n, round(n / hz * 1e9)) for n in range(2000)]
+    found = written(tmp_path)
+    assert len(found) == 30
+    for _, (frame, reading) in found[1:]:
+        assert abs(reading[1] - frame[1]) == abs(nearest(frame[1], readings, 1 << 60)[0][1] - frame[1])
+
+
+def test_a_tolerance_of_an_edge_is_wider_than_that_of_the_stage(tmp_path: Path) -> None:
+    run(planned(tmp_path, "meet", hz=60, shift=0.006, frames=5, readings=5), tmp_path)
+    assert written(tmp_path) == []
+    wide = "{from: sensor, tolerance: 0.007}"
+    run(planned(tmp_path, "meet", hz=60, shift=0.006, frames=5, readings=5, feed=wide), tmp_path)
+    assert [[value for value, _ in pairs] for _, pairs in written(tmp_path)] == [[n, n] for n in range(5)]
+
+
+INPUTS = ("frame", "other", "window", "near", "latest")
+PAUSES = st.lists(st.integers(1, 60), min_size=2, max_size=12).flatmap(
+    lambda pauses: st.integers(1, 8).map(lambda times: pauses * times)
+)
+
+
+@st.composite
+def graphs(draw: st.DrawFn) -> Plan:
+    """A graph of uneven sources and of stages with inputs of all kinds, each from anything before it."""
+    sources = draw(st.integers(2, 3))
+    names = [f"n{n}" for n in range(sources + draw(st.integers(1, 4)))]
+    stages, edges = [], []
+    for n, name in enumerate(names):
+        tolerance = draw(st.sampled_from([0.0, 0.002, 0.01, 0.05]))
+        if n < sources:
+            stages.append(_stage(name, "uneven", {"pauses": draw(PAUSES)}))
+            continue
+        stages.append(_stage(name, "mix", {}, tolerance))
+        used = {"frame", *draw(st.lists(st.sampled_from(INPUTS), max_size=4))}
+        edges += [_edge(draw(st.sampled_from(names[:n])), name, port) for port in INPUTS if port in used]
+    for name in names[sources:]:
+        stages.append(_stage(f"save_{name}", "note", {"path": f"{name}.csv"}))
+        edges.append(_edge(name, f"save_{name}", "reading"))
+    return Plan("rates", Room(), tuple(stages), tuple(edges), (PlannedWorker("main"),))
+
+
+def _stage(name: str, uses: str, params: dict[str, object], tolerance: float = 0.0) -> PlannedStage:
+    return PlannedStage(name, name, f"rates.{uses}", params, None, "main", live=False, tolerance=tolerance)
+
+
+def _edge(start: str, end: str, port: str, depth: int = 1) -> PlannedEdge:
+    return PlannedEdge(start, "out", end, port, "reference", depth=depth)
+
+
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(plan=graphs())
+def test_no_depth_stops_a_replay_or_changes_what_it_gives(tmp_path: Path, plan: Plan) -> None:
+    use_plugin_files([str(STAGES)])
+    found = []
+    for depth in (1, 1000):
+        edges = tuple(
+            PlannedEdge(e.from_stage, e.from_port, e.to_stage, e.to_port, e.kind, depth=depth)
+            for e in plan.edges
+        )
+        deep = Plan(plan.graph, plan.room, plan.stages, edges, plan.workers)
+        report = run(deep, tmp_path)
+        ledger = [str(count) for _, count in report.edges]
+        found.append((ledger, [path.read_text() for path in sorted(tmp_path.glob("n*.csv"))]))
+        for path in tmp_path.glob("n*.csv"):
+            path.unlink()
+    assert found[0] == found[1]
