@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from followspot import Joined, Latest, Message, Source, Stage
+from followspot import Joined, Latest, Message, Nearest, Source, Stage, Window
 from followspot.ports import InputSpec, OutputSpec, Ports, SignatureError, accepts, ports
 
 
@@ -42,7 +42,13 @@ def stage(process: Callable[..., Any]) -> type[Stage]:
 
 def test_kinds_and_types_of_inputs_are_read() -> None:
     def process(
-        self: Any, flour: Wheat, sacks: Joined[Wheat], order: Latest[Bread], salt: Message | None = None
+        self: Any,
+        flour: Wheat,
+        sacks: Joined[Wheat],
+        order: Latest[Bread],
+        guest: Nearest[Bread],
+        orders: Window[Bread] = (),
+        salt: Message | None = None,
     ) -> Bread: ...
 
     assert ports(stage(process)) == Ports(
@@ -50,6 +56,8 @@ def test_kinds_and_types_of_inputs_are_read() -> None:
             InputSpec("flour", Wheat, "plain", True),
             InputSpec("sacks", Wheat, "joined", True),
             InputSpec("order", Bread, "latest", True),
+            InputSpec("guest", Bread, "nearest", True),
+            InputSpec("orders", Bread, "window", False),
             InputSpec("salt", Message, "plain", False),
         ),
         (OutputSpec("out", Bread),),
@@ -118,18 +126,22 @@ def fed_source(self: Any, flour: Wheat) -> Source[Bread]: ...
 def nothing(self: Any) -> Bread: ...
 
 
+def asleep(self: Any, flour: Window[Wheat], order: Latest[Bread]) -> Bread: ...
+
+
 @pytest.mark.parametrize(
     ("process", "said"),
     [
         (no_types, "input flour has no type; write flour: MessageType"),
         (no_return, "write `-> None` for a sink"),
-        (no_message, r"flour: MessageType, Joined\[MessageType\] or Latest\[MessageType\]"),
+        (no_message, r"flour: MessageType, or MessageType in Joined, Latest, Nearest or Window"),
         (no_output, "return a message type, a dataclass of message types"),
         (odd_output, "return a message type, a dataclass of message types"),
         (many, "name each input"),
         (unknown, "an annotation that cannot be read: name 'Oats' is not defined"),
         (fed_source, "yields and has inputs; a source has none"),
         (nothing, r"a source returns Source\[MessageType\]"),
+        (asleep, "sampled inputs only, so it would never fire"),
         (3, "define process"),
     ],
 )
