@@ -109,7 +109,7 @@ def measure(room: Room, taken: list[Shot], particles: int) -> dict[str, Any]:
 
 def made(name: str, room: Room, **params: Any) -> Stage:
     """A stage of the room's first camera, set up."""
-    stage = load_stage(name)(Context(room=room, camera=next(iter(room.cameras.values()))), **params)
+    stage = load_stage(name)(Context.serving(next(iter(room.cameras.values())), room), **params)
     stage.setup()
     return stage
 

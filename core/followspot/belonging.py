@@ -49,6 +49,10 @@ def misfit(kind: type[Message], room: Room, camera: str | None = None) -> Misfit
     return partial(_first, asked) if asked else None
 
 
+_CHANNELS = {"color": (3,), "infrared": (1,)}
+"""Channels of the pictures of a camera, by its kind; of other kinds they may have any number."""
+
+
 def _first(asked: Collection[Misfit], message: Message) -> str:
     for ask in asked:
         if why := ask(message):
@@ -70,11 +74,11 @@ def _cameras(known: Collection[str], message: Message) -> str:
 def _pictured(column: str, room: Room, message: Message) -> str:
     camera = room.cameras[message.camera]  # type: ignore[attr-defined]  # known, which was asked first
     width, height = camera.size
-    wanted = (height, width, 3 if camera.kind == "color" else 1)
+    wanted = (height, width, *_CHANNELS.get(camera.kind, ()))
     shape = getattr(message, column).shape
-    return (
-        "" if shape == wanted[: len(shape)] else f"{column} has shape {shape}, {camera.name} gives {wanted}"
-    )
+    if shape[: len(wanted)] == wanted[: len(shape)]:
+        return ""
+    return f"{column} has shape {shape}, {camera.name} gives {wanted}"
 
 
 def _as_many(column: str, axis: int, count: int, message: Message) -> str:

@@ -123,6 +123,14 @@ class Form:
             return None
         return value
 
+    def switch(self, key: str) -> bool:
+        """True or false; false if it is missing."""
+        node = self.get(key)
+        if node is None or isinstance(node.value, bool):
+            return node is not None and bool(node.value)
+        self.wrong(node, f"{key} cannot be {kind_of(node)}", "write true or false")
+        return False
+
     def array(
         self, key: str, shapes: Sequence[Shape], *, most: float = math.inf, required: bool = False
     ) -> Array | None:

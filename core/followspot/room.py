@@ -1,4 +1,4 @@
-"""The room as data: cameras, planes and targets, in metres, z up; `followspot.room_file` reads it."""
+"""The room as data: cameras, sensors, planes and targets, in metres, z up; see `followspot.room_file`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,32 @@ import numpy as np
 
 from followspot.messages import Array
 
-Kind = Literal["color", "infrared", "depth"]
 Model = Literal["pinhole", "fisheye", "cylinder"]
+
+
+Tags = Mapping[str, tuple[str, ...]]
+"""Free words on a camera, a sensor or a target: tag -> its values, one or more."""
+SETS: Mapping[str, str] = MappingProxyType({"cameras": "camera", "sensors": "sensor", "targets": "target"})
+"""The sets of a room that have members, each with the word for one of them."""
+
+
+@dataclass(frozen=True)
+class Member:
+    """One member of a set of the room, or one value of a tag.
+
+    set: "cameras", "sensors", "targets", or the tag; name: of the camera, sensor or target, or the value.
+    """
+
+    set: str
+    name: str
+
+    @property
+    def noun(self) -> str:
+        """The word for one member of the set."""
+        return SETS.get(self.set, self.set)
+
+    def __str__(self) -> str:
+        return f"{self.noun} {self.name}"
 
 
 @dataclass(frozen=True)
@@ -29,13 +53,14 @@ class StageUse:
 class Camera:
     """A calibrated camera, OpenCV convention: x_cam = R X + t, z forward, pixel centres at integers.
 
+    kind: a free word; those known here are color (three channels) and infrared (one).
     matrix: (3, 3) px; distortion: (5,) k1 k2 p1 p2 k3, or (4,) for a fisheye; rotation: (3, 3);
     translation: (3,) m; size: width and height, px; clock_offset: time of exposure minus
     time stamp, s. Functions on cameras stand in `followspot.geometry`.
     """
 
     name: str
-    kind: Kind
+    kind: str
     size: tuple[int, int]
     matrix: Array
     distortion: Array
@@ -45,6 +70,7 @@ class Camera:
     source: StageUse | None = None
     host: str = ""
     clock_offset: float = 0.0
+    tags: Tags = field(default_factory=dict)
 
     @cached_property
     def projection(self) -> Array:
@@ -55,6 +81,23 @@ class Camera:
     def center(self) -> Array:
         """Camera centre in the room, (3,) m: C = -R^T t."""
         return np.asarray(-self.rotation.T @ self.translation)
+
+
+@dataclass(frozen=True, eq=False)
+class Sensor:
+    """A device that is no camera.
+
+    kind: a free word, for example imu; rate: readings a second, 1/s, None if it is not known; mount: the
+    target or the camera that carries it.
+    """
+
+    name: str
+    kind: str
+    source: StageUse | None = None
+    rate: float | None = None
+    mount: Member | None = None
+    host: str = ""
+    tags: Tags = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +113,12 @@ class Target:
     hue_histogram: Mapping[str, Array] = field(default_factory=dict)
     area: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     gray: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    tags: Tags = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
 class Room:
-    """The calibrated place. Cameras, planes and targets keep the order of the file.
+    """The calibrated place. Cameras, sensors, planes and targets keep the order of the file.
 
     planes: name -> (4,) [a b c d], a x + b y + c z + d = 0 with unit normal, m;
     truth: a source of `followspot.tracking.Truth`, for rooms with ground truth.
@@ -85,3 +129,23 @@ class Room:
     planes: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
     targets: Mapping[str, Target] = field(default_factory=lambda: MappingProxyType({}))
     truth: StageUse | None = None
+    sensors: Mapping[str, Sensor] = field(default_factory=lambda: MappingProxyType({}))
+
+    @cached_property
+    def carriers(self) -> tuple[Camera | Sensor, ...]:
+        """The cameras, then the sensors: whose tags group the room."""
+        return (*self.cameras.values(), *self.sensors.values())
+
+    @cached_property
+    def tags(self) -> Tags:
+        """Every tag of a camera or sensor, with its values in the order of the room."""
+        values: dict[str, dict[str, None]] = {}
+        for carrier in self.carriers:
+            for tag, words in carrier.tags.items():
+                values.setdefault(tag, {}).update(dict.fromkeys(words))
+        return {tag: tuple(words) for tag, words in values.items()}
+
+    def members(self, name: str) -> Mapping[str, Camera | Sensor | Target]:
+        """The members of one of `SETS` by name."""
+        sets = {"cameras": self.cameras, "sensors": self.sensors, "targets": self.targets}
+        return sets[name]  # type: ignore[return-value]  # mypy joins the three types

@@ -17,7 +17,7 @@ from followspot.document import Node, node_of, parse, plain, read, resolve
 from followspot.errors import InputError, Place
 from followspot.files import DOCUMENT, read_text
 from followspot.messages import Array
-from followspot.room import Camera, Room, StageUse, Target
+from followspot.room import Camera, Room, Sensor, StageUse, Tags, Target
 from followspot.room_form import room_of
 
 _LINE = 100
@@ -70,6 +70,7 @@ def to_data(room: Room) -> dict[str, Any]:
     data: dict[str, Any] = {
         "room": room.name,
         "cameras": {name: _camera_data(camera) for name, camera in room.cameras.items()},
+        "sensors": {name: _sensor_data(sensor) for name, sensor in room.sensors.items()},
         "planes": {name: plane.tolist() for name, plane in room.planes.items()},
         "targets": {name: _target_data(target) for name, target in room.targets.items()},
     }
@@ -114,7 +115,26 @@ def _camera_data(camera: Camera) -> dict[str, Any]:
         data["host"] = camera.host
     if camera.clock_offset:
         data["clock_offset"] = float(camera.clock_offset)
-    return data
+    return data | _tags_data(camera.tags)
+
+
+def _sensor_data(sensor: Sensor) -> dict[str, Any]:
+    data: dict[str, Any] = {"kind": sensor.kind}
+    if sensor.source is not None:
+        data["source"] = _use_data(sensor.source)
+    if sensor.rate is not None:
+        data["rate"] = float(sensor.rate)
+    if sensor.mount is not None:
+        data["mount"] = {sensor.mount.noun: sensor.mount.name}
+    if sensor.host:
+        data["host"] = sensor.host
+    return data | _tags_data(sensor.tags)
+
+
+def _tags_data(tags: Tags) -> dict[str, Any]:
+    """The tags; a single value stands alone."""
+    data = {tag: values[0] if len(values) == 1 else list(values) for tag, values in tags.items()}
+    return {"tags": data} if data else {}
 
 
 def _target_data(target: Target) -> dict[str, Any]:
@@ -123,7 +143,8 @@ def _target_data(target: Target) -> dict[str, Any]:
         "area": {camera: [float(x) for x in limits] for camera, limits in target.area.items()},
         "gray": {camera: [float(x) for x in limits] for camera, limits in target.gray.items()},
     }
-    return {"radius": float(target.radius), **{key: value for key, value in sections.items() if value}}
+    given = {key: value for key, value in sections.items() if value}
+    return {"radius": float(target.radius), **given, **_tags_data(target.tags)}
 
 
 def _use_data(use: StageUse) -> dict[str, Any]:
@@ -132,7 +153,8 @@ def _use_data(use: StageUse) -> dict[str, Any]:
 
 def _without_folders(data: dict[str, Any]) -> dict[str, Any]:
     """A room without the folders of its sources, for a file: its own folder replaces them."""
-    for use in [camera.get("source") for camera in data["cameras"].values()] + [data.get("truth")]:
+    parts = [part for key in ("cameras", "sensors") for part in data[key].values()]
+    for use in [*(part.get("source") for part in parts), data.get("truth")]:
         if use is not None:
             del use["folder"]
     return {key: value for key, value in data.items() if value}

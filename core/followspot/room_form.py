@@ -7,15 +7,18 @@ from typing import cast
 
 import numpy as np
 
-from followspot.document import Node, plain
+from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, Shape, is_name
 from followspot.messages import MAX_BYTES, Array
-from followspot.room import Camera, Kind, Model, Room, StageUse, Target
+from followspot.room import Camera, Model, Room, Target
+from followspot.room_parts import stage_use, tags_of, word
+from followspot.sensor_form import sensor_of
 
 BINS = 16
 """Bins of a hue histogram (Jin & Qian 2008, section 2.1)."""
 MAX_CAMERAS = 1000
+MAX_SENSORS = 1000
 MAX_TARGETS = 1000
 MAX_PLANES = 1000
 _TOLERANCE = 1e-3
@@ -34,10 +37,12 @@ _MOST_AREA = 1e9
 """Largest area of a target in a picture, px."""
 _MAX_CLOCK_OFFSET = 1.0
 """Largest absolute clock offset, s; larger ones are mistakes, since offsets are fractions of a frame."""
+_KEYS = ("room", "cameras", "sensors", "planes", "targets", "truth")
 _CAMERA_KEYS = (
     "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
-    "clock_offset",
+    "clock_offset", "tags",
 )  # fmt: skip
+_TARGET_KEYS = ("radius", "hue_histogram", "area", "gray", "tags")
 _COEFFICIENTS: dict[str, list[Shape]] = {"pinhole": [(5,), (4,)], "fisheye": [(4,)], "cylinder": [(0,), (5,)]}
 
 
@@ -47,19 +52,22 @@ def room_of(root: Node, folder: str | None) -> Room:
     folder: that paths in the document are relative to; None if each source has its own.
     """
     mistakes: list[Mistake] = []
-    form = Form(root, "a room", ("room", "cameras", "planes", "targets", "truth"), mistakes)
+    form = Form(root, "a room", _KEYS, mistakes)
     name = form.title("room") or "room"
     cameras = _cameras(form, folder)
+    sensors = {
+        key: sensor_of(key, node, form, folder) for key, node in _named(form, "sensors", MAX_SENSORS).items()
+    }
     planes = {key: _plane(form, key, node) for key, node in _named(form, "planes", MAX_PLANES).items()}
     names = form.mapping("cameras")
     targets = {
         key: _target(key, node, names, mistakes) for key, node in _named(form, "targets", MAX_TARGETS).items()
     }
     truth = form.get("truth")
-    use = None if truth is None else _stage_use(truth, "truth", folder, mistakes)
+    use = None if truth is None else stage_use(truth, "truth", folder, mistakes)
     if mistakes:
         raise InputError(mistakes)
-    return Room(name, cameras, planes, targets, use)
+    return Room(name, cameras, planes, targets, use, sensors)
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:
@@ -86,7 +94,7 @@ def _cameras(form: Form, folder: str | None) -> dict[str, Camera]:
 
 def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) -> Camera | None:
     form = Form(node, f"camera {name}", _CAMERA_KEYS, mistakes)
-    kind = form.text("kind", required=True, choices=("color", "infrared", "depth"))
+    kind = word(form, "kind")
     model = form.text("model", choices=tuple(_COEFFICIENTS)) or "pinhole"
     if kind == "depth" and model == "cylinder":
         text = "a depth camera cannot be a cylinder: depth is measured along the optical axis"
@@ -97,9 +105,10 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
     rotation = _rotation(form)
     translation = form.array("translation", [(3,)], required=True, most=_FAR)
     source = form.get("source")
-    use = None if source is None else _stage_use(source, f"the source of {name}", folder, mistakes)
+    use = None if source is None else stage_use(source, f"the source of {name}", folder, mistakes)
     host = form.host()
     clock_offset = form.number("clock_offset", least=-_MAX_CLOCK_OFFSET, most=_MAX_CLOCK_OFFSET) or 0.0
+    tags = tags_of(form)
     if kind is None or size is None or matrix is None or rotation is None or translation is None:
         return None
     if distortion is None:
@@ -108,7 +117,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
         distortion = np.pad(distortion, (0, 5 - len(distortion)))
     return Camera(
         name,
-        cast(Kind, kind),
+        kind,
         size,
         matrix,
         distortion,
@@ -118,6 +127,7 @@ def _camera(name: str, node: Node, folder: str | None, mistakes: list[Mistake]) 
         use,
         host,
         clock_offset,
+        tags,
     )
 
 
@@ -179,15 +189,14 @@ def _plane(form: Form, name: str, node: Node) -> Array:
 
 
 def _target(name: str, node: Node, cameras: Mapping[str, Node], mistakes: list[Mistake]) -> Target:
-    form = Form(node, f"target {name}", ("radius", "hue_histogram", "area", "gray"), mistakes)
+    form = Form(node, f"target {name}", _TARGET_KEYS, mistakes)
     radius = form.number("radius", above=0.0, most=_FAR, required=True)
     histograms = {
         camera: _histogram(form, camera, values)
         for camera, values in _per_camera(form, "hue_histogram", (BINS,), cameras, 1e9).items()
     }
-    return Target(
-        name, radius or 1.0, histograms, _ranges(form, "area", cameras), _ranges(form, "gray", cameras)
-    )
+    area, gray = _ranges(form, "area", cameras), _ranges(form, "gray", cameras)
+    return Target(name, radius or 1.0, histograms, area, gray, tags_of(form))
 
 
 def _histogram(form: Form, camera: str, values: Array) -> Array:
@@ -220,12 +229,3 @@ def _per_camera(
         if values is not None:
             found[camera] = values
     return found
-
-
-def _stage_use(node: Node, noun: str, folder: str | None, mistakes: list[Mistake]) -> StageUse | None:
-    form = Form(node, noun, ("uses", "with") if folder is not None else ("uses", "with", "folder"), mistakes)
-    uses = form.text("uses", required=True)
-    params = {name: plain(value) for name, value in form.mapping("with").items()}
-    if folder is None:
-        folder = form.text("folder") or "."
-    return None if uses is None else StageUse(uses, params, folder)

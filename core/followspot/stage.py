@@ -30,7 +30,7 @@ import numpy as np
 import pydantic
 
 from followspot.messages import Array, Message
-from followspot.room import Camera, Room
+from followspot.room import SETS, Camera, Member, Room, Sensor, Target
 
 T = TypeVar("T")
 LOGGER = "followspot.stage"
@@ -172,8 +172,8 @@ class Context:
 
     name: str = "stage"
     room: Room = Room()
-    camera: Camera | None = None
-    """The camera that this instance serves, if the graph says `each: cameras`."""
+    member: Member | None = None
+    """The camera, sensor, target or value of a tag that this instance serves, if the graph says `each`."""
     out: Path = Path()
     """The run's output folder."""
     seed: int = 0
@@ -191,6 +191,12 @@ class Context:
     post: Post | None = None
     """Channel to the observers of a tap on another host than the operator's."""
 
+    @classmethod
+    def serving(cls, camera: Camera, room: Room | None = None, **rest: Any) -> Context:
+        """The context of an instance that serves a camera; without a room, in one of that camera alone."""
+        found = Room(cameras={camera.name: camera}) if room is None else room
+        return cls(room=found, member=Member("cameras", camera.name), **rest)
+
 
 class Stage:
     """Base of all stages. Subclasses declare `Params` and `process`; the rest is optional."""
@@ -203,6 +209,10 @@ class Stage:
     must."""
     per_camera: ClassVar[bool] = False
     """True if an instance serves exactly one camera (`self.camera`)."""
+    per_sensor: ClassVar[bool] = False
+    """True if an instance serves exactly one sensor (`self.sensor`)."""
+    per_target: ClassVar[bool] = False
+    """True if an instance serves exactly one target (`self.target`)."""
     tap: ClassVar[bool] = False
     """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
     run only."""
@@ -225,6 +235,12 @@ class Stage:
     params: Any
     process: Callable[..., Any]
 
+    @classmethod
+    def serves(cls) -> str:
+        """The set of the room of which an instance serves exactly one member, "" if it may serve none."""
+        marks = {"cameras": cls.per_camera, "sensors": cls.per_sensor, "targets": cls.per_target}
+        return next((name for name, marked in marks.items() if marked), "")
+
     def __init__(self, context: Context = Context(), /, **params: Any) -> None:
         """context: of the run; params: values for `Params`. Raises pydantic.ValidationError."""
         self.context = context
@@ -235,12 +251,29 @@ class Stage:
         """The calibrated room."""
         return self.context.room
 
-    @property
+    @cached_property
     def camera(self) -> Camera:
         """The camera that this instance serves. Raises LookupError if it serves none."""
-        if self.context.camera is None:
-            raise LookupError(f'{self.context.name} serves no camera: give it one with "each: cameras"')
-        return self.context.camera
+        return self.room.cameras[self._served("cameras")]
+
+    @cached_property
+    def sensor(self) -> Sensor:
+        """The sensor that this instance serves. Raises LookupError if it serves none."""
+        return self.room.sensors[self._served("sensors")]
+
+    @cached_property
+    def target(self) -> Target:
+        """The target that this instance serves. Raises LookupError if it serves none."""
+        return self.room.targets[self._served("targets")]
+
+    def _served(self, members: str) -> str:
+        """Name of the member of a set that this instance serves. Raises LookupError if it serves none."""
+        member, noun = self.context.member, SETS[members]
+        if member is None or member.set != members:
+            raise LookupError(f'{self.context.name} serves no {noun}: give it one with "each: {members}"')
+        if member.name not in getattr(self.room, members):
+            raise LookupError(f'{self.context.name} serves {member}, which the room "{self.room.name}" lacks')
+        return member.name
 
     @cached_property
     def rng(self) -> np.random.Generator:

@@ -43,7 +43,8 @@ class RectifiedVideo(Stage):
     def setup(self) -> None:
         """Open the file and prepare the mapping. Raises InputError as `cameras.video`."""
         taken = taken_by(self.camera, self.params.lens)
-        context = Context(self.context.name, self.room, taken, seed=self.context.seed, warn=self.context.warn)
+        own = self.context
+        context = Context.serving(taken, name=own.name, seed=own.seed, warn=own.warn)
         self._video = Video(context, **self.params.model_dump(exclude={"lens"}))
         self._video.setup()
         self._maps = rectification(self.camera, taken)

@@ -14,13 +14,17 @@ from tests.core.graph.files import ROOM
 
 from followspot.errors import InputError
 from followspot.form import HOST, is_title
-from followspot.room import Camera, Room, StageUse, Target
+from followspot.room import Camera, Member, Room, Sensor, StageUse, Target
 from followspot.room_file import from_data, load, save, to_data, update
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 near = st.floats(-1e4, 1e4)
 names = st.text(alphabet="abcXYZ019_-", min_size=1, max_size=8)
 words = st.text(max_size=12).filter(bool)
+tags = st.dictionaries(
+    st.sampled_from(["zone", "rig", "1", "null"]),
+    st.lists(st.sampled_from(["hall", "stage", "7", "true", "off", "-"]), min_size=1, unique=True).map(tuple),
+)
 
 
 @st.composite
@@ -57,6 +61,20 @@ def cameras(draw: st.DrawFn, name: str) -> Camera:
         draw(st.none() | st.just(StageUse("cameras.video", params, "elsewhere"))),
         draw(st.just("") | st.from_regex(HOST, fullmatch=True)),
         draw(st.just(0.0) | st.floats(-1.0, 1.0)),
+        draw(tags),
+    )
+
+
+@st.composite
+def sensors(draw: st.DrawFn, name: str) -> Sensor:
+    return Sensor(
+        name,
+        draw(st.sampled_from(["imu", "color", "1"])),
+        draw(st.none() | st.just(StageUse("toy.imu", {"port": 7}, "elsewhere"))),
+        draw(st.none() | st.floats(1e-6, 1e6)),
+        draw(st.none() | st.just(Member("targets", "green"))),
+        draw(st.just("") | st.from_regex(HOST, fullmatch=True)),
+        draw(tags),
     )
 
 
@@ -71,13 +89,16 @@ def rooms(draw: st.DrawFn) -> Room:
         dict.fromkeys(found, bins / bins.sum()),
         dict.fromkeys(found, (draw(st.floats(0, 10)), draw(st.floats(10, 1e6)))),
         dict.fromkeys(found, (0.0, 255.0)),
+        draw(tags),
     )
+    others = draw(st.lists(names.filter(lambda name: name not in found), max_size=2, unique=True))
     return Room(
         draw(words.filter(is_title)),
         found,
         planes,
         {"green": target},
         draw(st.none() | st.just(StageUse("sim.truth"))),
+        {name: draw(sensors(name)) for name in others},
     )
 
 
@@ -94,7 +115,8 @@ def test_a_saved_room_is_read_back_bit_for_bit(room: Room, tmp_path_factory: pyt
     folder = tmp_path_factory.getbasetemp()
     save(room, folder / "round.yaml")
     expected, found = to_data(room), to_data(load(folder / "round.yaml"))
-    for use in [*(c.get("source") for c in expected["cameras"].values()), expected.get("truth")]:
+    parts = [*expected["cameras"].values(), *expected["sensors"].values()]
+    for use in [*(part.get("source") for part in parts), expected.get("truth")]:
         if use is not None:
             use["folder"] = str(folder)
     assert found == expected
@@ -180,9 +202,7 @@ def test_nearly_unit_normals_and_histograms_are_normalised(room_file: Path) -> N
 
 
 def test_all_mistakes_of_a_room_are_reported_at_once(room_file: Path) -> None:
-    broken = (
-        ROOM.replace("kind: color", "kind: colour").replace("[0, 0, 3]", "[0, 0]").replace("0.0762", "-1")
-    )
+    broken = ROOM.replace("kind: color", "kind: a b").replace("[0, 0, 3]", "[0, 0]").replace("0.0762", "-1")
     room_file.write_text(broken, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load(room_file)

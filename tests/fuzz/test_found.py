@@ -78,7 +78,7 @@ def test_a_picture_that_claims_a_size_beyond_reason_leaves_a_gap(tmp_path: Path,
     eye = np.eye(3)
     camera = Camera("cam0", "color", (8, 6), eye, np.zeros(5), eye, np.zeros(3))
     warnings: list[str] = []
-    stage = Images(Context("camera/cam0", camera=camera, warn=warnings.append), path=tmp_path)
+    stage = Images(Context.serving(camera, name="camera/cam0", warn=warnings.append), path=tmp_path)
     stage.setup()
     assert [frame.header.seq for frame in stage.process()] == [1]
     assert "frame0.ppm" in warnings[0]
@@ -123,7 +123,7 @@ def test_a_pattern_that_no_picture_matches_is_told(tmp_path: Path, pattern: str)
     (tmp_path / "frame0.png").write_bytes(b"")
     eye = np.eye(3)
     camera = Camera("cam0", "color", (8, 6), eye, np.zeros(5), eye, np.zeros(3))
-    stage = Images(Context("camera/cam0", camera=camera), path=tmp_path, pattern=pattern)
+    stage = Images(Context.serving(camera, name="camera/cam0"), path=tmp_path, pattern=pattern)
     if pattern == "**":
         stage.setup()  # as "*"
     else:

@@ -14,6 +14,7 @@ from mcap.writer import Writer
 from followspot.cli.main import main
 from followspot.graph.output_ports import chosen_ports
 from followspot.graph.plan import Plan, PlannedStage, PlannedWorker
+from followspot.room import Member
 from followspot.testing import tiny_room
 from followspot_record.embedded import recorded_plan
 from followspot_record.record import Target, with_recording
@@ -299,7 +300,7 @@ def test_a_live_camera_may_be_two_seconds_ahead_of_the_disk_where_memory_allows(
 ) -> None:
     room = tiny_room()
     cameras = {name: replace(camera, size=size) for name, camera in room.cameras.items()}
-    camera = PlannedStage("camera/cam0", "camera", "sim.camera", {}, "cam0", "main", live)
+    camera = PlannedStage("camera/cam0", "camera", "sim.camera", {}, Member("cameras", "cam0"), "main", live)
     plan = Plan("toy", replace(room, cameras=cameras), (camera,), (), (PlannedWorker("main"),))
     target = Target(tmp_path / "a.mcap", {}, {}, {})
     (edge,) = with_recording(plan, ["camera/cam0.out"], target).edges

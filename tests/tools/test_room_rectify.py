@@ -96,7 +96,7 @@ def test_a_rectified_room_plays_the_frames_of_its_videos(
     assert f"cam {camera.size[0]}x{camera.size[1]} px" in capsys.readouterr().out
     assert camera.source is not None
     params = {**camera.source.params, "path": output.parent / str(camera.source.params["path"])}
-    stage = RectifiedVideo(Context("camera/cam", Room("r", {"cam": camera}), camera), **params)
+    stage = RectifiedVideo(Context.serving(camera, name="camera/cam"), **params)
     stage.setup()
     frames = list(stage.process())
     stage.close()

@@ -55,7 +55,7 @@ def test_every_ready_file_is_accepted(schemas: dict[str, dict[str, Any]], kind: 
         "stages: {fuse: {uses: balls.mean_shift, in: {candidate: x}}}",
         "stages: {color: {uses: balls.color_blobs, in: {frame: x}, with: {similarity: much}}}",
         "stages: {color: {uses: balls.color_blobs, in: {frame: x}, with: {similarty: 0.5}}}",
-        "stages: {color: {uses: balls.color_blobs, in: {frame: x}, each: rooms}}",
+        "stages: {color: {uses: balls.color_blobs, in: {frame: x}, each: a b}}",
         "stages: {video: {uses: cameras.video}}",
         "stages: {fuse: {uses: balls.mean, in: {candidates: {from: x, dely: 1}}}}",
         "graph: empty",

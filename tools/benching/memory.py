@@ -115,7 +115,7 @@ def shots(plan: Plan, count: int) -> dict[str, list[Frame]]:
     for stage in plan.stages:
         cls = load_stage(stage.uses)
         if stage.camera is not None and ports(cls).source:
-            source = cls(Context(stage.name, plan.room, plan.room.cameras[stage.camera]), **stage.params)
+            source = cls(Context(stage.name, plan.room, stage.member), **stage.params)
             source.setup()
             frames = (frame for frame, _ in zip(source.process(), range(count), strict=False))
             played[stage.camera] = [own(frame) for frame in frames]

@@ -88,7 +88,7 @@ def video_target() -> Target:
             writer.write(picture)
         writer.release()
         samples.append((suffix, path.read_bytes()))
-    context = Context(name="camera/cam0", camera=_camera())
+    context = Context.serving(_camera(), name="camera/cam0")
 
     def take(made: tuple[str, bytes]) -> object:
         path = folder / f"broken.{made[0]}"
@@ -105,7 +105,7 @@ def images_target() -> Target:
     for suffix in ("png", "jpg", "bmp", "tiff", "webp", "ppm"):
         _, data = cv2.imencode(f".{suffix}", _pictures()[0])
         samples.append((suffix, data.tobytes()))
-    context = Context(name="camera/cam0", camera=_camera())
+    context = Context.serving(_camera(), name="camera/cam0")
 
     def take(made: tuple[str, bytes]) -> object:
         path = folder / f"frame.{made[0]}"

@@ -72,7 +72,7 @@ def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
         group=declared.name,
         uses=instance.uses,
         params=checked.params,
-        camera=instance.camera,
+        member=instance.member,
         worker=placed.worker_of[instance.name],
         live=checked.stage.live,
         on_error=declared.on_error,

@@ -17,7 +17,7 @@ from followspot.graph.sampling import sampled_cycles
 from followspot.people import PoseTruth
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
-from followspot.room import Room, StageUse
+from followspot.room import SETS, Room, StageUse
 from followspot.stage import Stage
 from followspot.tracking import Truth
 
@@ -41,7 +41,7 @@ class Checked:
     stages: tuple[CheckedStage, ...]
     edges: tuple[CheckedEdge, ...]
     notes: tuple[str, ...] = ()
-    """Notes on what is allowed in live runs only."""
+    """What is left out in this room, and what is allowed in live runs only."""
     risks: tuple[Mistake, ...] = ()
     """Everything that can make two runs differ."""
 
@@ -51,7 +51,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     classes = _classes(expanded, mistakes)
     for instance in expanded.instances.values():
         if instance.name in classes:
-            _check_inputs(instance, classes[instance.name], mistakes)
+            _check_inputs(instance, classes[instance.name], expanded.left_out, mistakes)
             check_picture(instance, classes[instance.name], expanded.room, mistakes)
     stages = [
         CheckedStage(instance, stage, params)
@@ -70,6 +70,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
             mistakes += sampled
     _check_outputs(stages, mistakes)
     room = _checked_room(expanded, mistakes)
+    notes = (*expanded.left_out.values(), *notes)
     return Checked(
         expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes, tuple(risks(stages, edges))
     )
@@ -98,20 +99,33 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
     return validated(stage, noun, instance.params, instance.uses_place, mistakes)
 
 
-def _check_inputs(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> None:
-    """True if the stage has every named input, and the graph names every required one."""
+def _check_inputs(
+    instance: Instance, stage: type[Stage], left_out: Mapping[str, str], mistakes: list[Mistake]
+) -> None:
+    """Note each input that the stage lacks, and each required one that nothing feeds."""
     declared, found = instance.declared, ports(stage)
-    if stage.per_camera and declared.each is None:
-        text = f'{instance.uses} serves one camera, and stage "{declared.name}" has no each'
-        mistakes.append(Mistake(declared.place, text, "add each: cameras"))
+    served = stage.serves()
+    if served and declared.each is None:
+        text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'
+        mistakes.append(Mistake(declared.place, text, f"add each: {served}"))
+    elif served and instance.member is not None and instance.member.set != served:
+        text = f'{instance.uses} serves a {SETS[served]}, stage "{declared.name}" a {instance.member.noun}'
+        mistakes.append(Mistake(declared.places["each"], text, f"write each: {served}"))
     for entry in declared.inputs:
+        port = found.input(entry.port)
         if found.source:
             text = f'stage "{declared.name}" ({instance.uses}) is a source and has no inputs'
             mistakes.append(Mistake(entry.place, text, "remove it"))
-        elif found.input(entry.port) is None:
+        elif port is None:
             remedy = did_you_mean(entry.port, [port.name for port in found.inputs], "inputs")
             mistakes.append(
                 Mistake(entry.place, f'stage "{declared.name}" has no input "{entry.port}"', remedy)
+            )
+        elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
+            text = f'input "{entry.port}" of stage "{declared.name}" needs what is left out'
+            reasons = "; ".join(left_out[feed.stage] for feed in entry.feeds)
+            mistakes.append(
+                Mistake(entry.place, text, f'{reasons}; write optional: true for "{declared.name}", too')
             )
     named = {port.name for entry in declared.inputs if (port := found.input(entry.port)) is not None}
     for port in found.inputs:

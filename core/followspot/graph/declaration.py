@@ -22,7 +22,7 @@ from followspot.graph.plan import (
 from followspot.graph.selector import Selector, read_selector
 from followspot.ranges import MAX_WAIT
 
-ENVELOPE = ("uses", "each", "in", "with", "on_error", "tolerance", "deadline")
+ENVELOPE = ("uses", "each", "optional", "in", "with", "on_error", "tolerance", "deadline")
 """Keys of a stage; parameters are below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
@@ -73,6 +73,8 @@ class StageDeclaration:
     on_error: ErrorPolicy
     tolerance: float
     deadline: float
+    optional: bool = False
+    """True if the room may lack all that the stage fans out over; the stage is left out then."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Of the value of each key that is written."""
 
@@ -97,6 +99,7 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         on_error=cast(ErrorPolicy, form.text("on_error", choices=_POLICIES) or "fail"),
         tolerance=PlannedStage.tolerance if tolerance is None else tolerance,
         deadline=PlannedStage.deadline if deadline is None else deadline,
+        optional=form.switch("optional"),
         places=_places(form),
     )
 

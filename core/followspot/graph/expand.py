@@ -1,4 +1,4 @@
-"""Second step: stages fan out over the cameras of the room, and edges over their instances."""
+"""Second step: stages fan out over what the room has, and edges over their instances."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.declaration import Feed, InputDeclaration, StageDeclaration
 from followspot.graph.load import Loaded
-from followspot.room import Room
+from followspot.graph.selector import ranks, related
+from followspot.room import SETS, Member, Room, Target
 
 ROOM_SOURCE = "room.source"
-"""Stands for the source stage that the room declares for each camera."""
+"""Stands for the source stage that the room declares for each camera or sensor."""
 MAX_INSTANCES = 10_000
 MAX_EDGES = 50_000
-_ANY_CAMERA = "?"
-"""Stands for the cameras of a room that has mistakes, so that the rest of the graph is still checked."""
+_ANY = Member("", "?")
+"""Stands for the members of a room that has mistakes, so that the rest of the graph is still checked."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Instance:
 
     name: str
     declared: StageDeclaration
-    camera: str | None
+    member: Member | None
     uses: str
     uses_place: Place
     params: Mapping[str, Node]
@@ -46,7 +47,7 @@ class Wire:
 class Expanded:
     """Every instance, in the order of the file and the room, and all that leads from one to another.
 
-    complete: whether the room and all its cameras are known; else names of instances are not.
+    complete: whether the room and all its members are known; else names of instances are not.
     """
 
     name: str
@@ -56,72 +57,126 @@ class Expanded:
     seed: int
     instances: Mapping[str, Instance]
     wires: tuple[Wire, ...]
+    left_out: Mapping[str, str]
+    """Optional stages without an instance, each with the reason."""
+
+
+_Groups = Mapping[str, Mapping[Member | None, Instance]]
 
 
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
-    """Fan out; stages that are not declared and cameras that the room lacks are noted."""
-    cameras = {name: _cameras(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
-    count = sum(map(len, cameras.values()))
+    """Fan out; stages that are not declared and members that the room lacks are noted."""
+    members = {name: _members(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
+    left_out = _left_out(loaded, members)
+    count = sum(map(len, members.values()))
     if count > MAX_INSTANCES:
-        return _too_large(loaded, f"{count} stages", f"at most {MAX_INSTANCES}", mistakes)
+        return _nothing(loaded, f"the graph has {count} stages", f"at most {MAX_INSTANCES}", mistakes)
     groups = {
-        name: {camera: _instance(stage, camera, loaded, mistakes) for camera in cameras[name]}
+        name: {member: _instance(stage, member, loaded, mistakes) for member in members[name]}
         for name, stage in loaded.stages.items()
+        if name not in left_out
     }
-    instances = {instance.name: instance for group in groups.values() for instance in group.values()}
-    rank = {camera: number for number, camera in enumerate(loaded.room.cameras if loaded.room else ())}
+    if loaded.stages and not groups:
+        remedy = "; ".join(list(left_out.values())[:6])
+        return _nothing(
+            loaded, "every stage is optional, and the room has nothing for them", remedy, mistakes
+        )
+    instances = _by_name(groups, mistakes)
+    room = loaded.room or Room()
+    rank = ranks(room)
     wires: list[Wire] = []
     for instance in instances.values():
         for entry in instance.declared.inputs:
-            wires += _wires(instance, entry, groups, rank, mistakes)
+            wires += _wires(instance, entry, groups, left_out, room, rank, mistakes)
         if len(wires) > MAX_EDGES:
-            return _too_large(loaded, f"more than {MAX_EDGES} edges", "feed fewer inputs", mistakes)
-    room = loaded.room or Room()
-    complete = all(instance.declared.each is None or instance.camera for instance in instances.values())
-    return Expanded(loaded.name, room, loaded.room_node, complete, loaded.seed, instances, tuple(wires))
+            text = f"the graph has more than {MAX_EDGES} edges"
+            return _nothing(loaded, text, "feed fewer inputs", mistakes)
+    complete = all(instance.declared.each is None or instance.member for instance in instances.values())
+    return Expanded(
+        loaded.name, room, loaded.room_node, complete, loaded.seed, instances, tuple(wires), left_out
+    )
 
 
-def _too_large(loaded: Loaded, what: str, remedy: str, mistakes: list[Mistake]) -> Expanded:
-    """Nothing, for the graph has too much of something."""
+def _nothing(loaded: Loaded, text: str, remedy: str, mistakes: list[Mistake]) -> Expanded:
+    """No instances, because of a mistake of the whole graph."""
     first = next(iter(loaded.stages.values())).place
-    mistakes.append(Mistake(first, f"the graph has {what}", remedy))
-    return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, ())
+    mistakes.append(Mistake(first, text, remedy))
+    return Expanded(loaded.name, Room(), None, False, loaded.seed, {}, (), {})
 
 
-def _cameras(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[str | None]:
-    """The cameras that a stage fans out over; a single None if it does not fan out."""
+def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -> Sequence[Member | None]:
+    """The members that a stage fans out over; a single None if it does not fan out."""
     if stage.each is None:
         return [None]
     if loaded.room is None:
-        return [_ANY_CAMERA]
-    found = stage.each.select(loaded.room.cameras)
-    if found:
+        return [_ANY]
+    found = stage.each.select(loaded.room)
+    if found or stage.optional:
         return found
+    mistakes.append(_lack(stage, loaded, loaded.room))
+    return [_ANY]
+
+
+def _lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
+    """The mistake of a stage whose fan-out is empty."""
+    assert stage.each is not None
+    wanted = stage.each.set
     if loaded.room_node is None:
-        text, remedy = (
-            f'stage "{stage.name}" needs cameras, but the graph names no room',
-            "add room: FILE.yaml",
-        )
-    else:
-        text = f'stage "{stage.name}" needs a camera that the room "{loaded.room.name}" lacks'
-        have = ", ".join(f"{camera.name} ({camera.kind})" for camera in loaded.room.cameras.values())
-        remedy = f"{stage.each.text} matches none of: {have or 'no cameras'}"
-    mistakes.append(Mistake(stage.each.place, text, remedy))
-    return [_ANY_CAMERA]
+        text = f'stage "{stage.name}" needs {wanted}, but the graph names no room'
+        return Mistake(stage.each.place, text, "add room: FILE.yaml")
+    unknown = stage.each.unknown(room)
+    if unknown is not None:
+        return unknown
+    text = f'stage "{stage.name}" needs a {SETS.get(wanted, wanted)} that the room "{room.name}" lacks'
+    owners = room.members(wanted).values() if wanted in SETS else room.carriers
+    have = ", ".join(o.name if isinstance(o, Target) else f"{o.name} ({o.kind})" for o in owners)
+    remedy = f"{stage.each.text} matches none of: {have or f'no {wanted}'}; or write optional: true"
+    return Mistake(stage.each.place, text, remedy)
+
+
+def _left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, str]:
+    """Optional stages that the room has nothing for, and those that nothing else feeds, with the reason."""
+    left_out = {
+        name: f'stage "{name}" is left out: the room has no {loaded.stages[name].each.text}'  # type: ignore[union-attr]
+        for name, found in members.items()
+        if not found
+    }
+    before = -1
+    while len(left_out) > before:
+        before = len(left_out)
+        for name, stage in loaded.stages.items():
+            feeds = [feed for entry in stage.inputs for feed in entry.feeds if not feed.delay]
+            unfed = bool(feeds) and all(feed.stage in left_out for feed in feeds)
+            if stage.optional and unfed and name not in left_out:
+                left_out[name] = f'stage "{name}" is left out: so is all that feeds it'
+    return left_out
+
+
+def _by_name(groups: _Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
+    """Every instance by its name; notes two of one name."""
+    instances: dict[str, Instance] = {}
+    for group in groups.values():
+        for instance in group.values():
+            other = instances.setdefault(instance.name, instance)
+            if other is not instance:
+                text = (
+                    f'"{instance.name}" names an instance of stage "{other.declared.name}" and another stage'
+                )
+                mistakes.append(Mistake(instance.declared.place, text, "rename one of the stages"))
+    return instances
 
 
 def _instance(
-    stage: StageDeclaration, camera: str | None, loaded: Loaded, mistakes: list[Mistake]
+    stage: StageDeclaration, member: Member | None, loaded: Loaded, mistakes: list[Mistake]
 ) -> Instance:
-    name = stage.name if camera is None else f"{stage.name}/{camera}"
-    known = None if camera == _ANY_CAMERA else camera
+    name = stage.name if member is None else f"{stage.name}/{member.name}"
+    known = None if member == _ANY else member
     if stage.uses != ROOM_SOURCE:
         return Instance(name, stage, known, stage.uses, stage.uses_place, stage.params)
-    if camera is None:
-        remedy = "add each: cameras"
-        mistakes.append(
-            Mistake(stage.place, f'stage "{stage.name}" uses {ROOM_SOURCE} but serves no camera', remedy)
-        )
+    if member is None or (known is not None and known.set not in ("cameras", "sensors")):
+        text = f'stage "{stage.name}" uses {ROOM_SOURCE} but serves no camera and no sensor'
+        mistakes.append(Mistake(stage.place, text, "add each: cameras, or each: sensors"))
+        known = None
     source = None if known is None else _declared_source(known, stage, loaded, mistakes)
     if source is None:
         return Instance(name, stage, known, "", stage.uses_place, {})
@@ -130,14 +185,14 @@ def _instance(
 
 
 def _declared_source(
-    camera: str, stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]
+    member: Member, stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]
 ) -> tuple[Node, Mapping[str, Node]] | None:
-    """The source of a camera in the room: the name of the stage and the parameters."""
-    entry = child(child(loaded.room_node, "cameras"), camera)
+    """The source of a camera or sensor in the room: the name of the stage and the parameters."""
+    entry = child(child(loaded.room_node, member.set), member.name)
     source = child(entry, "source")
     use = child(source, "uses")
     if use is None:
-        text = f'camera "{camera}" has no source, and stage "{stage.name}" needs it'
+        text = f'{member.noun} "{member.name}" has no source, and stage "{stage.name}" needs it'
         remedy = "add source: {uses: STAGE, with: {...}}"
         mistakes.append(Mistake(entry.key if entry is not None else stage.place, text, remedy))
         return None
@@ -148,39 +203,44 @@ def _declared_source(
 def _wires(
     target: Instance,
     entry: InputDeclaration,
-    groups: Mapping[str, Mapping[str | None, Instance]],
-    rank: Mapping[str, int],
+    groups: _Groups,
+    left_out: Collection[str],
+    room: Room,
+    rank: Mapping[Member, int],
     mistakes: list[Mistake],
 ) -> list[Wire]:
-    """All wires to one input, in the order of the room's cameras, for a join delivers in that order."""
-    wires = [
-        Wire(source, feed, target, entry.port, entry.place)
-        for feed in entry.feeds
-        for source in _sources(target, feed, groups, mistakes)
-    ]
-    return sorted(wires, key=lambda wire: rank.get(wire.source.camera or "", len(rank)))
+    """All wires to one input, in the order of the room, for a join delivers in that order."""
+    wires = []
+    for feed in entry.feeds:
+        sources = groups.get(feed.stage)
+        if sources is not None:
+            found = _sources(target, feed, sources, room, mistakes)
+            wires += [Wire(source, feed, target, entry.port, entry.place) for source in found]
+        elif feed.stage not in left_out:
+            remedy = did_you_mean(feed.stage, groups, "stages")
+            mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
+    last = len(rank)
+    return sorted(wires, key=lambda w: last if w.source.member is None else rank.get(w.source.member, last))
 
 
 def _sources(
     target: Instance,
     feed: Feed,
-    groups: Mapping[str, Mapping[str | None, Instance]],
+    sources: Mapping[Member | None, Instance],
+    room: Room,
     mistakes: list[Mistake],
 ) -> Collection[Instance]:
-    """The instance for the same camera if both stages fan out; else every instance of the stage."""
-    sources = groups.get(feed.stage)
-    if sources is None:
-        remedy = did_you_mean(feed.stage, groups, "stages")
-        mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
-        return []
+    """The instances that feed a target: those of its own or related members, else all of the stage."""
     first = next(iter(sources.values()))
     if target.declared.each is None or first.declared.each is None:
         return sources.values()
-    if target.camera is None or first.camera is None:
-        return [first]  # which camera is not known because of a mistake
-    same = sources.get(target.camera)
-    if same is not None:
-        return [same]
-    text = f'stage "{target.declared.name}" serves camera {target.camera}, stage "{feed.stage}" does not'
-    mistakes.append(Mistake(feed.place, text, "give both the same each"))
-    return []
+    if target.member is None or first.member is None:
+        return [first]  # which member is not known because of a mistake
+    wanted = related(room, target.member, first.member.set)
+    if wanted is None:
+        return sources.values()
+    found = [sources[member] for member in wanted if member in sources]
+    if not found:
+        text = f'stage "{target.declared.name}" serves {target.member}, stage "{feed.stage}" does not'
+        mistakes.append(Mistake(feed.place, text, "give both the same each"))
+    return found

@@ -10,12 +10,12 @@ from followspot.graph.plan import EdgeKind, Plan
 
 @dataclass(frozen=True)
 class Box:
-    """All instances of a stage in one worker; cameras: of the instances; column: steps from a source."""
+    """All instances of a stage in one worker; members: that they serve; column: steps from a source."""
 
     worker: str
     group: str
     uses: str
-    cameras: tuple[str, ...]
+    members: tuple[str, ...]
     column: int
 
 
@@ -48,9 +48,9 @@ def outline(plan: Plan) -> Outline:
     boxes: dict[tuple[str, str], Box] = {}
     for stage in plan.stages:
         old = boxes.get((stage.worker, stage.group))
-        cameras = (*(old.cameras if old else ()), *((stage.camera,) if stage.camera else ()))
+        members = (*(old.members if old else ()), *((stage.member.name,) if stage.member else ()))
         boxes[stage.worker, stage.group] = Box(
-            stage.worker, stage.group, stage.uses, cameras, columns[stage.group]
+            stage.worker, stage.group, stage.uses, members, columns[stage.group]
         )
     box_of = {stage.name: boxes[stage.worker, stage.group] for stage in plan.stages}
     counts: dict[tuple[Box, str, Box, str, EdgeKind, str, int], int] = {}

@@ -15,7 +15,8 @@ GIVES = {"color": Frame, "infrared": Frame, "depth": DepthImage}
 
 def check_picture(instance: Instance, stage: type[Stage], room: Room, mistakes: list[Mistake]) -> None:
     """Note a source that gives frames for a depth camera, or depth images for another one."""
-    camera = room.cameras.get(instance.camera or "")
+    member = instance.member
+    camera = room.cameras.get(member.name) if member is not None and member.set == "cameras" else None
     if camera is None or not ports(stage).source:
         return
     given = {port.type for port in ports(stage).outputs} & {Frame, DepthImage}

@@ -10,6 +10,7 @@ from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
 from followspot.graph.expand import Expanded
 from followspot.graph.plan import PlannedWorker
+from followspot.room import Member
 
 MAIN = "main"
 """The worker of all stages that the placement assigns to no other."""
@@ -59,24 +60,31 @@ def _read(placement: str, mistakes: list[Mistake]) -> Node | None:
 
 
 def _together(expanded: Expanded) -> Placed:
-    apart = [camera.name for camera in expanded.room.cameras.values() if camera.host]
-    note = f"everything runs on this host, though the room has cameras on others: {', '.join(apart)}"
+    apart = [carrier.name for carrier in expanded.room.carriers if carrier.host]
+    note = f"everything runs on this host, though the room has devices on others: {', '.join(apart)}"
     return _placed(dict.fromkeys(expanded.instances, MAIN), {}, (note,) if apart else ())
 
 
 def _by(by: str, expanded: Expanded) -> Placed:
-    """One worker for each camera, on the camera's host, or for each stage of the file."""
+    """One worker for each camera and sensor, on its host, or for each stage of the file."""
     if by == "stage":
         return _placed({name: i.declared.name for name, i in expanded.instances.items()}, {})
-    hosts = {camera.name: camera.host for camera in expanded.room.cameras.values()}
-    return _placed({name: i.camera or MAIN for name, i in expanded.instances.items()}, hosts)
+    hosts = {carrier.name: carrier.host for carrier in expanded.room.carriers}
+    return _placed({name: _carrier(i.member) or MAIN for name, i in expanded.instances.items()}, hosts)
+
+
+def _carrier(member: Member | None) -> str:
+    """The camera or sensor that an instance serves, "" if it serves neither."""
+    return member.name if member is not None and member.set in ("cameras", "sensors") else ""
 
 
 def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mistake]) -> Placed:
-    """As listed; an instance's own name counts before that of its stage, and that before its camera."""
+    """As listed; an instance's own name counts before that of its stage, and that before its camera or
+    sensor.
+    """
     hosts: dict[str, str] = {}
     stages: dict[str, str] = {}
-    cameras: dict[str, str] = {}
+    devices: dict[str, str] = {}
     known_stages = dict.fromkeys(
         name for instance in expanded.instances.values() for name in (instance.declared.name, instance.name)
     )
@@ -85,17 +93,18 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
             mistakes.append(
                 Mistake(node.key, f'"{name}" cannot be the name of a worker', "letters, digits, _ and -")
             )
-        form = Form(node, f'worker "{name}"', ("host", "stages", "cameras"), mistakes)
+        form = Form(node, f'worker "{name}"', ("host", "stages", "cameras", "sensors"), mistakes)
         hosts[name] = form.host()
         _claim(name, child(node, "stages"), "stage", known_stages, stages, mistakes)
-        _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, cameras, mistakes)
+        _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, devices, mistakes)
+        _claim(name, child(node, "sensors"), "sensor", expanded.room.sensors, devices, mistakes)
     worker_of = {
-        name: stages.get(name) or stages.get(i.declared.name) or cameras.get(i.camera or "") or MAIN
+        name: stages.get(name) or stages.get(i.declared.name) or devices.get(_carrier(i.member)) or MAIN
         for name, i in expanded.instances.items()
     }
     running = set(worker_of.values())
     mistakes += [
-        Mistake(node.key, f'worker "{name}" runs nothing', "give it stages or cameras, or remove it")
+        Mistake(node.key, f'worker "{name}" runs nothing', "give it stages, cameras or sensors, or remove it")
         for name, node in workers.items()
         if name not in running
     ]
@@ -110,7 +119,7 @@ def _claim(
     taken: dict[str, str],
     mistakes: list[Mistake],
 ) -> None:
-    """Give the listed stages or cameras to a worker."""
+    """Give the listed stages, cameras or sensors to a worker."""
     if names is None or names.value is None:
         return
     if not isinstance(names.value, tuple):

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 
 from followspot.ranges import Wait
-from followspot.room import Room
+from followspot.room import Member, Room
 
 EdgeKind = Literal["reference", "ring", "zenoh"]
 EdgeCodec = Literal["raw", "lossless", "jpeg"]
@@ -36,7 +36,8 @@ class PlannedStage:
     uses: str
     params: Mapping[str, Any]
     """Validated and made of JSON types."""
-    camera: str | None
+    member: Member | None
+    """The camera, sensor, target or value of a tag that the instance serves, if the stage fans out."""
     worker: str
     live: bool
     on_error: ErrorPolicy = "fail"
@@ -48,6 +49,11 @@ class PlannedStage:
 
     It counts from the time at which a message entered the graph.
     """
+
+    @property
+    def camera(self) -> str | None:
+        """Name of the camera that the instance serves; None if it serves none."""
+        return self.member.name if self.member is not None and self.member.set == "cameras" else None
 
 
 @dataclass(frozen=True)

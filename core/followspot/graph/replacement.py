@@ -9,6 +9,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputSpec, Ports, accepts, ports
+from followspot.room import SETS
 from followspot.stage import Stage
 
 Misfit = tuple[str, str]
@@ -27,8 +28,9 @@ def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: P
         text = f'{stage.__name__} cannot take the place of stage "{old.name}"'
         return [(text, "a live source takes the place of a live source, another stage that of another")]
     found = [*_inputs(old, before, after, plan), *_outputs(old, before, after, plan)]
-    if stage.per_camera and old.camera is None:
-        found.append((f'{stage.__name__} serves one camera, and stage "{old.name}" has no each', ""))
+    served = stage.serves()
+    if served and (old.member is None or old.member.set != served):
+        found.append((f'{stage.__name__} serves one {SETS[served]}, and stage "{old.name}" serves none', ""))
     return found
 
 

@@ -11,7 +11,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.plan import MAX_SEED, Plan, PlannedEdge, PlannedStage, PlannedWorker
 from followspot.room_file import from_data, to_data
 
-VERSION = 1
+VERSION = 2
 """Of the form of the data."""
 
 

@@ -18,7 +18,7 @@ def text(plan: Plan) -> str:
     lines = [f"{plan.graph} in {plan.room.name}: {sizes}"]
     for worker in plan.workers:
         boxes = [box for box in found.boxes if box.worker == worker.name]
-        rows = [(box.group, box.uses, " ".join(box.cameras)) for box in boxes]
+        rows = [(box.group, box.uses, " ".join(box.members)) for box in boxes]
         lines += ["", _title(worker), *_aligned(rows)]
     lines += ["", "edges", *_aligned(_edge_rows(found.lines))]
     if not plan.live and any(edge.drops for edge in plan.edges):
@@ -34,7 +34,7 @@ def mermaid(plan: Plan) -> str:
     for index, worker in enumerate(plan.workers):
         lines.append(f'  subgraph w{index}["{_escaped(_title(worker))}"]')
         lines += [
-            f'    {number[box]}["{_escaped(box.group)}{_times(len(box.cameras))}<br/>{_escaped(box.uses)}"]'
+            f'    {number[box]}["{_escaped(box.group)}{_times(len(box.members))}<br/>{_escaped(box.uses)}"]'
             for box in found.boxes
             if box.worker == worker.name
         ]

@@ -48,7 +48,7 @@ def _box(box: Box, laid: Layout) -> str:
     x, y = laid.corner[box]
     name, uses = text_of(box)
     return (
-        f"<g><title>{escape(' '.join(box.cameras) or box.group)}</title>"
+        f"<g><title>{escape(' '.join(box.members) or box.group)}</title>"
         f'<rect x="{x:g}" y="{y:g}" width="{laid.box_width:g}" height="{HEIGHT}" rx="5" fill="white"'
         f' stroke="#1e293b"/>'
         f'<text x="{x + 10:g}" y="{y + 18:g}" font-weight="bold">{escape(name)}</text>'

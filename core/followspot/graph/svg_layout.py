@@ -76,9 +76,9 @@ def layout(plan: Plan, found: Outline) -> Layout:
 
 def text_of(box: Box) -> tuple[str, str]:
     """Text of a box: the stage, and the plugin stage that it uses."""
-    if len(box.cameras) == 1:
-        return f"{box.group}/{box.cameras[0]}", box.uses
-    return box.group + (f" × {len(box.cameras)}" if box.cameras else ""), box.uses
+    if len(box.members) == 1:
+        return f"{box.group}/{box.members[0]}", box.uses
+    return box.group + (f" × {len(box.members)}" if box.members else ""), box.uses
 
 
 def _way(line: Line) -> _Way:

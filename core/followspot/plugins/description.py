@@ -68,8 +68,8 @@ def _example(name: str, stage: type[Stage]) -> str:
     feeds = ", ".join(f"{p.name}: ..." for p in ports(stage).inputs if p.required)
     required = ", ".join(f"{k}: ..." for k, info in stage.Params.model_fields.items() if info.is_required())
     parts = [f"uses: {name}"]
-    if stage.per_camera:
-        parts.append("each: cameras")
+    if stage.serves():
+        parts.append(f"each: {stage.serves()}")
     if feeds:
         parts.append(f"in: {{{feeds}}}")
     if required:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot.room import Camera, Kind, Room, Target
+from followspot.room import Camera, Room, Target
 
 
-def tiny_room(first: Kind = "color", second: Kind = "infrared") -> Room:
+def tiny_room(first: str = "color", second: str = "infrared") -> Room:
     """A colour camera `cam0` and an infrared camera `cam1`, 64 x 48 px, 3 m up; a floor; one red ball.
 
     first, second: other kinds of these cameras.
@@ -20,7 +20,7 @@ def tiny_room(first: Kind = "color", second: Kind = "infrared") -> Room:
     return Room("tiny", cameras, {"floor": np.array([0.0, 0.0, 1.0, 0.0])}, {"red": red})
 
 
-def _camera(name: str, kind: Kind, side: float) -> Camera:
+def _camera(name: str, kind: str, side: float) -> Camera:
     """A camera at (0, 2 side, 3) m that looks at the origin."""
     center = np.array([0.0, 2.0 * side, 3.0])
     forward = -center / np.linalg.norm(center)

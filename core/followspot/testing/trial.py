@@ -16,7 +16,7 @@ import pydantic
 
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.ports import Ports, ports
-from followspot.room import Room
+from followspot.room import Member, Room
 from followspot.stage import Context, Stage
 from followspot.testing.samples import BLACK, Content, sample
 from followspot.testing.tiny_room import tiny_room
@@ -71,8 +71,14 @@ class Trial:
     def build(self, out: Path, camera: str | None = None, seed: int = 0) -> Stage:
         """An instance without `setup`; camera: by default the first."""
         name = camera or next(iter(self.room.cameras))
-        place = self.room.cameras[name] if self.stage.per_camera else None
-        return self.stage(Context(room=self.room, camera=place, out=out, seed=seed), **self.params)
+        served = {
+            "cameras": name,
+            "sensors": next(iter(self.room.sensors), ""),
+            "targets": next(iter(self.room.targets)),
+        }
+        chosen = self.stage.serves()
+        member = Member(chosen, served[chosen]) if chosen else None
+        return self.stage(Context(room=self.room, member=member, out=out, seed=seed), **self.params)
 
     @contextmanager
     def at_work(self, camera: str | None = None, seed: int = 0) -> Iterator[Stage]:

@@ -141,7 +141,7 @@ class _Builder:
         context = Context(
             name=stage.name,
             room=self.plan.room,
-            camera=self.plan.room.cameras[stage.camera] if stage.camera else None,
+            member=stage.member,
             out=self.options.out,
             seed=self.plan.seed,
             receives=self.wiring.received_types(stage.name),

@@ -99,9 +99,10 @@ EXPANSION = [
     Broken(
         "graph", "each: cameras, in", 'each: ¦"cameras[kind=depth]", in', "lacks", "cam0 (color), cam1 (infr"
     ),
-    Broken("graph", "each: cameras, in", 'each: ¦"cameras[kid=color]", in', 'no property "kid"', '"kind"'),
+    Broken("graph", "each: cameras, in", 'each: ¦"cameras[kid=color]", in', 'no tag "kid"', '"kind"'),
     Broken("graph", "each: cameras, in", 'each: ¦"cameras[color]", in', "is no condition", "PROPERTY=VALUE"),
-    Broken("graph", "each: cameras, in", "each: ¦rooms, in", 'each cannot be "rooms"', "cameras[kind=color]"),
+    Broken("graph", "each: cameras, in", "each: ¦rooms, in", "has no rooms: no camera", "cameras, sensors"),
+    Broken("graph", "each: cameras, in", "each: ¦a b, in", 'each cannot be "a b"', "cameras[kind=color]"),
     Broken(
         "graph",
         "each: cameras}\n  detect: {uses: toy.detect, each: cameras, in: {frame: camera,",
@@ -310,7 +311,7 @@ ROOM = [
         'has no key "knd"',
     ),
     Broken("room", "  cam0:\n    kind: color\n", "  ¦cam0:\n", 'camera cam0 lacks "kind"'),
-    Broken("room", "kind: color", "kind: ¦colour", 'kind cannot be "colour"', 'did you mean "color"?'),
+    Broken("room", "kind: color", "kind: ¦a b", 'kind cannot be "a b"', "one word"),
     Broken(
         "room", "kind: color", "kind: color\n    model: ¦pinhol", 'model cannot be "pinhol"', '"pinhole"?'
     ),

@@ -237,7 +237,7 @@ def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_
     graph = write(
         tmp_path,
         graph=GRAPH.replace("toy.pair", "toy.peir").replace("constant", "7"),
-        room=ROOM.replace("kind: color", "kind: red"),
+        room=ROOM.replace("kind: color", "kind: a b"),
         placement="by: planet\n",
     )
     with pytest.raises(InputError) as caught:
@@ -253,7 +253,7 @@ def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_
         "--set:1:1",
         "toy.peir",
         "cannot be 7",
-        'cannot be "red"',
+        'cannot be "a b"',
     ):
         assert part in shown
 

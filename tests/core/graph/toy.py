@@ -64,6 +64,18 @@ class Camera(Stage):
         yield from ()
 
 
+class Imu(Stage):
+    """A source that serves a sensor."""
+
+    per_sensor = True
+
+    class Params(StageParams):
+        scale: float = Field(1.0, gt=0, description="factor", unit="1")
+
+    def process(self) -> Source[Forecast]:
+        yield from ()
+
+
 class Device(Camera):
     """A live source."""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from followspot.geometry import project, undistort
 from followspot.messages import Array, Header, seal, stamped
-from followspot.room import Camera, Kind, Room, Target
+from followspot.room import Camera, Room, Target
 from followspot.tracking import TRACKED, Blobs, Candidates, Forecast, Frame, Positions
 
 RADIUS = 0.0762
@@ -15,7 +15,7 @@ HUES = {"red": 0, "green": 5, "another red": 0}
 BGR = {"red": (0, 0, 255), "green": (0, 255, 0), "another red": (0, 0, 255)}
 
 
-def look_at(name: str, kind: Kind, center: tuple[float, float, float]) -> Camera:
+def look_at(name: str, kind: str, center: tuple[float, float, float]) -> Camera:
     """A camera there that looks at the point 1 m above the middle of the floor."""
     C = np.array(center)
     forward = np.array([0.0, 0.0, 1.0]) - C

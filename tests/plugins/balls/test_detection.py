@@ -25,7 +25,7 @@ FORECAST = forecast_at([HERE, THERE])
 
 
 def detector(kind: type[Stage], camera: str, **params: float) -> Stage:
-    stage = kind(Context(room=ROOM, camera=ROOM.cameras[camera]), **params)
+    stage = kind(Context.serving(ROOM.cameras[camera], ROOM), **params)
     stage.setup()
     return stage
 
@@ -88,11 +88,11 @@ def test_similarity_must_exceed_the_threshold() -> None:
     mixed = make_room()
     for target in mixed.targets.values():
         target.hue_histogram["cam0"][[0, 5]] = [0.5, 0.5]  # type: ignore[index]
-    stage = ColorBlobs(Context(room=mixed, camera=mixed.cameras["cam0"]))
+    stage = ColorBlobs(Context.serving(mixed.cameras["cam0"], mixed))
     stage.setup()
     frame = painted("cam0", [(80.0, 60.0, 3.3, (0, 0, 255))])
     assert len(stage.process(frame, None).xy) == 0
-    loose = ColorBlobs(Context(room=mixed, camera=mixed.cameras["cam0"]), similarity=0.7)
+    loose = ColorBlobs(Context.serving(mixed.cameras["cam0"], mixed), similarity=0.7)
     loose.setup()
     assert loose.process(frame, None).similarity == pytest.approx(np.full(2, np.sqrt(0.5)))
 
@@ -245,7 +245,7 @@ def test_a_colourless_spot_is_no_colour_template() -> None:
 def test_detectors_of_a_room_without_targets_find_nothing() -> None:
     empty = make_room(targets=())
     for name, kind in (("cam0", ColorBlobs), ("cam1", IrBlobs)):
-        stage = kind(Context(room=empty, camera=empty.cameras[name]))
+        stage = kind(Context.serving(empty.cameras[name], empty))
         stage.setup()
         blobs: Blobs = stage.process(picture(ROOM.cameras[name], BALLS), None)
         assert blobs.targets.shape == (0, 0)

@@ -41,7 +41,7 @@ def thrown(
 def followed(pictures: Sequence[np.ndarray], target: int = 0, **params: float) -> list[ImageTracks]:
     """What the stage says to blobs (N, 2) of one target in each picture."""
     room = Room(cameras={"cam0": camera()}, targets={n: Target(n, 0.1) for n in ("red", "yellow")})
-    stage = Throws(Context(room=room, camera=room.cameras["cam0"]), **params)
+    stage = Throws(Context.serving(room.cameras["cam0"], room), **params)
     stage.setup()
     tracks = []
     for seq, places in enumerate(pictures):

@@ -67,7 +67,7 @@ def test_together_is_what_each_gives_alone(
     forecast = looked_for(places, rng)
     stages, inputs = [], []
     for camera in room.cameras.values():
-        stages.append(kind(Context(room=room, camera=camera)))
+        stages.append(kind(Context.serving(camera, room)))
         stages[-1].setup()
         inputs.append((crowded(camera, places, rng), forecast if same else looked_for(places, rng)))
     alone = [seal(stage.process(*given)) for stage, given in zip(stages, inputs, strict=True)]
@@ -83,7 +83,7 @@ def test_noise_of_one_camera_leaves_the_others_their_blobs(forecast: Forecast | 
     noisy = np.zeros((SIZE[1], SIZE[0], 1), np.uint8)
     for shift in range(3):
         noisy[shift::6, :-2:6] = noisy[shift::6, 1:-2:6] = noisy[shift::6, 2:-1:6] = 255
-    stages = [IrBlobs(Context(room=INFRARED, camera=c), maximum_area=9.0) for c in INFRARED.cameras.values()]
+    stages = [IrBlobs(Context.serving(c, INFRARED), maximum_area=9.0) for c in INFRARED.cameras.values()]
     for stage in stages:
         stage.setup()
     frames = [crowded(stage.camera, places, np.random.default_rng(1)) for stage in stages]

@@ -33,7 +33,7 @@ FRAME_NS = 33_333_333
 
 
 def ready(kind: type[Stage], room: Room, camera: Camera | None = None) -> Stage:
-    stage = kind(Context(room=room, camera=camera))
+    stage = kind(Context(room=room) if camera is None else Context.serving(camera, room))
     stage.setup()
     return stage
 

@@ -21,7 +21,7 @@ def context(
 ) -> Context:
     eye = np.eye(3)
     camera = Camera("cam3", kind, size, eye, np.zeros(5), eye, np.zeros(3))  # type: ignore[arg-type]
-    return Context(name="camera/cam3", camera=camera, warn=warn)
+    return Context.serving(camera, name="camera/cam3", warn=warn)
 
 
 def picture(number: int) -> np.ndarray:

@@ -1,5 +1,6 @@
 """A video file as a camera."""
 
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -50,8 +51,7 @@ def test_color_picture_is_decoded_into_the_loaned_array(tmp_path: Path) -> None:
         loans.append(np.empty(shape, dtype))
         return loans[-1]
 
-    base = context()
-    video = Video(type(base)(camera=base.camera, loan=loan), path=record(tmp_path / "a.mkv", frames=3))
+    video = Video(replace(context(), loan=loan), path=record(tmp_path / "a.mkv", frames=3))
     video.setup()
     frames = list(video.process())
     assert len(loans) == 3

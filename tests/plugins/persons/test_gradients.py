@@ -21,7 +21,7 @@ def camera(width=64, height=48, model="pinhole"):
 
 
 def gradients(pixels, model="pinhole", **params):
-    stage = FindGradients(Context(camera=camera(pixels.shape[1], pixels.shape[0], model)), **params)
+    stage = FindGradients(Context.serving(camera(pixels.shape[1], pixels.shape[0], model)), **params)
     stage.setup()
     return stage.process(Frame(camera="c", pixels=pixels))
 

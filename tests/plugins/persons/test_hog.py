@@ -38,7 +38,7 @@ def perspective():
 
 
 def ready(stage, camera, **params):
-    made = stage(Context(camera=camera), **params)
+    made = stage(Context.serving(camera), **params)
     made.setup()
     return made
 

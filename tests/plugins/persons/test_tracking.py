@@ -195,7 +195,7 @@ def poses(name, xy, height):
 
 
 def ready(stage, camera, **params):
-    made = stage(Context(camera=camera), **params)
+    made = stage(Context.serving(camera), **params)
     made.setup()
     return made
 

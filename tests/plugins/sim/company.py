@@ -32,7 +32,8 @@ def build(room: Room, name: str, frames: int) -> Stage:
     camera = room.cameras.get(name)
     source = camera.source if camera else room.truth
     assert source is not None
-    stage = load_stage(source.uses)(Context(name, room, camera), **{**source.params, "frames": frames})
+    context = Context(name, room) if camera is None else Context.serving(camera, room, name=name)
+    stage = load_stage(source.uses)(context, **{**source.params, "frames": frames})
     stage.setup()
     return stage
 

@@ -217,7 +217,7 @@ def test_stages_yield_stamped_messages_and_then_end():
     camera = pinhole(64, 48)
     room = Room("sim", {"cam": camera})
     for stage in (
-        PersonCamera(Context("camera/cam", room, camera), frames=3, fps=10),
+        PersonCamera(Context.serving(camera, room, name="camera/cam"), frames=3, fps=10),
         PoseTruthOfActors(Context("truth", room), frames=3, fps=10),
     ):
         stage.setup()

@@ -21,7 +21,7 @@ PERFECT = {"depth_sigma": 0, "depth_sigma_growth": 0, "hole_share": 0, "edge_hol
 
 
 def camera(name: str, **params: object) -> SimDepthCamera:
-    stage = SimDepthCamera(Context(room=ROOM, camera=CAMERAS[name]), seed=7, frames=3, **params)
+    stage = SimDepthCamera(Context.serving(CAMERAS[name], ROOM), seed=7, frames=3, **params)
     stage.setup()
     return stage
 

@@ -166,7 +166,7 @@ def test_noise_has_the_wanted_spread():
 
 
 def test_a_stage_yields_stamped_frames_and_then_ends():
-    stage = SimCamera(Context("camera/cam1", ROOM, ROOM.cameras["cam1"]), frames=3, fps=50)
+    stage = SimCamera(Context.serving(ROOM.cameras["cam1"], ROOM, name="camera/cam1"), frames=3, fps=50)
     stage.setup()
     frames = [seal(frame) for frame in stage.process()]
     assert [frame.header for frame in frames] == [Header("", k, k * 20_000_000) for k in range(3)]
@@ -176,14 +176,16 @@ def test_a_stage_yields_stamped_frames_and_then_ends():
 
 
 def test_zero_frames_never_end():
-    stage = SimCamera(Context("camera/cam1", ROOM, ROOM.cameras["cam1"]), frames=0, projections=0, people=0)
+    stage = SimCamera(
+        Context.serving(ROOM.cameras["cam1"], ROOM, name="camera/cam1"), frames=0, projections=0, people=0
+    )
     stage.setup()
     source = stage.process()
     assert [next(source).header.seq for _ in range(5)] == list(range(5))
 
 
 def test_the_number_of_messages_is_known_unless_they_never_end():
-    context = Context("camera/cam1", ROOM, ROOM.cameras["cam1"])
+    context = Context.serving(ROOM.cameras["cam1"], ROOM, name="camera/cam1")
     assert SimCamera(context, frames=30).length() == SimTruth(context, frames=30).length() == 30
     assert SimCamera(context, frames=0).length() is SimTruth(context, frames=0).length() is None
 

@@ -129,7 +129,7 @@ def test_what_would_be_accepted_is_what_the_detector_accepts(template: str) -> N
     room, clips = learnt_room(colors)
     chosen = replace(room, targets={template: room.targets[template]})
     camera = room.cameras["cam0"]
-    stage = ColorBlobs(Context(room=chosen, camera=camera))
+    stage = ColorBlobs(Context.serving(camera, chosen))
     stage.setup()
     for seen, color in colors.items():
         frames = film("cam0", seen, color=color)

@@ -31,7 +31,7 @@ def read_frames(recording: Path, camera: Camera, most: int) -> list[Array]:
 def frames_of(recording: Path, camera: Camera, most: int) -> Iterator[Array]:
     """The same one by one, for clips that are too long to be held at once."""
     stage = (Images if recording.is_dir() else Video)(
-        Context(name=str(recording), camera=camera), path=recording, frames=most
+        Context.serving(camera, name=str(recording)), path=recording, frames=most
     )
     stage.setup()
     try:

@@ -100,7 +100,7 @@ def _source(stage: PlannedStage, name: str, uses: str, port: str, clip: Clip) ->
         "loop": clip.loop,
     }
     params = load_stage(uses).Params(**given).model_dump(mode="json")
-    return PlannedStage(name, stage.group, uses, params, stage.camera, stage.worker, live=False)
+    return PlannedStage(name, stage.group, uses, params, stage.member, stage.worker, live=False)
 
 
 def _redirected(edge: PlannedEdge, name_of: Mapping[str, str]) -> PlannedEdge:

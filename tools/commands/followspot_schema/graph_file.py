@@ -105,8 +105,13 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
             },
             "each": {
                 "type": "string",
-                "pattern": r"^\s*cameras\s*(\[.*\])?\s*$",
-                "description": 'one instance a camera: cameras, or "cameras[kind=color]"',
+                "pattern": r"^\s*[\w-]+\s*(\[.*\])?\s*$",
+                "description": "one instance a member: cameras, sensors, targets or a tag as in zones, also"
+                ' "cameras[kind=color, zone=hall]"',
+            },
+            "optional": {
+                "type": "boolean",
+                "description": "true: where the room has nothing for it, the stage is left out",
             },
             "in": {"type": "object", "description": "input port -> what feeds it"},
             "with": {"type": "object", "description": "parameters"},

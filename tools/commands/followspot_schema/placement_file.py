@@ -13,6 +13,7 @@ def placement_schema() -> Schema:
         {
             "stages": {**names, "description": "stages of the graph, or instances as in color/cam0"},
             "cameras": {**names, "description": "cameras, with all stages that serve one of them"},
+            "sensors": {**names, "description": "sensors, likewise"},
             "host": {"type": "string", "description": "name of the agent that runs it"},
         },
     )

@@ -8,9 +8,10 @@ from followspot.ports import ports
 from followspot.room_form import BINS
 from followspot.stage import Stage
 from followspot.tracking import DepthImage, Frame
-from followspot_schema.parts import TEXT, Schema, form, matrix, named, numbers
+from followspot_schema.parts import NAME, TEXT, Schema, form, matrix, named, numbers
 from followspot_schema.stages import models, stage_use, stages_offered
 
+WORD: Schema = {"type": "string", "pattern": NAME}
 POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
 
 
@@ -18,16 +19,18 @@ def room_schema() -> Schema:
     """The schema of a room file with all installed sources of pictures and of truth."""
     sources = {name: stage for name, stage in stages_offered().items() if ports(stage).source}
     pictures = {name: stage for name, stage in sources.items() if _sends_frames(stage)}
+    others = {name: stage for name, stage in sources.items() if name not in pictures}
     return form(
         "the calibrated place, in metres, z up",
         {
             "room": {**TEXT, "description": "name of the room"},
             "cameras": named("name -> camera", _camera(pictures)),
+            "sensors": named("name -> sensor", _sensor(others)),
             "planes": named("name -> plane", numbers(4, "a b c d: a x + b y + c z + d = 0, unit normal, m")),
             "targets": named("name -> target", _target()),
             "truth": stage_use(
                 "source of the ground truth, if there is one",
-                {name: stage for name, stage in sources.items() if name not in pictures},
+                others,
             ),
         },
     ) | {"$defs": models(sources)}
@@ -41,7 +44,7 @@ def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
     return form(
         "OpenCV convention: x_cam = R X + t, z forward",
         {
-            "kind": {"enum": ["color", "infrared", "depth"]},
+            "kind": {**WORD, "description": "color, infrared, depth, or another word that graphs ask for"},
             "size": {**numbers(2, "width and height, px"), "items": {"type": "integer", "minimum": 1}},
             "model": {"enum": ["pinhole", "fisheye", "cylinder"], "default": "pinhole"},
             "matrix": matrix("[[fx, 0, cx], [0, fy, cy], [0, 0, 1]], px"),
@@ -61,8 +64,39 @@ def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
                 "maximum": 1,
                 "description": "how much later than its time stamps say it takes its pictures, s",
             },
+            "tags": _tags(),
         },
         ["kind", "size", "matrix", "rotation", "translation"],
+    )
+
+
+def _sensor(others: Mapping[str, type[Stage]]) -> Schema:
+    return form(
+        "a device that is no camera",
+        {
+            "kind": {**WORD, "description": "imu, or another word that graphs ask for"},
+            "source": stage_use("the stage that gives its readings", others),
+            "rate": {**POSITIVE, "maximum": 1e6, "description": "readings a second, 1/s"},
+            "mount": {
+                "type": "object",
+                "description": "the target or the camera that carries it",
+                "properties": {"target": TEXT, "camera": TEXT},
+                "additionalProperties": False,
+                "minProperties": 1,
+                "maxProperties": 1,
+            },
+            "host": {"type": "string", "description": "the computer that it is connected to"},
+            "tags": _tags(),
+        },
+        ["kind"],
+    )
+
+
+def _tags() -> Schema:
+    values: Schema = {"anyOf": [WORD, {"type": "integer"}]}
+    several: Schema = {"type": "array", "items": values, "minItems": 1}
+    return named(
+        "free words, as in zone: hall, or zone: [hall, stage]", {"anyOf": [*values["anyOf"], several]}
     )
 
 
@@ -75,6 +109,7 @@ def _target() -> Schema:
             "hue_histogram": named("camera -> histogram", numbers(BINS, f"{BINS} bins")),
             "area": named("camera -> smallest and largest area, px", span),
             "gray": named("infrared camera -> lowest and highest grey level", span),
+            "tags": _tags(),
         },
         ["radius"],
     )

@@ -80,7 +80,7 @@ def live_pictures(camera: Camera) -> Numbered:
 
     inside = use.params.keys() & set(path_parameters(stage_type.Params, PathIn))
     paths = {key: str(Path(use.folder) / str(use.params[key])) for key in inside}
-    context = Context(name=camera.name, camera=camera, warn=warn)
+    context = Context.serving(camera, name=camera.name, warn=warn)
     stage = stage_type(context, **{**use.params, **paths})
     stage.setup()
     try:

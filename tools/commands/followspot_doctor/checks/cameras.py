@@ -57,7 +57,7 @@ def _camera(camera: Camera, room: Room) -> Finding:
                     )
         with tempfile.TemporaryDirectory() as out:
             warnings: list[str] = []
-            context = Context(camera.name, room, camera, Path(out), warn=warnings.append)
+            context = Context.serving(camera, room, name=camera.name, out=Path(out), warn=warnings.append)
             frame = _first(stage(context, **params))
     except PluginError as error:
         return wrong(camera.name, error.problem, str(error.remedy))

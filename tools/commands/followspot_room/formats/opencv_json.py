@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from followspot.messages import Array
-from followspot.room import Camera, Kind
+from followspot.room import Camera
 from followspot_room.checks import (
     Unfit,
     array,
@@ -21,7 +21,7 @@ from followspot_room.checks import (
 )
 from followspot_room.format import Calibration, Format, Texts, only_text
 
-KINDS: Mapping[str, Kind] = {
+KINDS: Mapping[str, str] = {
     "color": "color",
     "colour": "color",
     "rgb": "color",

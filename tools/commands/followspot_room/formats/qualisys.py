@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from followspot.messages import Array
-from followspot.room import Camera, Kind
+from followspot.room import Camera
 from followspot_room.checks import Unfit, array, camera_matrix, holds, name, rotation, side, unique
 from followspot_room.format import Calibration, Format, Texts, only_text
 from followspot_room.formats.view import turned_clockwise
@@ -76,7 +76,7 @@ def _camera(one: ET.Element, where: str) -> Camera:
     called = name(one.get("serial"), where)
     where = f"camera {called}"
     video = any(word in one.get("model", "none").lower() for word in ("video", "none"))
-    kind: Kind = "color" if video else "infrared"
+    kind: str = "color" if video else "infrared"
     left, top, right, bottom = _field(one, "fov_video" if video else "fov_marker", where)
     lens = _child(one, "intrinsic", where)
     fx, fy = _numbers(lens, FOCAL, where) / SUBPIXELS
