@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from followspot.control.dispatch import Role, RunRequest
 from followspot.graph.plan import Plan
@@ -21,11 +21,6 @@ class Relayed(RunRequest):
         """The order reduced to what these stages need."""
         return self
 
-    def replaces(self, other: Relayed) -> bool:
-        """True if workers that start later need only this order, not the other."""
-        return self == other
-
-
-def with_order(standing: Sequence[Any], order: Relayed) -> list[Any]:
-    """The orders for workers that start later, with one more order added."""
-    return [*(other for other in standing if not order.replaces(other)), order]
+    def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
+        """The orders for workers that start later. before: those that stood before this order."""
+        return [*(order for order in before if order != self), self]

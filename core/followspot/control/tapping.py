@@ -1,8 +1,8 @@
-"""The request that taps ports: their messages also go to further sinks."""
+"""The requests that tap ports: their messages also go to further sinks, until the taps are removed."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -24,10 +24,19 @@ class Tapping:
     params: Mapping[str, Any]
 
 
-class PlaceTaps(Relayed):
-    """Place taps at ports."""
+class _TapOrder(Relayed):
+    """Base of orders about taps."""
 
     taps: tuple[Tapping, ...]
+
+    def part_for(self, stages: Collection[str]) -> Self:
+        """The taps at these stages."""
+        mine = (tapping for tapping in self.taps if tapping.port.rpartition(".")[0] in stages)
+        return self.model_copy(update={"taps": tuple(mine)})
+
+
+class PlaceTaps(_TapOrder):
+    """Place taps at ports."""
 
     def check(self, plan: Plan, *, remote: bool) -> None:
         """Raise FollowspotError if a sink is not a tap, or uses files though another host sent the order."""
@@ -37,16 +46,21 @@ class PlaceTaps(Relayed):
             if remote and any(tapping.params.get(name) is not None for name in files):
                 raise FollowspotError(f"a tap here has no files: {tapping.uses} at {tapping.port}")
 
-    def part_for(self, stages: Collection[str]) -> Self:
-        """The taps at these stages."""
-        mine = (tapping for tapping in self.taps if tapping.port.rpartition(".")[0] in stages)
-        return self.model_copy(update={"taps": tuple(mine)})
+    def without(self, taps: Collection[Tapping]) -> Self:
+        """The order without these taps."""
+        return self.model_copy(update={"taps": tuple(tap for tap in self.taps if tap not in taps)})
 
 
-def check_taps(tappings: Iterable[Tapping]) -> None:
-    """Raise FollowspotError if a sink does not declare itself a tap."""
-    for tapping in tappings:
-        _tap_class(tapping)
+class RemoveTaps(_TapOrder):
+    """Remove taps that `PlaceTaps` has placed, from workers that start later as well."""
+
+    def check(self, plan: Plan, *, remote: bool) -> None:
+        """A tap that is not there is removed already."""
+
+    def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
+        """The earlier orders without these taps."""
+        left = [order.without(self.taps) if isinstance(order, PlaceTaps) else order for order in before]
+        return [order for order in left if not isinstance(order, PlaceTaps) or order.taps]
 
 
 def _tap_class(tapping: Tapping) -> type[Stage]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar, Literal
 
 from followspot.control.dispatch import Request, Role, by_verb
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
-from followspot.control.tapping import PlaceTaps
+from followspot.control.tapping import PlaceTaps, RemoveTaps
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.plan import Plan
 from followspot.ranges import Count, Incarnation, Nanoseconds
@@ -92,12 +93,13 @@ class HoldSources(Relayed):
             remedy = did_you_mean(self.source, known, "sources")
             raise FollowspotError(f'there is no source "{self.source}"; {remedy}')
 
-    def replaces(self, other: Relayed) -> bool:
-        """Only the newest order counts."""
-        return isinstance(other, HoldSources)
+    def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
+        """Only the newest order counts, and workers that start later are free without one."""
+        others = [order for order in before if not isinstance(order, HoldSources)]
+        return [*others, self] if self.held else others
 
 
-RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, HoldSources)
+RELAYED: tuple[type[Relayed], ...] = (PlaceTaps, RemoveTaps, HoldSources)
 """Orders that the operator relays to all workers."""
 ORDERS = by_verb(
     (

@@ -9,7 +9,7 @@ from typing import Any
 from followspot.control.dispatch import Handlers, Request
 from followspot.control.host import RunOrder
 from followspot.control.lifecycle import EndWorkers, StartRun
-from followspot.control.relay import Relayed, with_order
+from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_messages import Change, Log, State
 from followspot.control.worker_orders import BuildWorker, TakeRing
@@ -128,7 +128,7 @@ class WorkerPool:
 
     def relay(self, order: Relayed) -> None:
         """Send an order to the running workers, and to the others when they begin. Safe from any thread."""
-        self._standing_orders = with_order(self._standing_orders, order)
+        self._standing_orders = order.standing(self._standing_orders)
         for worker in tuple(self.workers.values()):
             if worker.phase == "running":
                 worker.channel.tell(order)

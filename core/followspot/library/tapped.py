@@ -69,6 +69,7 @@ class _Feed:
         ports = output_ports(plan)
         self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports")}
         self._homes: dict[str, str] = {}
+        self._taps: list[Tapping] = []
         self._folder = TemporaryDirectory(prefix="followspot-tap-")
         self._path = Path(self._folder.name) / "taps"
         self._local = LocalReceiver(self._path, self._hear)
@@ -104,7 +105,9 @@ class _Feed:
         moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
         if moved:
             self._receive({name: host for name, host in moved.items() if host})
-            self._run.tap([self._tapping(name, host) for name, host in moved.items()])
+            taps = [self._tapping(name, host) for name, host in moved.items()]
+            self._run.tap(taps)
+            self._taps += taps
             self._homes = homes
 
     def _receive(self, homes: dict[str, str]) -> None:
@@ -134,11 +137,13 @@ class _Feed:
                     self.subscription.put(message, missing)
 
     def _close(self, timeout: float = 0.0) -> bool:
-        """Remove the taps, for their workers find the receivers gone; False if that was done before."""
+        """Remove the taps and their receivers; False if that was done before."""
         with self._lock:
             if self._over.is_set():
                 return False
             self._over.set()
+        if self._taps:
+            self._run.untap(self._taps)
         for receiver in self._remote:
             receiver.close()
         self._local.close(timeout)

@@ -12,7 +12,7 @@ from threading import Lock
 from followspot.control.host import Host, HostLost, Others, RunOrder, WorkerStatus
 from followspot.control.lifecycle import EndWorkers, StartRun, StopRun
 from followspot.control.progress import PROGRESS_PERIOD, OnProgress
-from followspot.control.relay import Relayed, with_order
+from followspot.control.relay import Relayed
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.graph.ship import plan_to_data
@@ -160,7 +160,7 @@ class Coordinator:
         order.check(self.plan, remote=False)
         with self._one_relay:
             if not self._begun:
-                self._pending_orders = with_order(self._pending_orders, order)
+                self._pending_orders = order.standing(self._pending_orders)
             for host in self._prepared:
                 host.ask(order)
 

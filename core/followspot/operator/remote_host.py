@@ -21,7 +21,7 @@ from followspot.control.move import MoveOrder
 from followspot.control.observation import GetHostStatus, GetLog, GetStates
 from followspot.control.origin import own_origin
 from followspot.control.plan_transfer import packed, packed_stages
-from followspot.control.relay import Relayed, with_order
+from followspot.control.relay import Relayed
 from followspot.control.swap import ChangeOrder
 from followspot.control.worker_orders import RELAYED
 from followspot.control.zenoh_rpc import InvalidAnswer, RpcClient
@@ -168,7 +168,7 @@ class RemoteHost:
         plan = plan_from_data(self.order.plan)
         mine = {stage.name for stage in plan.stages if plan.host_of(stage.worker) == self.name}
         order = order.part_for(mine).model_copy(update={"run": self.run})
-        self._standing_orders = with_order(self._standing_orders, order)
+        self._standing_orders = order.standing(self._standing_orders)
         self._deliver(order)
 
     def attend(self, timeout: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 from uuid import uuid4
@@ -12,7 +12,7 @@ from uuid import uuid4
 from followspot.control.dispatch import Ask, NoAnswer
 from followspot.control.lifecycle import StopRun
 from followspot.control.observation import GetLog
-from followspot.control.tapping import PlaceTaps, Tapping
+from followspot.control.tapping import PlaceTaps, RemoveTaps, Tapping
 from followspot.control.unix_socket import served_here
 from followspot.control.worker_orders import HoldSources
 from followspot.errors import FollowspotError
@@ -35,6 +35,8 @@ from followspot.transport.zenoh.network import Network
 
 ANSWER_TIMEOUT = 10.0
 """Seconds that a run has to answer; a run that is setting up its stages is slow."""
+_UNTAP_TIMEOUT = 1.0
+"""Seconds that a run has to remove taps; workers also remove a tap whose receiver has gone."""
 _CHANGE_TIMEOUT = 120.0
 """Seconds that a change has: new stages are built beside those that run."""
 
@@ -110,6 +112,11 @@ class RunHandle:
     def tap(self, taps: Sequence[Tapping]) -> None:
         """Tap ports: their messages also go to the given sinks."""
         self.ask(PlaceTaps(taps=tuple(taps)), ANSWER_TIMEOUT)
+
+    def untap(self, taps: Sequence[Tapping]) -> None:
+        """Remove these taps, also from workers that restart later; a run that has ended has none."""
+        with suppress(FollowspotError):
+            self.ask(RemoveTaps(taps=tuple(taps)), _UNTAP_TIMEOUT)
 
     def pause(self) -> None:
         """Hold all sources of a replay; stages process the messages already sent. A live run refuses."""

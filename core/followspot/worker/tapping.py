@@ -5,10 +5,10 @@ A tap has no edge: it neither fires nor counts, and no stage waits for it. A tap
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 
-from followspot.control.tapping import Tapping, check_taps
+from followspot.control.tapping import Tapping
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.stage import Post, Stage
@@ -23,29 +23,34 @@ class Tap:
         self.tapping = tapping
         self._output = output
         self._stage = stage
+        self._closed = False
 
     def __call__(self, message: Message) -> None:
         """Give the message to the sink; if it raises, the tap is removed."""
         try:
             self._stage.process(message)
         except Exception as error:
+            self.detach()
             self.close()
             if not isinstance(error, EOFError):
                 self._stage.context.warn(f"a tap failed and was taken away: {error!r}")
 
-    def close(self) -> None:
-        """Remove the tap from its port, and close its sink."""
+    def detach(self) -> None:
+        """Remove the tap from its port. Safe from any thread."""
         self._output.untap(self)
-        self._stage.close()
+
+    def close(self) -> None:
+        """Close the sink, once; the tap must be detached and not at work."""
+        if not self._closed:
+            self._closed = True
+            self._stage.close()
 
 
-def close_taps(worker: Worker) -> None:
-    """Close all taps of a worker that ends, so that their sinks complete what they do."""
+def taps_of(worker: Worker) -> Iterator[Tap]:
+    """All taps at ports of a worker."""
     for runner in worker.runners:
         for _, output in runner.outputs:
-            for found in output.taps:
-                if isinstance(found, Tap):
-                    found.close()
+            yield from (found for found in output.taps if isinstance(found, Tap))
 
 
 def tap(
@@ -60,17 +65,12 @@ def tap(
         for runner in worker.runners
         for port, output in runner.outputs
     }
-    tappings = tuple(tappings)
-    check_taps(tappings)
+    present = [found.tapping for found in taps_of(worker)]
     for tapping in tappings:
         runner, output = outputs.get(tapping.port, (None, None))
-        if runner is None or output is None or tapping in _tappings(output):
+        if runner is None or output is None or tapping in present:
             continue
         context = replace(runner.stage.context, post=post(tapping))
         stage = load_stage(tapping.uses)(context, **tapping.params)
         stage.setup()
         output.tap(Tap(tapping, output, stage))
-
-
-def _tappings(output: OutputPort) -> list[Tapping]:
-    return [tap.tapping for tap in output.taps if isinstance(tap, Tap)]

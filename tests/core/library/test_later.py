@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import signal
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from time import monotonic, sleep
 
 import pytest
 
 import followspot as fs
+from followspot.control.tapping import Tapping
 from followspot.taps import sender
 
 ROOT = Path(__file__).parents[3]
@@ -28,14 +31,16 @@ LIVE = """
 TWO = "{left: {stages: [a]}, right: {stages: [b]}}"
 
 
-def begun(folder: Path, stages: str, *ports: str, workers: str = "") -> fs.OwnRun:
+def begun(
+    folder: Path, stages: str, *ports: str, workers: str = "", plugins: Sequence[Path] = ()
+) -> fs.OwnRun:
     """A run of these stages; workers: of a placement, none for one process."""
     graph, placement = folder / "graph.yaml", folder / "placement.yaml"
     graph.write_text(f"graph: later\nstages:{stages}")
     placement.write_text(f"placement: two\nworkers: {workers}\n")
     return fs.run(
         graph,
-        plugin_files=[TICKS],
+        plugin_files=[TICKS, *plugins],
         ports=ports,
         out=folder / "out",
         placement=placement if workers else None,
@@ -104,6 +109,56 @@ def test_leaving_the_loop_removes_the_tap_and_another_loop_places_a_new_one(tmp_
     assert comes_true(lambda: not sender._senders)
     with pytest.raises(fs.FollowspotError, match="the run has ended"):
         run["a"]
+
+
+WITNESS = """
+from pathlib import Path
+from followspot import Field, Message, Stage, StageParams
+
+class Witness(Stage):
+    \"\"\"Writes down when it begins and ends.\"\"\"
+
+    tap = True
+
+    class Params(StageParams):
+        path: str = Field("", description="file")
+
+    def setup(self) -> None:
+        self.note("begun")
+
+    def process(self, message: Message) -> None:
+        return
+
+    def close(self) -> None:
+        self.note("closed")
+
+    def note(self, word: str) -> None:
+        with Path(self.params.path).open("a") as file:
+            file.write(word + " ")
+"""
+
+
+def workers_here() -> list[int]:
+    """Worker processes that threads of this process have started."""
+    texts = (path.read_text() for path in Path("/proc/self/task").glob("*/children"))
+    found = [int(word) for text in texts for word in text.split()]
+    return [pid for pid in found if b"worker.main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+
+
+def test_a_removed_tap_does_not_come_back_with_a_worker_that_restarts(tmp_path: Path) -> None:
+    (tmp_path / "witness.py").write_text(WITNESS)
+    removed, kept = tmp_path / "removed", tmp_path / "kept"
+    taps = [Tapping("b.out", "witness.witness", {"path": str(path)}) for path in (removed, kept)]
+    with begun(tmp_path, LIVE, workers=TWO, plugins=[tmp_path / "witness.py"]) as run:
+        run.tap(taps)
+        assert comes_true(lambda: removed.exists() and kept.exists())
+        run.untap(taps[:1])
+        assert comes_true(lambda: removed.read_text() == "begun closed ")
+        for worker in workers_here():
+            os.kill(worker, signal.SIGKILL)
+        assert comes_true(lambda: kept.read_text() == "begun begun ")
+        assert removed.read_text() == "begun closed "
+    assert kept.read_text() == "begun begun closed "
 
 
 def test_leaving_the_loop_of_a_lossless_port_lets_the_run_go_on(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from followspot.worker.build import build_worker
 from followspot.worker.edge_links import EdgeLinks, ring_edges, socket_pair
 from followspot.worker.ledger import Ledger
 from followspot.worker.report import Warnings, worker_report
-from followspot.worker.tapping import close_taps, tap
+from followspot.worker.tapping import tap, taps_of
 from followspot.worker.wiring import RunOptions, Wiring
 
 
@@ -44,7 +44,9 @@ class Solo:
         except FollowspotError as failure:
             error = str(failure)
         finally:
-            close_taps(self.worker)
+            for found in tuple(taps_of(self.worker)):
+                found.detach()
+                found.close()
             self.worker.close()
         report = worker_report(self.plan.workers[0].name, self.worker, self.warnings, error)
         return merge(self.plan, self.ledger, [report], 0.0, stopped=False)

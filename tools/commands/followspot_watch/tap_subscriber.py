@@ -165,7 +165,9 @@ def subscribed(
         if remote:
             _subscribe_remote(stack, subscriber, run, remote, uses)
         places = {port.name: {} if port.host else {"folder": str(folder)} for port in ports}
-        run.tap([Tapping(n, uses, {**params, **place, "port": n}) for n, place in places.items()])
+        taps = [Tapping(n, uses, {**params, **place, "port": n}) for n, place in places.items()]
+        run.tap(taps)
+        stack.callback(run.untap, taps)
         yield subscriber
 
 
