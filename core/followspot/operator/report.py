@@ -84,7 +84,10 @@ def edge_counts(
 
 
 def summed(counts: Sequence[Sequence[int]], edges: int) -> Ledger:
-    """The ledger of a run: the sum of the ledgers of its hosts, given as rows of columns."""
+    """The ledger of a run: the sum of the ledgers of its hosts, given as rows of columns.
+
+    A ledger of another length is left out; `RunView` says so.
+    """
     words = np.zeros(edges * COLUMNS, np.int64)
     for found in counts:
         if len(found) == len(words):

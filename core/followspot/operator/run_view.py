@@ -13,7 +13,7 @@ from followspot.graph.plan import Plan
 from followspot.host.heartbeat import SILENCE
 from followspot.operator.report import RunReport, merge, summed
 from followspot.operator.run_status import RunStatus, SeenHost, faults
-from followspot.worker.ledger import Ledger
+from followspot.worker.ledger import COLUMNS, Ledger
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,19 @@ class RunView:
 
     def _news(self) -> tuple[str, ...]:
         told = [(name, line) for name, status in self.hosts.items() for line in status.news]
-        return (*self.news, *(f"{name}: {line}" if name else line for name, line in told))
+        lines = (f"{name}: {line}" if name else line for name, line in told)
+        return (*self.news, *lines, *self._ledgers_left_out())
+
+    def _ledgers_left_out(self) -> Iterator[str]:
+        """A line for each host whose ledger is not in the sum because it does not fit the plan."""
+        expected = COLUMNS * len(self.plan.edges)
+        for name, status in self.hosts.items():
+            if self.begun and status.age_s is not None and len(status.counts) != expected:
+                where = f"host {name}" if name else "this host"
+                yield (
+                    f"the ledger of {where} is left out of the sum: it has {len(status.counts)} counts, "
+                    f"and the plan's edges have {expected}"
+                )
 
     def _clocks(self) -> dict[str, ClockStatus]:
         """The clocks of the hosts that follow a reference clock."""

@@ -6,10 +6,12 @@ from pathlib import Path
 
 import pytest
 
+from followspot.control.host import HostStatus
 from followspot.control.worker_report import WorkerReport
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
 from followspot.operator.report import RunReport, merge, summed
+from followspot.operator.run_view import RunView
 from followspot.worker.ledger import COLUMNS, DELIVERED, PRODUCED
 
 TICKS = str(Path(__file__).parents[2] / "stages" / "ticks.py")
@@ -51,3 +53,17 @@ def test_surplus_messages_are_an_error(plan: Plan) -> None:
     )
     count = found.edges[0][1]
     assert (count.produced, count.sent, count.in_flight) == (103, 103, 0), "no column is negative"
+
+
+def test_a_ledger_that_does_not_fit_the_plan_is_left_out_and_named(plan: Plan) -> None:
+    whole, other = [0] * COLUMNS, [0] * (2 * COLUMNS)
+    whole[PRODUCED] = 3
+    hosts = {
+        "": HostStatus((), tuple(whole), age_s=0.0),
+        "left": HostStatus((), tuple(other), age_s=0.1),
+        "right": HostStatus((), ()),  # has not answered yet, which its status says
+    }
+    found = RunView(plan, hosts, begun=True).status()
+    assert found.counts == tuple(whole)
+    (line,) = found.news
+    assert line.startswith(f"the ledger of host left is left out of the sum: it has {2 * COLUMNS} counts")
