@@ -95,8 +95,9 @@ def _parameters(prefix: str, args: argparse.Namespace) -> Words:
         for name, distribution in _stages(prefix, args) if key.endswith(".uses") else ():
             yield f"{key}={name}", distribution
         return
-    named = dict(_stages_of_plan(prefix, args))
-    for stage, used in ({name.partition("/")[0]: used for name, used in named.items()} | named).items():
+    stages = [stage for plan in _plans(args) for stage in plan.stages]
+    named = {name: stage.uses for stage in stages for name in (stage.group, stage.name)}
+    for stage, used in named.items():
         if not stage.startswith(key.partition(".")[0]):
             continue
         yield f"{stage}.uses=", f"instead of {used}"

@@ -17,6 +17,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     form.add_argument("--svg", metavar="FILE", help="write an SVG picture")
     form.add_argument("--flat", action="store_true", help="print it as one file without sub-graphs")
     form.add_argument("--origin", action="store_true", help="print where each stage and value is written")
+    parser.add_argument("--unfold", action="store_true", help="show the stages of sub-graphs one by one")
     form.add_argument("--json", action="store_true", help="print the plan as JSON")
 
 
@@ -37,14 +38,15 @@ def _run(args: argparse.Namespace) -> int:
 
     plan = plan_of(args)
     if args.svg:
-        Path(args.svg).write_text(show.svg(plan), encoding="utf-8")
+        Path(args.svg).write_text(show.svg(plan, fold=not args.unfold), encoding="utf-8")
     elif args.json:
         print(json.dumps(plan_to_data(plan)))
     elif args.flat or args.origin:
         composed = composed_graph(args.graph, args.overrides)
         print(origin_text(composed) if args.origin else flat_text(composed, plan, args.room), end="")
     else:
-        print(show.mermaid(plan) if args.mermaid else show.text(plan))
+        shown = show.mermaid if args.mermaid else show.text
+        print(shown(plan, fold=not args.unfold))
     return 0
 
 

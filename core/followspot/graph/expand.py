@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
@@ -162,7 +162,8 @@ def _by_name(groups: _Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
                 text = (
                     f'"{instance.name}" names an instance of stage "{other.declared.name}" and another stage'
                 )
-                mistakes.append(Mistake(instance.declared.place, text, "rename one of the stages"))
+                place = instance.declared.place.within(replace(other.declared.place, outer=None))
+                mistakes.append(Mistake(place, text, "rename one of the stages"))
     return instances
 
 

@@ -6,7 +6,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from followspot.errors import InputError, Mistake, did_you_mean
-from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedWorker, nearest_kind
+from followspot.graph.names import enclosing
+from followspot.graph.plan import EdgeKind, Plan, PlannedEdge, PlannedStage, PlannedWorker, nearest_kind
 
 _ALONE = "; another host joins only a run that was begun with agents, --listen or --router"
 
@@ -14,10 +15,10 @@ _ALONE = "; another host joins only a run that was begun with agents, --listen o
 def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] = ()) -> Plan:
     """The plan with these stages in another worker. Raises InputError.
 
-    names: stages of the graph file or instances of them; place: a worker, or a host, whose first worker
-    takes them; others: reachable hosts without a worker, which get one of their own name.
+    names: stages of the graph file, instances of them, or sub-graphs; place: a worker, or a host, whose first
+    worker takes them; others: reachable hosts without a worker, which get one of their own name.
     """
-    known = {name for stage in plan.stages for name in (stage.group, stage.name)}
+    known = {name for stage in plan.stages for name in _names(stage)}
     mistakes = [
         Mistake(None, f'the graph has no stage "{name}"', did_you_mean(name, known, "stages"))
         for name in names
@@ -35,7 +36,7 @@ def moved(plan: Plan, names: Sequence[str], place: str, others: Collection[str] 
         mistakes.append(Mistake(None, "stages move in live runs only: a replay would lose messages", remedy))
     if mistakes or worker is None:
         raise InputError(mistakes)
-    going = {stage.name for stage in plan.stages if {stage.name, stage.group} & set(names)}
+    going = {stage.name for stage in plan.stages if set(_names(stage)) & set(names)}
     return _arranged(plan, going, worker)
 
 
@@ -50,6 +51,11 @@ def anew(old: Plan, new: Plan) -> set[str]:
         if before.kind != after.kind or (after.kind == "zenoh" and len(keys) > 1):
             found |= {plan.worker_of(end) for plan in plans for end in ends}
     return found
+
+
+def _names(stage: PlannedStage) -> tuple[str, ...]:
+    """The instance, its stage and its sub-graphs."""
+    return (stage.name, *enclosing(stage.group))
 
 
 def _arranged(plan: Plan, going: Collection[str], worker: PlannedWorker) -> Plan:

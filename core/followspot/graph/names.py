@@ -21,7 +21,7 @@ def below(prefix: str, name: str) -> str:
     return f"{prefix}/{name}" if prefix else name
 
 
-def subgraphs(name: str) -> list[str]:
-    """The sub-graphs that hold a stage, outermost first: hall, hall/left for hall/left/color."""
+def enclosing(name: str) -> list[str]:
+    """The sub-graphs that hold a stage and the stage itself: hall, hall/left, hall/left/color."""
     parts = name.split("/")
-    return ["/".join(parts[:count]) for count in range(1, len(parts))]
+    return ["/".join(parts[:count]) for count in range(1, len(parts) + 1)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.graph.names import enclosing
 from followspot.graph.plan import Plan
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
@@ -20,8 +21,8 @@ def output_ports(plan: Plan) -> Mapping[str, type[Message]]:
 def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[str, ...]:
     """The ports, STAGE.PORT each, that the words name; all if nothing is said. Raises InputError.
 
-    A word is a stage (all its cameras and ports), STAGE.PORT (of all its cameras), STAGE/CAMERA, or both;
-    several are separated by commas. option: names the words in mistakes.
+    A word is a stage or a sub-graph (all that is in it), STAGE.PORT (of all its cameras), STAGE/CAMERA, or
+    both; several are separated by commas. option: names the words in mistakes.
     """
     known = tuple(ports)
     if words is None:
@@ -39,8 +40,7 @@ def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[
     return tuple(port for port in known if port in found)
 
 
-def port_names(port: str) -> tuple[str, str, str, str]:
-    """Names of a port: `camera/cam0.out` is also camera, camera/cam0 and camera.out."""
+def port_names(port: str) -> list[str]:
+    """Names of a port: `hall/camera/cam0.out` is also hall, hall.out, hall/camera, hall/camera.out, ..."""
     stage, _, name = port.rpartition(".")
-    group = stage.partition("/")[0]
-    return group, stage, f"{group}.{name}", port
+    return [text for found in enclosing(stage) for text in (found, f"{found}.{name}")]

@@ -9,6 +9,7 @@ from followspot.document import Node, child, read
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.form import Form, is_name, kind_of
 from followspot.graph.expand import Expanded
+from followspot.graph.names import enclosing
 from followspot.graph.plan import PlannedWorker
 from followspot.room import Member
 
@@ -68,7 +69,8 @@ def _together(expanded: Expanded) -> Placed:
 def _by(by: str, expanded: Expanded) -> Placed:
     """One worker for each camera and sensor, on its host, or for each stage of the file."""
     if by == "stage":
-        return _placed({name: i.declared.name for name, i in expanded.instances.items()}, {})
+        names = {name: i.declared.name.replace("/", "-") for name, i in expanded.instances.items()}
+        return _placed(names, {})
     hosts = {carrier.name: carrier.host for carrier in expanded.room.carriers}
     return _placed({name: _carrier(i.member) or MAIN for name, i in expanded.instances.items()}, hosts)
 
@@ -79,15 +81,14 @@ def _carrier(member: Member | None) -> str:
 
 
 def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mistake]) -> Placed:
-    """As listed; an instance's own name counts before that of its stage, and that before its camera or
-    sensor.
+    """As listed; an instance's own name counts first, then its stage, its sub-graphs from the innermost on,
+    and its camera or sensor.
     """
     hosts: dict[str, str] = {}
     stages: dict[str, str] = {}
     devices: dict[str, str] = {}
-    known_stages = dict.fromkeys(
-        name for instance in expanded.instances.values() for name in (instance.declared.name, instance.name)
-    )
+    names = {name: enclosing(i.declared.name) for name, i in expanded.instances.items()}
+    known_stages = dict.fromkeys(text for name, outer in names.items() for text in (*outer, name))
     for name, node in workers.items():
         if not is_name(name):
             mistakes.append(
@@ -98,10 +99,11 @@ def _listed(workers: Mapping[str, Node], expanded: Expanded, mistakes: list[Mist
         _claim(name, child(node, "stages"), "stage", known_stages, stages, mistakes)
         _claim(name, child(node, "cameras"), "camera", expanded.room.cameras, devices, mistakes)
         _claim(name, child(node, "sensors"), "sensor", expanded.room.sensors, devices, mistakes)
-    worker_of = {
-        name: stages.get(name) or stages.get(i.declared.name) or devices.get(_carrier(i.member)) or MAIN
-        for name, i in expanded.instances.items()
-    }
+    worker_of = {}
+    for name, instance in expanded.instances.items():
+        claims = (stages.get(text) for text in (name, *reversed(names[name])))
+        by_name = next((worker for worker in claims if worker is not None), None)
+        worker_of[name] = by_name or devices.get(_carrier(instance.member)) or MAIN
     running = set(worker_of.values())
     mistakes += [
         Mistake(node.key, f'worker "{name}" runs nothing', "give it stages, cameras or sensors, or remove it")

@@ -11,30 +11,32 @@ from followspot.graph.svg import svg
 __all__ = ["mermaid", "svg", "text"]
 
 
-def text(plan: Plan) -> str:
-    """Workers with their stages, then the edges with their kinds."""
-    found = outline(plan)
+def text(plan: Plan, *, fold: bool = True) -> str:
+    """Workers with their stages, then the edges with their kinds; fold: show each sub-graph as one line."""
+    found = outline(plan, fold=fold)
     sizes = f"{len(plan.stages)} stages, {len(plan.edges)} edges, {len(plan.workers)} workers"
     lines = [f"{plan.graph} in {plan.room.name}: {sizes}"]
     for worker in plan.workers:
         boxes = [box for box in found.boxes if box.worker == worker.name]
-        rows = [(box.group, box.uses, " ".join(box.members)) for box in boxes]
+        rows = [(box.name, box.uses, " ".join(box.members)) for box in boxes]
         lines += ["", _title(worker), *_aligned(rows)]
     lines += ["", "edges", *_aligned(_edge_rows(found.lines))]
     if not plan.live and any(edge.drops for edge in plan.edges):
         lines.append("note: no source is live, so nothing is dropped: every edge blocks")
+    if any(box.stages > 1 for box in found.boxes):
+        lines.append("note: sub-graphs are folded; --unfold shows their stages")
     return "\n".join([*lines, *(f"note: {note}" for note in plan.notes)])
 
 
-def mermaid(plan: Plan) -> str:
+def mermaid(plan: Plan, *, fold: bool = True) -> str:
     """A Mermaid flow chart; workers are its subgraphs, edges that lead back are dotted."""
-    found = outline(plan)
+    found = outline(plan, fold=fold)
     number = {box: f"s{index}" for index, box in enumerate(found.boxes)}
     lines = ["flowchart LR"]
     for index, worker in enumerate(plan.workers):
         lines.append(f'  subgraph w{index}["{_escaped(_title(worker))}"]')
         lines += [
-            f'    {number[box]}["{_escaped(box.group)}{_times(len(box.members))}<br/>{_escaped(box.uses)}"]'
+            f'    {number[box]}["{_escaped(box.name)}{_times(len(box.members))}<br/>{_escaped(box.uses)}"]'
             for box in found.boxes
             if box.worker == worker.name
         ]
@@ -54,7 +56,7 @@ def _edge_rows(lines: Sequence[Line]) -> list[tuple[str, str, str]]:
     """One row per pair of ports, kind and pair of workers, ordered by ports."""
     counts: dict[tuple[str, str], dict[tuple[str, str, int], int]] = {}
     for line in lines:
-        ports = (f"{line.start.group}.{line.port}", f"-> {line.end.group}.{line.input}")
+        ports = (line.sender, f"-> {line.reader}")
         apart = line.start.worker != line.end.worker
         way = f" ({line.start.worker} to {line.end.worker})" if apart else ""
         of_ports = counts.setdefault(ports, {})

@@ -14,9 +14,9 @@ _BEND = 7.0
 """Radius of the bends of lines, px."""
 
 
-def svg(plan: Plan) -> str:
-    """The picture as the text of an SVG file."""
-    found = outline(plan)
+def svg(plan: Plan, *, fold: bool = True) -> str:
+    """The picture as the text of an SVG file; fold: whether a sub-graph is one box in each worker."""
+    found = outline(plan, fold=fold)
     laid = layout(plan, found)
     frames = [_frame(plan, worker, laid) for worker in laid.rows]
     lines = [_line(line, corners) for line, corners in laid.routes]
@@ -48,7 +48,7 @@ def _box(box: Box, laid: Layout) -> str:
     x, y = laid.corner[box]
     name, uses = text_of(box)
     return (
-        f"<g><title>{escape(' '.join(box.members) or box.group)}</title>"
+        f"<g><title>{escape(' '.join(box.members) or box.name)}</title>"
         f'<rect x="{x:g}" y="{y:g}" width="{laid.box_width:g}" height="{HEIGHT}" rx="5" fill="white"'
         f' stroke="#1e293b"/>'
         f'<text x="{x + 10:g}" y="{y + 18:g}" font-weight="bold">{escape(name)}</text>'
@@ -60,7 +60,7 @@ def _line(line: Line, corners: Sequence[Point]) -> str:
     """A line with a dot at its end; dashed if it leads to a later frame."""
     x, y = corners[-1]
     dash = ' stroke-dasharray="5 4"' if line.delay else ""
-    name = f"{line.start.group}.{line.port} -> {line.end.group}.{line.input}: {line.way} × {line.count}"
+    name = f"{line.sender} -> {line.reader}: {line.way} × {line.count}"
     return (
         f'<path d="{_path(corners)}" fill="none" stroke="{_COLORS[line.kind]}" stroke-width="1.5"{dash}>'
         f"<title>{escape(name)}</title></path>"

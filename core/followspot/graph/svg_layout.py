@@ -76,9 +76,9 @@ def layout(plan: Plan, found: Outline) -> Layout:
 
 def text_of(box: Box) -> tuple[str, str]:
     """Text of a box: the stage, and the plugin stage that it uses."""
-    if len(box.members) == 1:
-        return f"{box.group}/{box.members[0]}", box.uses
-    return box.group + (f" × {len(box.members)}" if box.members else ""), box.uses
+    if len(box.members) == 1 and box.stages == 1:
+        return f"{box.name}/{box.members[0]}", box.uses
+    return box.name + (f" × {len(box.members)}" if box.members else ""), box.uses
 
 
 def _way(line: Line) -> _Way:

@@ -113,15 +113,12 @@ def _latency(report: RunReport) -> str:
 def _ledger(report: RunReport) -> str:
     """A row for each group of edges that differ in the camera only, with their sums."""
     groups: dict[tuple[str, str], list[EdgeCount]] = {}
+    group = {stage.name: stage.group for stage in report.plan.stages}
     for edge, count in report.edges:
-        name = f"{_group(edge.from_stage)}.{edge.from_port} -> {_group(edge.to_stage)}.{edge.to_port}"
+        name = f"{group[edge.from_stage]}.{edge.from_port} -> {group[edge.to_stage]}.{edge.to_port}"
         groups.setdefault((name, edge.kind), []).append(count)
     rows = [
         (name, kind, str(len(counts)), *(str(sum(getattr(c, column) for c in counts)) for column in COUNTS))
         for (name, kind), counts in groups.items()
     ]
     return table(("edges", "kind", "n", *(name.replace("_", " ") for name in COUNTS)), rows)
-
-
-def _group(stage: str) -> str:
-    return stage.partition("/")[0]

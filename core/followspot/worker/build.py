@@ -173,6 +173,7 @@ class _Builder:
             on_error=stage.on_error,
             deadline=deadline,
             clock=self.options.clock,
+            groups=self.wiring.groups,
         )
 
     def _outputs(self, rank: int, stage: PlannedStage) -> dict[str, OutputPort]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from collections.abc import Mapping
 from itertools import accumulate
 
 from followspot.control.path_latency import PathLatency
@@ -58,11 +59,16 @@ class LatencyHistogram:
 
 
 class PathLatencies(dict[str, LatencyHistogram]):
-    """Latencies of all paths to one sink, by source."""
+    """Latencies of all paths to one sink, by the stage of the graph file whose instance is the source."""
+
+    def __init__(self, groups: Mapping[str, str]) -> None:
+        """groups: stage of the graph file, by instance."""
+        super().__init__()
+        self.groups = groups
 
     def add(self, header: Header, now: int) -> None:
         """Count the firing of the sink. header: of its input; now: steady time of the run, ns."""
-        origin = header.source.partition("/")[0]
+        origin = self.groups.get(header.source, header.source)
         path = self.get(origin)
         if path is None:
             origin = origin if len(self) < MOST_PATHS else OTHERS

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from followspot.graph.plan import ErrorPolicy
@@ -58,11 +59,13 @@ class StageRunner:
         on_error: ErrorPolicy = "fail",
         deadline: float | None = None,
         clock: Clock = Clock(),  # of a host without offsets
+        groups: Mapping[str, str] = MappingProxyType({}),
     ) -> None:
         """Build the stage. Raises StageError if that fails.
 
         rank: place in the topological order; deadline: longest time, s, from a message's entering the graph
-        until a live join fires without its missing partners, None to wait for ever; clock: of this host.
+        until a live join fires without its missing partners, None to wait for ever; clock: of this host;
+        groups: the stage of the graph file, by instance.
         """
         self.name = name
         self.rank = rank
@@ -89,7 +92,7 @@ class StageRunner:
         self.absent = False
         """Whether the outputs have announced `ABSENT`."""
         self.count = RunnerCount()
-        self.paths = PathLatencies()
+        self.paths = PathLatencies(groups)
         self.is_sink = not self.outputs
         self.clock = clock
         self._passed = -END

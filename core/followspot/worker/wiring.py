@@ -42,6 +42,7 @@ class Wiring:
             raise InputError(mistakes)
         self.plan = plan
         self.stages = {stage.name: stage for stage in plan.stages}
+        self.groups = {stage.name: stage.group for stage in plan.stages}
         self.classes: dict[str, type[Stage]] = {s.name: load_stage(s.uses) for s in plan.stages}
         self.ports: dict[str, Ports] = {name: ports(cls) for name, cls in self.classes.items()}
         self.live = plan.live

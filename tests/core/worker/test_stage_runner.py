@@ -88,5 +88,5 @@ def test_the_latency_of_64_sources_is_measured_apart_and_that_of_all_others_toge
     save = next(runner for runner in solo(tmp_path).worker.runners if runner.name == "save")
     for number in range(70):
         save.deliver(None, Header(f"camera{number}/cam", 0, 0))
-    assert list(save.paths) == [*(f"camera{number}" for number in range(64)), "others"]
+    assert list(save.paths) == [*(f"camera{number}/cam" for number in range(64)), "others"]
     assert save.paths["others"].count == 6

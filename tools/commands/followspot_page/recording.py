@@ -126,7 +126,8 @@ class RecordButton:
 
 def recordable(plan: Plan) -> list[str]:
     """Stages of the graph file with outputs, in its order."""
-    return list(dict.fromkeys(name.partition("/")[0].partition(".")[0] for name in output_ports(plan)))
+    sending = {port.rpartition(".")[0] for port in output_ports(plan)}
+    return list(dict.fromkeys(stage.group for stage in plan.stages if stage.name in sending))
 
 
 def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:

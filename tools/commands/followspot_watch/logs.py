@@ -12,6 +12,7 @@ from pathlib import Path
 
 from followspot.cli.agent_options import network_of
 from followspot.errors import FollowspotError, InputError
+from followspot.graph.names import enclosing
 from followspot.library.handle import LEVELS, LogRecord, RunHandle, connected_run, read_log
 
 _PERIOD = 0.3
@@ -79,14 +80,13 @@ def _print(
 
 
 def _filter(args: argparse.Namespace) -> Callable[[LogRecord], bool]:
-    """A test for records that the options choose; a stage without a camera means all its cameras."""
+    """A test for records that the options choose; a stage means all its cameras."""
     least = LEVELS.index(args.level)
 
     def wanted(record: LogRecord) -> bool:
-        named = (record.stage, record.stage.partition("/")[0])
         return (
             LEVELS.index(record.level) >= least
-            and args.stage in (None, *named)
+            and args.stage in (None, *enclosing(record.stage))
             and args.worker in (None, record.worker)
             and args.host in (None, record.host)
         )

@@ -7,7 +7,6 @@ const LASTING_S = 2; // from which on it is told how long a state has lasted
 const FAULTS = ["absent", "old"];
 const LOSSES = ["away", "dropped", "late", "unmatched", "invalid", "lost"];
 
-const groupOf = (stage) => stage.split("/")[0];
 const number = (value) => (value === null ? "–" : value >= 100 ? value.toFixed(0) : value.toFixed(1));
 const lossOf = (edge) => LOSSES.reduce((sum, name) => sum + edge[name], 0);
 
@@ -38,11 +37,16 @@ export class Pipeline {
     this.show_detail(this.cards.has(this.open) ? this.open : null);
   }
 
+  // The stage of the graph file of an instance.
+  groupOf(stage) {
+    return this.about.get(stage)?.group;
+  }
+
   update(run) {
     this.run = run;
     for (const card of this.cards.values()) {
-      const stages = run.stages.filter(({ stage }) => groupOf(stage) === card.group);
-      const edges = run.edges.filter(({ to }) => groupOf(to.split(".")[0]) === card.group);
+      const stages = run.stages.filter(({ stage }) => this.groupOf(stage) === card.group);
+      const edges = run.edges.filter(({ to }) => this.groupOf(to.split(".")[0]) === card.group);
       card.update(stages, edges);
     }
     if (this.open) this.tell();
@@ -76,8 +80,8 @@ export class Pipeline {
 
   tell() {
     if (!this.run) return;
-    const stages = this.run.stages.filter(({ stage }) => groupOf(stage) === this.open);
-    const ends = (end) => groupOf(end.slice(0, end.lastIndexOf("."))) === this.open;
+    const stages = this.run.stages.filter(({ stage }) => this.groupOf(stage) === this.open);
+    const ends = (end) => this.groupOf(end.slice(0, end.lastIndexOf("."))) === this.open;
     const edges = this.run.edges.filter(({ from, to }) => ends(from) || ends(to));
     const errors = stages.filter(({ error }) => error).map(({ stage, error }) => `${stage}: ${error}`);
     this.figures.replaceChildren(
