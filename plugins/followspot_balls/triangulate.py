@@ -8,11 +8,11 @@ import numpy as np
 
 from followspot import Array, Field, Latest, Room, Stage, StageParams
 from followspot.geometry import back_projection, triangulate_pairs
-from followspot.tracking import TRACKED, Candidates, Forecast, Pairs
+from followspot.tracking import Candidates, Forecast, Pairs
 from followspot_balls.disagreement import Disagreement
 from followspot_balls.hue import BINS
 from followspot_balls.outline import unit_outline
-from followspot_balls.search import lost_targets, search_spheres, tracked_targets
+from followspot_balls.search import in_search_spheres, lost_targets, search_spheres, tracked_targets
 from followspot_balls.three_views import threefold
 
 SAME_COLOR = 0.8
@@ -128,25 +128,13 @@ class Triangulate(Stage):
             self.context.warn(text)
 
     def within(self, xyz: Array, pairs: Pairs, forecast: Forecast | None) -> Array:
-        """Which points lie in which target's search sphere: (N, T) bool; a lost target's is the room.
+        """Which points lie in which target's search sphere: (N, T) bool."""
+        alike = self.alike if self.ambiguous else None
+        return in_search_spheres(xyz, pairs.labelled, forecast, self.sizes, self.reach, alike)
 
-        An unlabelled point may serve several targets, but not if it lies inside a ball that is tracked
-        and outside one's own, for balls do not share their place; nor may one labelled with the colour
-        of both.
-        """
-        lost = lost_targets(forecast, len(self.sizes))
-        real = ~np.isnan(xyz[:, :1])
-        if forecast is None or lost.all():
-            return np.asarray(real & lost)
-        offset = xyz[:, None] - forecast.xyz
-        spheres = search_spheres(forecast, self.params.minimum_search_radius, self.params.search_radius_scale)
-        distance2 = np.vecdot(offset, offset)
-        ball = (distance2 <= self.outlines) & ~lost
-        tracked = ball & (forecast.state == TRACKED)
-        taken = (~pairs.labelled & tracked.any(axis=1))[:, None]
-        if self.ambiguous:
-            taken = taken | (tracked @ self.alike)
-        return np.asarray(real & (lost | (distance2 <= spheres * spheres)) & (ball | ~taken))
+    def reach(self, forecast: Forecast) -> Array:
+        """Radius of each target's search sphere, (T,) m."""
+        return search_spheres(forecast, self.params.minimum_search_radius, self.params.search_radius_scale)
 
     def above_planes(self, xyz: Array) -> Array:
         """Which targets could lie there without sinking into a plane: (N, T) bool."""
