@@ -286,6 +286,14 @@ class Stage:
         """Logger of this instance; `followspot logs` shows its records from level info on."""
         return logging.getLogger(f"{LOGGER}.{self.context.name}")
 
+    @classmethod
+    def nominal_rate(cls, params: Any) -> float | None:
+        """Messages per second, Hz, that a source gives with these parameters (of `Params`); None if unknown.
+
+        A live source above 100 Hz keeps half a second of messages for a graph that is busy, any other two.
+        """
+        return None
+
     def setup(self) -> None:
         """Open files and devices; the worker calls it once before the first message."""
 

@@ -75,6 +75,10 @@ class Device(Sensor):
 
     live = True
 
+    @classmethod
+    def nominal_rate(cls, params: Sensor.Params) -> float:
+        return params.hz
+
     def process(self) -> Source[Reading]:
         begun = time.monotonic()
         for n in range(self.params.count):

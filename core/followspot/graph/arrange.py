@@ -9,7 +9,15 @@ from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.placement import Placed
-from followspot.graph.plan import WINDOW_DEPTH, EdgeKind, Plan, PlannedEdge, PlannedStage, nearest_kind
+from followspot.graph.plan import (
+    WINDOW_DEPTH,
+    EdgeKind,
+    Plan,
+    PlannedEdge,
+    PlannedStage,
+    live_depth,
+    nearest_kind,
+)
 
 EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
 _NEAREST_FIRST: tuple[EdgeKind, ...] = ("reference", "ring", "zenoh")
@@ -78,7 +86,15 @@ def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
         on_error=declared.on_error,
         tolerance=declared.tolerance,
         deadline=declared.deadline,
+        depth=declared.depth or live_depth(_rate(checked)),
+        concurrency=declared.concurrency,
     )
+
+
+def _rate(checked: CheckedStage) -> float | None:
+    """Messages per second of a live source that knows, Hz."""
+    stage = checked.stage
+    return stage.nominal_rate(stage.Params(**checked.params)) if stage.live else None
 
 
 def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:

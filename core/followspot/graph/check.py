@@ -104,6 +104,9 @@ def _check_inputs(
 ) -> None:
     """Note each input that the stage lacks, and each required one that nothing feeds."""
     declared, found = instance.declared, ports(stage)
+    if declared.depth is not None and not stage.live:
+        text = f'stage "{declared.name}" ({instance.uses}) is no live source and has no depth of its own'
+        mistakes.append(Mistake(declared.places["depth"], text, "write the depth where an input is fed"))
     served = stage.serves()
     if served and declared.each is None:
         text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'

@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place
 from followspot.form import Form, kind_of
 from followspot.graph.names import SENDER, is_stage_name
 from followspot.graph.plan import (
+    MAX_CONCURRENCY,
     MAX_DELAY,
     MAX_DEPTH,
     EdgeCodec,
@@ -22,7 +23,18 @@ from followspot.graph.plan import (
 from followspot.graph.selector import Selector, read_selector
 from followspot.ranges import MAX_WAIT
 
-ENVELOPE = ("uses", "each", "optional", "in", "with", "on_error", "tolerance", "deadline")
+ENVELOPE = (
+    "uses",
+    "each",
+    "optional",
+    "in",
+    "with",
+    "on_error",
+    "tolerance",
+    "deadline",
+    "depth",
+    "concurrency",
+)
 """Keys of a stage; parameters are below `with`."""
 _POLICIES = ("fail", "skip", "restart")
 _CODECS = ("raw", "lossless", "jpeg")
@@ -75,6 +87,9 @@ class StageDeclaration:
     deadline: float
     optional: bool = False
     """True if the room may lack all that the stage fans out over; the stage is left out then."""
+    depth: int | None = None
+    """None for the depth that fits the source's rate."""
+    concurrency: int = 1
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Of the value of each key that is written."""
 
@@ -100,6 +115,8 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         tolerance=PlannedStage.tolerance if tolerance is None else tolerance,
         deadline=PlannedStage.deadline if deadline is None else deadline,
         optional=form.switch("optional"),
+        depth=form.whole("depth", least=1, most=MAX_DEPTH),
+        concurrency=form.whole("concurrency", least=1, most=MAX_CONCURRENCY) or PlannedStage.concurrency,
         places=_places(form),
     )
 

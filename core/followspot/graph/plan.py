@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,9 +19,16 @@ ErrorPolicy = Literal["fail", "skip", "restart"]
 EdgePolicy = Literal["block", "drop_oldest", "latest"]
 MAX_DELAY = 1000
 MAX_DEPTH = 10_000
+MAX_CONCURRENCY = 64
 MAX_SEED = (1 << 63) - 1
 WINDOW_DEPTH = 1024
 """Depth of an edge to a `Window`, if none is written: a second of a fast sensor."""
+LIVE_DEPTH = 2
+"""Messages of a live source that wait for the graph, if nothing else is known: one to take, and the next."""
+_FAST = 100.0
+"""Rate, Hz, above which every message of a live source counts and not the newest alone."""
+_LONGEST_WORK = 0.5
+"""Time, s, for which a worker may be busy before it loses messages of a fast source."""
 AHEAD = 2
 """Messages in transit on an edge that drops; later ones wait in the sender, which can drop them."""
 
@@ -49,6 +57,10 @@ class PlannedStage:
 
     It counts from the time at which a message entered the graph.
     """
+    depth: Annotated[int, Field(ge=1, le=MAX_DEPTH)] = LIVE_DEPTH
+    """Messages of a live source that wait for the graph before the oldest is dropped."""
+    concurrency: Annotated[int, Field(ge=1, le=MAX_CONCURRENCY)] = 1
+    """Most answers of a stage with `Deferred` outputs that are under way at once."""
 
     @property
     def camera(self) -> str | None:
@@ -105,6 +117,13 @@ class PlannedWorker:
 
     name: str
     host: str = ""
+
+
+def live_depth(rate: float | None) -> int:
+    """The depth of a live source with this rate, Hz: half a second of what is too fast for pictures."""
+    if rate is None or rate <= _FAST:
+        return LIVE_DEPTH
+    return min(math.ceil(rate * _LONGEST_WORK), MAX_DEPTH)
 
 
 def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:

@@ -88,14 +88,17 @@ class Graph:
         on_error: Literal["fail", "skip", "restart"] | None = None,
         tolerance: float | None = None,
         deadline: float | None = None,
+        depth: int | None = None,
+        concurrency: int | None = None,
         **arguments: Any,
     ) -> StageOf:
         """Add a stage.
 
         uses: the plugin stage, or a class of this process, which can run in this process only; each: the
         cameras that the stage fans out over, for example ``cameras[kind=color]``; arguments: inputs (a stage,
-        a port of one, or a list of them) and parameters, by name. tolerance, deadline: s. Raises
-        FollowspotError if the stage is not known, or the name is taken.
+        a port of one, or a list of them) and parameters, by name. tolerance, deadline: s; depth: of a
+        live source; concurrency: of a stage with deferred outputs. Raises FollowspotError if the stage is not
+        known, or the name is taken.
         """
         if name in self.stages:
             raise FollowspotError(f'stage "{name}" is there already')
@@ -111,6 +114,8 @@ class Graph:
             "on_error": on_error,
             "tolerance": tolerance,
             "deadline": deadline,
+            "depth": depth,
+            "concurrency": concurrency,
         }
         self.stages[name] = {key: value for key, value in entry.items() if value is not None}
         return StageOf(name)

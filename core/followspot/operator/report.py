@@ -11,7 +11,6 @@ from followspot.control.clock_status import ClockStatus
 from followspot.control.worker_report import RUN_AGAIN, WorkerReport
 from followspot.graph.plan import Plan, PlannedEdge
 from followspot.worker.ledger import COLUMNS, EdgeCount, Ledger
-from followspot.worker.source import LIVE_DEPTH
 
 
 @dataclass(frozen=True)
@@ -74,11 +73,12 @@ def edge_counts(
     for edge in plan.edges:
         port = edge.from_stage, edge.from_port
         ahead[port] = max(ahead.get(port, 0), edge.capacity)
+    kept = {stage.name: stage.depth for stage in plan.stages}
     counted = []
     for number, edge in enumerate(plan.edges):
         ends = {plan.worker_of(edge.from_stage), plan.worker_of(edge.to_stage)}
         deaths = sum(restarts.get(worker, 0) for worker in ends)
-        under_way = 2 * ahead[edge.from_stage, edge.from_port] + LIVE_DEPTH + 1
+        under_way = 2 * ahead[edge.from_stage, edge.from_port] + kept[edge.from_stage] + 1
         counted.append((edge, ledger.count(number).with_lost(deaths * under_way)))
     return tuple(counted)
 

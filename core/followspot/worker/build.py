@@ -162,6 +162,8 @@ class _Builder:
                 clock=self.options.clock,
             )
             source.limit = self.options.frames
+            if isinstance(source, LiveSourceRunner):
+                source.depth = stage.depth
             return source
         deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
         return StageRunner(
@@ -208,7 +210,7 @@ class _Builder:
             by_port[self.wiring.input_port(self.plan.edges[number]).name].append(number)
         input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
         lateness = self.wiring.lateness[stage.name]
-        return Join(input_ports, lateness=lateness, lag=self.wiring.lag)
+        return Join(input_ports, lateness=lateness, lag=None if self.wiring.live else self.wiring.lag)
 
     def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
         numbers = list(numbers)

@@ -38,10 +38,10 @@ class Join:
     """The inputs of one stage.
 
     lateness: ns after a firing's time within which nothing else fires (the window, plus the lateness of the
-    inputs); lag: see :meth:`relieve`.
+    inputs); lag: see :meth:`relieve`, None in a live run, where full edges drop.
     """
 
-    def __init__(self, ports: Sequence[JoinInput], *, lateness: int, lag: int = 0) -> None:
+    def __init__(self, ports: Sequence[JoinInput], *, lateness: int, lag: int | None = None) -> None:
         self.ports = tuple(ports)
         self.members = tuple(queue for port in ports for queue in port.members)
         self.sampled = tuple(port.sampled for port in ports if port.sampled is not None)
@@ -139,7 +139,7 @@ class Join:
         replay: of the sources that full edges hold back, the one furthest behind would have to wait for
         another that is further behind.
         """
-        if self.only is not None:
+        if self.only is not None or self.lag is None:
             return
         earliest = self.watermark()
         for sampled in self.sampled:

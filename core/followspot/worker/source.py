@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from followspot.graph.plan import LIVE_DEPTH
 from followspot.messages import UNSTAMPED, Header, InvalidMessage, in_range
 from followspot.outputs import WrongOutput, check_yielded
 from followspot.stage import Stage
@@ -15,8 +16,6 @@ from followspot.worker.error_policy import recover
 from followspot.worker.output_port import OutputPort
 from followspot.worker.stage_runner import StageRunner
 
-LIVE_DEPTH = 2
-"""Frames that wait for the graph before the oldest is dropped: one to take, and the one after it."""
 _NOTHING = object()
 """Stands for the item of a source that has none now."""
 
@@ -126,6 +125,8 @@ class LiveSourceRunner(SourceRunner):
     the graph takes the frame.
     """
 
+    depth: int = LIVE_DEPTH
+    """Messages that wait for the worker before the oldest is dropped."""
     notify: Callable[[], None]
     """Wakes the worker from the source's thread."""
     _thread: threading.Thread | None = None
@@ -203,7 +204,7 @@ class LiveSourceRunner(SourceRunner):
             if self.stage is not stage:
                 self._drop(item)
                 return False
-            if len(self._newest) == LIVE_DEPTH:
+            if len(self._newest) == self.depth:
                 self._drop(self._newest.popleft()[0])
             self._newest.append((item, self.clock.now(), time.time_ns()))
             return not self.stopped and self._grabbed != self.limit

@@ -185,6 +185,7 @@ PORTS = [
         "graph", "{blobs: pair}", "{¦blobs: detect}", "takes one message, 2 come", "detect/cam0, detect/cam1"
     ),
     _rates("window: {from: pair, delay: ¦1}", 'input "window" of stage "rates" is a Window', "Latest[Blobs]"),
+    Broken("graph", _PAIR, _PAIR[:-1] + ", depth: ¦4}", "is no live source and has no depth of its own"),
     _rates("near: {from: pair, delay: ¦2}", "goes by capture time and has no delay", "Latest[Blobs]"),
     _rates("near: {from: pair, tolerance: ¦-1}", "tolerance cannot be -1", "a number from 0 to 3600"),
     _rates("latest: {from: pair, tolerance: ¦1}", "is a Latest and matches no times", "remove the tolerance"),

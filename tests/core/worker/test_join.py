@@ -13,7 +13,7 @@ from followspot.transport.token import END, Watermark
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import PRODUCED, Ledger
-from followspot.worker.sampled_input import HeldInput
+from followspot.worker.sampled_input import HeldInput, NearestInput, SampledInput, WindowInput
 
 MS = 1_000_000
 
@@ -217,3 +217,77 @@ def test_latest_forward_input_is_sampled_by_capture_time_not_by_arrival() -> Non
     bench.queues[0].put(tick(10))
     assert fire(join)[1].value == 4  # type: ignore[index,attr-defined]
     assert bench.ledger.count(1).dropped == 1
+
+
+def windowed(bench: Bench, sampled: SampledInput) -> Join:
+    main = JoinInput("in", joined=False, members=(bench.queues[0],))
+    return Join([main, JoinInput("readings", joined=False, sampled=sampled)], lateness=0)
+
+
+def values(argument: object) -> list[int]:
+    return [message.value for message in argument]  # type: ignore[attr-defined]
+
+
+def test_a_live_window_fires_at_the_deadline_and_what_is_late_comes_in_the_next_one() -> None:
+    bench = Bench(2)
+    join = windowed(bench, WindowInput(bench.queues[1:]))
+    bench.put(1, tick(3, 3))
+    bench.put(0, tick(10))
+    assert join.ready() is None, "a reading of 10 may still come"
+    assert join.ready(overdue=True) == 10
+    assert values(join.take(10)[0][1]) == [3]
+    bench.put(1, tick(9, 9))
+    bench.put(1, tick(12, 12))
+    bench.put(0, tick(20))
+    assert join.ready() is None
+    bench.queues[1].advance(21)
+    assert join.ready() == 20
+    assert values(join.take(20)[0][1]) == [9, 12]
+    assert bench.ledger.count(1).balanced
+    assert bench.ledger.count(1).delivered == 3
+
+
+def test_a_live_nearest_gives_at_the_deadline_what_is_there() -> None:
+    bench = Bench(2)
+    join = windowed(bench, NearestInput(bench.queues[1], tolerance=5))
+    bench.put(1, tick(7, 7))
+    bench.put(0, tick(10))
+    assert join.ready() is None, "12 would be nearer"
+    assert join.ready(overdue=True) == 10
+    assert join.take(10)[0][1].value == 7  # type: ignore[attr-defined]
+
+
+def test_a_nearest_is_certain_as_soon_as_nothing_can_be_nearer() -> None:
+    bench = Bench(2)
+    join = windowed(bench, NearestInput(bench.queues[1], tolerance=5))
+    bench.put(1, tick(7, 7))
+    bench.put(0, tick(10))
+    bench.queues[1].advance(12)
+    assert join.ready() is None
+    bench.queues[1].advance(13)
+    assert join.ready() == 10, "13 would be no nearer than 7"
+
+
+def test_feedback_is_waited_for_beyond_a_deadline() -> None:
+    bench = Bench(2)
+    join = windowed(bench, HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty()))
+    bench.put(0, tick(0))
+    bench.put(0, tick(10))
+    assert fire(join) is not None
+    assert join.ready(overdue=True) is None
+
+
+def test_a_full_edge_lets_its_sender_go_on_where_another_input_is_awaited() -> None:
+    bench = Bench(2)
+    bench.queues[1].depth = 2
+    main = JoinInput("in", joined=False, members=(bench.queues[0],))
+    readings = JoinInput("readings", joined=False, sampled=WindowInput(bench.queues[1:]))
+    join = Join([main, readings], lateness=0, lag=0)
+    bench.queues[0].advance(4)
+    for time in (2, 3, 5, 6):
+        bench.put(1, tick(time, time))
+    join.relieve()
+    assert len(bench.queues[1].messages) == bench.queues[1].depth == 4, "5 and 6 fill it"
+    bench.put(0, tick(5))
+    assert values(fire(join)[1]) == [2, 3, 5]  # type: ignore[index]
+    assert bench.queues[1].depth == 2, "what was excused is gone"

@@ -107,6 +107,19 @@ def test_what_waits_for_the_graph_is_produced_and_what_is_dropped_is_so_at_once(
     bench.runner.stop()
 
 
+def test_a_deep_source_keeps_as_many_as_it_says_while_the_graph_is_busy() -> None:
+    bench = Bench(Device(), "out")
+    bench.runner.depth = 500
+    bench.begin()
+    bench.device.make(500)
+    assert (bench.count().produced, bench.count().dropped) == (500, 0)
+    bench.device.make(1)
+    assert (bench.count().produced, bench.count().dropped) == (501, 1)
+    bench.pull_all()
+    assert [message.number for message in bench.queues[0].messages][:100] == list(range(2, 102))  # type: ignore[attr-defined]
+    bench.runner.stop()
+
+
 def test_what_comes_while_the_device_is_told_to_stop_is_sent() -> None:
     bench = Bench(Device(), "out")
     bench.begin()

@@ -142,6 +142,19 @@ def test_a_tolerance_of_an_edge_is_wider_than_that_of_the_stage(tmp_path: Path) 
     assert [[value for value, _ in pairs] for _, pairs in written(tmp_path)] == [[n, n] for n in range(5)]
 
 
+@pytest.mark.parametrize(
+    ("hz", "depth", "found"), [(60, "", 2), (1000, "", 500), (10**6, "", 10_000), (1000, ", depth: 7", 7)]
+)
+def test_a_live_source_is_as_deep_as_its_rate_asks_for(
+    tmp_path: Path, hz: float, depth: str, found: int
+) -> None:
+    (tmp_path / "live.yaml").write_text(
+        f"graph: live\nstages:\n  sensor: {{uses: rates.device, with: {{hz: {hz}}}{depth}}}\n"
+    )
+    (stage,) = compile_graph(tmp_path / "live.yaml", plugin_files=[STAGES]).stages
+    assert stage.depth == found
+
+
 INPUTS = ("frame", "other", "window", "near", "latest")
 PAUSES = st.lists(st.integers(1, 60), min_size=2, max_size=12).flatmap(
     lambda pauses: st.integers(1, 8).map(lambda times: pauses * times)

@@ -122,6 +122,8 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
             },
             "tolerance": {"type": "number", "minimum": 0, "description": "of joining by capture time, s"},
             "deadline": {"type": "number", "minimum": 0, "description": "longest wait of a live join, s"},
+            "depth": {"type": "integer", "minimum": 1, "description": "of a live source: messages that wait"},
+            "concurrency": {"type": "integer", "minimum": 1, "description": "most deferred answers at once"},
         },
         ["uses"],
     )

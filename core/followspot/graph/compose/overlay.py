@@ -8,7 +8,7 @@ from dataclasses import replace
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
 
-_OF_A_STAGE = ("uses", "with", "on_error", "tolerance", "deadline")
+_OF_A_STAGE = ("uses", "with", "on_error", "tolerance", "deadline", "depth", "concurrency")
 _OF_A_SUBGRAPH = ("graph", "with", "cameras")
 
 
