@@ -18,6 +18,7 @@ from followspot.graph.plan import (
     live_depth,
     nearest_kind,
 )
+from followspot.room import Room
 
 EdgeChoice = Literal["auto", "reference", "ring", "zenoh"]
 _NEAREST_FIRST: tuple[EdgeKind, ...] = ("reference", "ring", "zenoh")
@@ -37,7 +38,7 @@ def plan(
     return Plan(
         graph=checked.name,
         room=checked.room,
-        stages=tuple(_stage(stages[name], placed) for name in _order(checked)),
+        stages=tuple(_stage(stages[name], placed, checked.room) for name in _order(checked)),
         edges=tuple(planned),
         workers=placed.workers,
         seed=checked.seed if seed is None else seed,
@@ -72,7 +73,7 @@ def _order(checked: Checked) -> list[str]:
     return topological(successors(names, forward))
 
 
-def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
+def _stage(checked: CheckedStage, placed: Placed, room: Room) -> PlannedStage:
     instance = checked.instance
     declared = instance.declared
     return PlannedStage(
@@ -86,15 +87,18 @@ def _stage(checked: CheckedStage, placed: Placed) -> PlannedStage:
         on_error=declared.on_error,
         tolerance=declared.tolerance,
         deadline=declared.deadline,
-        depth=declared.depth or live_depth(_rate(checked)),
+        depth=declared.depth or live_depth(_rate(checked, room)),
         concurrency=declared.concurrency,
     )
 
 
-def _rate(checked: CheckedStage) -> float | None:
-    """Messages per second of a live source that knows, Hz."""
-    stage = checked.stage
-    return stage.nominal_rate(stage.Params(**checked.params)) if stage.live else None
+def _rate(checked: CheckedStage, room: Room) -> float | None:
+    """Messages per second of a live source, Hz, if the room or the source itself says."""
+    stage, member = checked.stage, checked.instance.member
+    if not stage.live:
+        return None
+    written = room.sensors[member.name].rate if member is not None and member.set == "sensors" else None
+    return written or stage.nominal_rate(stage.Params(**checked.params))
 
 
 def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:

@@ -155,6 +155,17 @@ def test_a_live_source_is_as_deep_as_its_rate_asks_for(
     assert stage.depth == found
 
 
+def test_the_rate_of_a_sensor_stands_in_the_room(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text(
+        "room: r\nsensors:\n  imu: {kind: imu, rate: 400, source: {uses: rates.device, with: {hz: 60}}}\n"
+    )
+    (tmp_path / "live.yaml").write_text(
+        "graph: live\nroom: room.yaml\nstages:\n  sensor: {uses: room.source, each: sensors}\n"
+    )
+    (stage,) = compile_graph(tmp_path / "live.yaml", plugin_files=[STAGES]).stages
+    assert stage.depth == 200
+
+
 INPUTS = ("frame", "other", "window", "near", "latest")
 PAUSES = st.lists(st.integers(1, 60), min_size=2, max_size=12).flatmap(
     lambda pauses: st.integers(1, 8).map(lambda times: pauses * times)
