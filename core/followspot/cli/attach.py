@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from pathlib import Path
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.plugins.hooks import Command
@@ -29,9 +30,8 @@ def _run(args: argparse.Namespace) -> int:
     Ctrl-C leaves the run to its agents again.
     """
     from followspot.cli.progress import ProgressBar
-    from followspot.operator import summary
-    from followspot.operator.attach import attached
-    from followspot.operator.launch import interruptible
+    from followspot.library.attach import attached, interruptible
+    from followspot.library.report import Report
 
     network = network_of(args)
     with attached(network, args.run) as attachment:
@@ -47,7 +47,8 @@ def _run(args: argparse.Namespace) -> int:
     if attachment.stopped:
         print("the run goes on; come back with followspot attach", file=sys.stderr)
         return 0
-    print(json.dumps(summary.data(report, {}, {})) if args.json else summary.text(report, ""))
+    whole = Report(report, Path(), {}, None)
+    print(json.dumps(whole.to_json()) if args.json else whole)
     for host, folder in report.outs.items():
         print(f"outputs on {host}: {folder}", file=sys.stderr)
     return 0 if report.ok else 1

@@ -74,11 +74,10 @@ def _run(args: argparse.Namespace) -> int:
 
 def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
-    from followspot.accuracy import persons_table, persons_to_json, table, to_json
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
     from followspot.library.execute import RunOptions, run_person_scores, run_plan, run_scores
-    from followspot.operator import summary
+    from followspot.library.report import Report
 
     plan = placed(plan, args.host)
     if not args.quiet:
@@ -111,21 +110,19 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     except FollowspotError as error:  # the run has ended; print its summary all the same
         print(f"followspot: cannot score the run: {error}", file=sys.stderr)
         targets, persons = {}, None
+    whole = Report(report, out, targets, persons)
     if args.json:
-        figures = persons_to_json(persons) if persons else {}
-        print(json.dumps(summary.data(report, to_json(targets), figures)))
+        print(json.dumps(whole.to_json()))
     else:
-        tables = [table(targets)] * bool(targets) + ([persons_table(persons)] if persons else [])
-        print(summary.text(report, "\n\n".join(tables)))
-        print(f"\noutputs: {out}")
+        print(f"{whole}\n\noutputs: {out}")
         for host, folder in report.outs.items():
             print(f"outputs on {host}: {folder}")
     return 0 if report.ok else 1
 
 
 def _detach(plan: Plan, args: argparse.Namespace, network: Network) -> int:
+    from followspot.library.attach import detach
     from followspot.library.execute import RunOptions
-    from followspot.operator.attach import detach
 
     run = detach(plan, RunOptions(frames=args.frames), network, media_folder(plan, args.media))
     print(json.dumps({"run": run}) if args.json else f"run {run[:8]} goes on; followspot attach {plan.graph}")

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from html import escape
 from pathlib import Path
+from typing import Any
 
-from followspot.accuracy import PersonsScore, TargetScore, persons_table, table, to_json
+from followspot.accuracy import PersonsScore, TargetScore, persons_table, persons_to_json, table, to_json
 from followspot.library.table import Table
 from followspot.operator import summary
 from followspot.operator.report import RunReport
@@ -89,6 +90,11 @@ class Report:
         found = to_json(self.targets)
         columns = list(next(iter(found.values()), {}))
         return Table(("target", *columns), [(name, *row.values()) for name, row in found.items()])
+
+    def to_json(self) -> dict[str, Any]:
+        """The whole report in JSON types, as ``followspot run --json`` prints it."""
+        persons = persons_to_json(self.persons) if self.persons is not None else {}
+        return summary.data(self.run, to_json(self.targets), persons)
 
     def __repr__(self) -> str:
         tables = [table(self.targets)] * bool(self.targets)
