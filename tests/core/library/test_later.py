@@ -158,6 +158,7 @@ def test_a_removed_tap_does_not_come_back_with_a_worker_that_restarts(tmp_path: 
             os.kill(worker, signal.SIGKILL)
         assert comes_true(lambda: kept.read_text() == "begun begun ")
         assert removed.read_text() == "begun closed "
+        assert comes_true(lambda: all(worker.phase == "running" for worker in run.status().workers))
     assert kept.read_text() == "begun begun closed "
 
 
