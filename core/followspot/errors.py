@@ -63,11 +63,16 @@ class Guess:
     noun: str
     known: Collection[str] = field(compare=False)
 
+    @property
+    def nearest(self) -> str:
+        """The known word that is most like the unknown one, "" if none is like it."""
+        names = sorted(self.known)[:MOST_COMPARED]
+        near = difflib.get_close_matches(self.word[:_LONGEST_WORD], names, n=1, cutoff=0.6)
+        return near[0] if near else ""
+
     def __str__(self) -> str:
-        names = sorted(self.known)
-        word = self.word[:_LONGEST_WORD]
-        near = difflib.get_close_matches(word, names[:MOST_COMPARED], n=1, cutoff=0.6)
-        guess = f'did you mean "{near[0]}"?  ' if near else ""
+        names, near = sorted(self.known), self.nearest
+        guess = f'did you mean "{near}"?  ' if near else ""
         listing = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")
         return f"{guess}{self.noun}: {listing or 'none'}"
 

@@ -121,7 +121,8 @@ class Room:
     """The calibrated place. Cameras, sensors, planes and targets keep the order of the file.
 
     planes: name -> (4,) [a b c d], a x + b y + c z + d = 0 with unit normal, m;
-    truth: a source of `followspot.tracking.Truth`, for rooms with ground truth.
+    truth: a source of `followspot.tracking.Truth`, for rooms with ground truth; tune: parameters of stages
+    that suit the place, by PLUGIN.STAGE.PARAMETER or STAGE.PARAMETER.
     """
 
     name: str = "room"
@@ -130,6 +131,7 @@ class Room:
     targets: Mapping[str, Target] = field(default_factory=lambda: MappingProxyType({}))
     truth: StageUse | None = None
     sensors: Mapping[str, Sensor] = field(default_factory=lambda: MappingProxyType({}))
+    tune: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     @cached_property
     def carriers(self) -> tuple[Camera | Sensor, ...]:

@@ -76,6 +76,8 @@ def to_data(room: Room) -> dict[str, Any]:
     }
     if room.truth is not None:
         data["truth"] = _use_data(room.truth)
+    if room.tune:
+        data["tune"] = dict(room.tune)
     return data
 
 

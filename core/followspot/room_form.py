@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 
-from followspot.document import Node
+from followspot.document import Node, plain
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, Shape, is_name
 from followspot.messages import MAX_BYTES, Array
@@ -37,7 +38,9 @@ _MOST_AREA = 1e9
 """Largest area of a target in a picture, px."""
 _MAX_CLOCK_OFFSET = 1.0
 """Largest absolute clock offset, s; larger ones are mistakes, since offsets are fractions of a frame."""
-_KEYS = ("room", "cameras", "sensors", "planes", "targets", "truth")
+MAX_TUNES = 1000
+_TUNE = re.compile(r"[^.\s]+(\.[^.\s]+)+")
+_KEYS = ("room", "cameras", "sensors", "planes", "targets", "truth", "tune")
 _CAMERA_KEYS = (
     "kind", "size", "model", "matrix", "distortion", "rotation", "translation", "source", "host",
     "clock_offset", "tags",
@@ -65,9 +68,23 @@ def room_of(root: Node, folder: str | None) -> Room:
     }
     truth = form.get("truth")
     use = None if truth is None else stage_use(truth, "truth", folder, mistakes)
+    tune = _tune(form)
     if mistakes:
         raise InputError(mistakes)
-    return Room(name, cameras, planes, targets, use, sensors)
+    return Room(name, cameras, planes, targets, use, sensors, tune)
+
+
+def _tune(form: Form) -> dict[str, Any]:
+    """The parameters that the room tunes, in plain values."""
+    entries = form.mapping("tune")
+    if len(entries) > MAX_TUNES:
+        form.wrong(form.entries["tune"], f"{len(entries)} tunes, at most {MAX_TUNES} are allowed")
+        return {}
+    for key, node in entries.items():
+        if not _TUNE.fullmatch(key):
+            remedy = "write PLUGIN.STAGE.PARAMETER, STAGE.PARAMETER or STAGE/MEMBER.PARAMETER"
+            form.mistakes.append(Mistake(node.key, f'"{key}" names no parameter', remedy))
+    return {key: plain(node) for key, node in entries.items()}
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:

@@ -6,7 +6,7 @@ import argparse
 import json
 from pathlib import Path
 
-from followspot.cli.graph_options import add_graph_options, plan_of
+from followspot.cli.graph_options import add_graph_options, checked_of, plan_of
 from followspot.plugins.hooks import Command
 
 
@@ -18,6 +18,11 @@ def _configure(parser: argparse.ArgumentParser) -> None:
     form.add_argument("--flat", action="store_true", help="print it as one file without sub-graphs")
     form.add_argument("--origin", action="store_true", help="print where each stage and value is written")
     parser.add_argument("--unfold", action="store_true", help="show the stages of sub-graphs one by one")
+    form.add_argument(
+        "--parameters",
+        action="store_true",
+        help="print each parameter that differs from its default",
+    )
     form.add_argument("--json", action="store_true", help="print the plan as JSON")
 
 
@@ -29,13 +34,18 @@ def _run(args: argparse.Namespace) -> int:
       followspot graph graphs/glowballs.yaml --svg glowballs.svg
       followspot graph graphs/show.yaml --flat > flat.yaml     without sub-graphs and overlays
       followspot graph graphs/show.yaml --origin               which file says what
+      followspot graph graphs/show.yaml --parameters           what graph, room and --set change
     """
     from followspot.graph import show
     from followspot.graph.compose.flat import flat_text
     from followspot.graph.compose.origin import origin_text
+    from followspot.graph.given import given_text
     from followspot.graph.load import composed_graph
     from followspot.graph.ship import plan_to_data
 
+    if args.parameters:
+        print(given_text(checked_of(args)), end="")
+        return 0
     plan = plan_of(args)
     if args.svg:
         Path(args.svg).write_text(show.svg(plan, fold=not args.unfold), encoding="utf-8")

@@ -11,6 +11,7 @@ from followspot.errors import FollowspotError
 from followspot.plugins.hooks import load_plan_options
 
 if TYPE_CHECKING:
+    from followspot.graph.check import Checked
     from followspot.graph.plan import Plan
 
 
@@ -84,6 +85,19 @@ def plan_of(args: argparse.Namespace, *, strict: bool = False) -> Plan:
     for options in load_plan_options():
         plan = options.change(plan, args)
     return plan
+
+
+def checked_of(args: argparse.Namespace) -> Checked:
+    """The checked graph that the options describe, with the places of what is written; see `plan_of`."""
+    from followspot.graph.compile import checked_graph
+
+    return checked_graph(
+        args.graph,
+        room=args.room,
+        placement=args.placement,
+        overrides=args.overrides,
+        plugin_files=args.plugin_files,
+    )[0]
 
 
 def frame_count(text: str) -> int:

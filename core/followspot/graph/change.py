@@ -10,7 +10,7 @@ from typing import Any
 from followspot.document import Node
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.graph.override import Override, read_override
-from followspot.graph.parameters import output_paths, validated
+from followspot.graph.parameters import output_paths, plain_default, validated
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.replacement import misfits
 from followspot.plugins.registry import PluginError, load_stage
@@ -111,14 +111,8 @@ def _given(old: PlannedStage, present: type[Stage], stage: type[Stage]) -> dict[
         name: value
         for name, value in old.params.items()
         if name in stage.Params.model_fields
-        and (fields[name].is_required() or value != _plain_default(present, name))
+        and (fields[name].is_required() or value != plain_default(present, name))
     }
-
-
-def _plain_default(stage: type[Stage], name: str) -> Any:
-    """A default in JSON types."""
-    default = stage.Params.model_fields[name].get_default(call_default_factory=True)
-    return stage.Params.model_construct(**{name: default}).model_dump(mode="json", warnings=False)[name]
 
 
 def _check_outputs(

@@ -41,7 +41,7 @@ class Checked:
     stages: tuple[CheckedStage, ...]
     edges: tuple[CheckedEdge, ...]
     notes: tuple[str, ...] = ()
-    """What is left out in this room, and what is allowed in live runs only."""
+    """What is left out in this room, tunes that match nothing, and what is allowed in live runs only."""
     risks: tuple[Mistake, ...] = ()
     """Everything that can make two runs differ."""
 
@@ -70,7 +70,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
             mistakes += sampled
     _check_outputs(stages, mistakes)
     room = _checked_room(expanded, mistakes)
-    notes = (*expanded.left_out.values(), *notes)
+    notes = (*expanded.notes, *notes)
     return Checked(
         expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes, tuple(risks(stages, edges))
     )

@@ -7,11 +7,12 @@ from pathlib import Path
 
 from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
-from followspot.graph.check import check
+from followspot.graph.check import Checked, check
 from followspot.graph.expand import expand
 from followspot.graph.load import Loaded, load
-from followspot.graph.placement import place
+from followspot.graph.placement import Placed, place
 from followspot.graph.plan import Plan
+from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
 
 
@@ -34,17 +35,41 @@ def compile_graph(
     change: changes the declared stages before they are looked up; strict: treat everything that can make two
     runs differ as a mistake.
     """
-    mistakes: list[Mistake] = []
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
-    _use(files, mistakes)
+    checked, placed = checked_graph(
+        path,
+        room=room,
+        placement=placement,
+        overrides=overrides,
+        plugin_files=files,
+        change=change,
+        strict=strict,
+    )
+    return plan(checked, placed, edges, seed=seed, plugin_files=files)
+
+
+def checked_graph(
+    path: str | Path,
+    *,
+    room: str | Path | None = None,
+    placement: str | Path | None = None,
+    overrides: Sequence[str] = (),
+    plugin_files: Sequence[str] = (),
+    change: Callable[[Loaded], Loaded] | None = None,
+    strict: bool = False,
+) -> tuple[Checked, Placed]:
+    """The graph before it is planned, with the places of all that is written; see `compile_graph`."""
+    mistakes: list[Mistake] = []
+    _use(plugin_files, mistakes)
     loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
     expanded = expand(loaded if change is None else change(loaded), mistakes)
+    expanded = tuned(expanded, mistakes)
     checked = check(expanded, mistakes)
     mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:
         raise InputError(_ordered(mistakes))
-    return plan(checked, placed, edges, seed=seed, plugin_files=files)
+    return checked, placed
 
 
 def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:

@@ -30,6 +30,8 @@ class Instance:
     uses: str
     uses_place: Place
     params: Mapping[str, Node]
+    tuned: frozenset[str] = frozenset()
+    """The parameters that the room tunes."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,7 @@ class Expanded:
     wires: tuple[Wire, ...]
     left_out: Mapping[str, str]
     """Optional stages without an instance, each with the reason."""
+    notes: tuple[str, ...] = ()
 
 
 _Groups = Mapping[str, Mapping[Member | None, Instance]]
@@ -93,7 +96,15 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
             return _nothing(loaded, text, "feed fewer inputs", mistakes)
     complete = all(instance.declared.each is None or instance.member for instance in instances.values())
     return Expanded(
-        loaded.name, room, loaded.room_node, complete, loaded.seed, instances, tuple(wires), left_out
+        loaded.name,
+        room,
+        loaded.room_node,
+        complete,
+        loaded.seed,
+        instances,
+        tuple(wires),
+        left_out,
+        tuple(left_out.values()),
     )
 
 

@@ -58,6 +58,11 @@ def read_override(option: str, mistakes: list[Mistake]) -> Override | None:
     return Override(keys[0], tuple(keys[1:]), tuple(places[1:]), node, places[0])
 
 
+def is_set(node: Node) -> bool:
+    """True if a value comes from `--set`."""
+    return node.place.file == _FILE
+
+
 def overridden(entry: Node, override: Override, mistakes: list[Mistake]) -> Node:
     """The entry of a stage with an override in its place."""
     keys, places = override.keys, override.places

@@ -56,6 +56,12 @@ def output_paths(params: type[StageParams], values: Mapping[str, Any]) -> list[s
     return [str(PurePath(values[name])) for name in names if values[name] is not None]
 
 
+def plain_default(stage: type[Stage], name: str) -> Any:
+    """A default in JSON types."""
+    default = stage.Params.model_fields[name].get_default(call_default_factory=True)
+    return stage.Params.model_construct(**{name: default}).model_dump(mode="json", warnings=False)[name]
+
+
 def path_parameters(params: type[StageParams], mark: type) -> list[str]:
     """Names of the parameters with this mark: PathIn, PathOut, NetworkOut or DeviceIn."""
     return [name for name, info in params.model_fields.items() if _marked(info, mark)]

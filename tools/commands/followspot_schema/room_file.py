@@ -28,6 +28,12 @@ def room_schema() -> Schema:
             "sensors": named("name -> sensor", _sensor(others)),
             "planes": named("name -> plane", numbers(4, "a b c d: a x + b y + c z + d = 0, unit normal, m")),
             "targets": named("name -> target", _target()),
+            "tune": {
+                "type": "object",
+                "propertyNames": {"pattern": r"^[^.\s]+(\.[^.\s]+)+$"},
+                "description": "values that suit the place: plugin.name.parameter or stage.parameter, where"
+                " needed with /camera before the parameter",
+            },
             "truth": stage_use(
                 "source of the ground truth, if there is one",
                 others,
