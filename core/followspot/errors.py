@@ -46,6 +46,10 @@ class Place:
         """The place with one more at the end of its outer places."""
         return replace(self, outer=outer if self.outer is None else self.outer.within(outer))
 
+    def beside(self, other: Place) -> Place:
+        """The place together with another one that matters, without the outer places of that."""
+        return self.within(replace(other, outer=None))
+
     @property
     def outer_places(self) -> tuple[Place, ...]:
         """The outer place, its outer place, and so on."""

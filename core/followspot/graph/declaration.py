@@ -37,6 +37,7 @@ ENVELOPE = (
 )
 """Keys of a stage; parameters are below `with`."""
 _POLICIES = ("fail", "skip", "restart")
+_FEED = ("from", "only", "delay", "depth", "codec", "policy", "tolerance")
 _CODECS = ("raw", "lossless", "jpeg")
 _EDGE_POLICIES = ("block", "drop_oldest", "latest")
 
@@ -53,6 +54,8 @@ class Feed:
     policy: EdgePolicy
     place: Place
     tolerance: float | None = None
+    only: Selector | None = None
+    """The members of the sender's stage that feed the input, if not all of them may."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Places of the other settings, by key."""
 
@@ -136,10 +139,13 @@ def _input(port: str, node: Node, mistakes: list[Mistake]) -> InputDeclaration:
 def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     delay, depth, codec = 0, PlannedEdge.depth, PlannedEdge.codec
     policy, tolerance = PlannedEdge.policy, PlannedEdge.tolerance
+    chosen: Selector | None = None
     origin: Node | None = node
     places: Mapping[str, Place] = {}
     if isinstance(node.value, Mapping):
-        form = Form(node, "an input", ("from", "delay", "depth", "codec", "policy", "tolerance"), mistakes)
+        form = Form(node, "an input", _FEED, mistakes)
+        only = form.get("only")
+        chosen = None if only is None else read_selector(only, mistakes)
         origin = form.get("from", required=True)
         places = _places(form)
         delay = _delay(form)
@@ -154,7 +160,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
         text = f"an input is fed from STAGE or STAGE.PORT, not {kind_of(origin)}"
         mistakes.append(Mistake(origin.place, text, "for example: track, or track.forecast"))
         return None
-    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, tolerance, places)
+    return Feed(named[1], named[2], delay, depth, codec, policy, origin.place, tolerance, chosen, places)
 
 
 def _delay(form: Form) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
@@ -173,7 +173,7 @@ def _by_name(groups: _Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
                 text = (
                     f'"{instance.name}" names an instance of stage "{other.declared.name}" and another stage'
                 )
-                place = instance.declared.place.within(replace(other.declared.place, outer=None))
+                place = instance.declared.place.beside(other.declared.place)
                 mistakes.append(Mistake(place, text, "rename one of the stages"))
     return instances
 
@@ -243,6 +243,13 @@ def _sources(
     mistakes: list[Mistake],
 ) -> Collection[Instance]:
     """The instances that feed a target: those of its own or related members, else all of the stage."""
+    if feed.only is not None and _ANY not in sources:
+        chosen = feed.only.select(room)
+        sources = {member: source for member, source in sources.items() if member in chosen}
+        if not sources:
+            text = f'no instance of stage "{feed.stage}" serves {feed.only.text}'
+            mistakes.append(Mistake(feed.place, text, "change the selector, or leave it out"))
+            return []
     first = next(iter(sources.values()))
     if target.declared.each is None or first.declared.each is None:
         return sources.values()

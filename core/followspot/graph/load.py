@@ -40,8 +40,7 @@ def load(
 
     Raises InputError if the files cannot be put together, for then the graph is not known.
     """
-    composed = _composed(path, overrides, mistakes)
-    found, document = _room(room, composed.room, mistakes)
+    composed, found, document = _composed(path, overrides, room, mistakes)
     if not composed.complete:
         raise InputError(mistakes)
     nodes = composed.stages
@@ -53,18 +52,28 @@ def load(
     return Loaded(composed.name, found, document, composed.seed, stages)
 
 
-def composed_graph(path: str | Path, overrides: Sequence[str] = ()) -> Composed:
+def composed_graph(path: str | Path, *, room: str | None = None, overrides: Sequence[str] = ()) -> Composed:
     """The stages of a graph file and of all that it uses. Raises InputError."""
     mistakes: list[Mistake] = []
-    composed = _composed(path, overrides, mistakes)
+    composed, _, _ = _composed(path, overrides, room, mistakes)
     if mistakes:
         raise InputError(mistakes)
     return composed
 
 
-def _composed(path: str | Path, overrides: Sequence[str], mistakes: list[Mistake]) -> Composed:
-    found = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
-    return compose(Path(path), found, mistakes)
+def _composed(
+    path: str | Path, overrides: Sequence[str], room: str | None, mistakes: list[Mistake]
+) -> tuple[Composed, Room | None, Node | None]:
+    """The composed graph; the room and its document: see `Loaded.room`, `Loaded.room_node`."""
+    changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
+    found: tuple[Room | None, Node | None] = None, None
+
+    def find_room(named: Node | None) -> Room | None:
+        nonlocal found
+        found = _room(room, named, mistakes)
+        return found[0]
+
+    return compose(Path(path), changes, find_room, mistakes), *found
 
 
 def _room(option: str | None, node: Node | None, mistakes: list[Mistake]) -> tuple[Room | None, Node | None]:

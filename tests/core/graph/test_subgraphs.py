@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from tests.core.graph.composed import TRACKER, edges, names, planned, stage
+from tests.core.graph.files import ROOM
 
 TWO = """\
 graph: building
@@ -188,3 +189,53 @@ stages:
 def test_an_inner_stage_can_be_read_by_its_full_name(tmp_path: Path) -> None:
     main = SHARED.replace("hall.tracks", "hall/track.tracks")
     assert "hall/track.tracks -> save.tracks" in edges(planned(tmp_path, main))
+
+
+def test_a_stage_without_cameras_gets_those_of_its_sub_graph_only(tmp_path: Path) -> None:
+    gathered = TRACKER.replace("frame: camera", "frame: {from: camera, depth: 3}").replace(
+        "  pair:", "  all: {uses: toy.mosaic, in: {frames: camera}}\n  pair:"
+    )
+    main = SHARED.replace("in: {frames: eyes}", "cameras: 'cameras[name=cam1]', in: {frames: eyes}")
+    found = edges(planned(tmp_path, main, tracker=gathered))
+    assert [edge for edge in found if edge.startswith("eyes")] == [
+        "eyes/cam1.out -> hall/detect/cam1.frame",
+        "eyes/cam1.out -> hall/all.frames",
+    ]
+
+
+ZONED = ROOM.replace("    kind: color\n", "    kind: color\n    tags: {zone: hall}\n").replace(
+    "    kind: infrared\n", "    kind: infrared\n    tags: {zone: [stage, hall]}\n"
+)
+EACH = """\
+graph: building
+room: room.yaml
+stages:
+  tracker: {graph: tracker.yaml, each: zones}
+  pair:    {uses: toy.pair, in: {blobs: tracker.blobs}}
+  only:    {uses: toy.save, in: {tracks: tracker/stage/track.tracks}}
+"""
+
+
+def test_a_sub_graph_fans_out_over_the_values_of_a_tag(tmp_path: Path) -> None:
+    plan = planned(tmp_path, EACH, "tracker.level=0.25", "tracker/hall/detect.level=0.75", room=ZONED)
+    assert [s.name for s in plan.stages if "detect" in s.name] == [
+        "tracker/hall/detect/cam0",
+        "tracker/hall/detect/cam1",
+        "tracker/stage/detect/cam1",
+    ]
+    assert stage(plan, "tracker/stage/detect/cam1").params["level"] == 0.25
+    assert stage(plan, "tracker/hall/detect/cam1").params["level"] == 0.75
+    found = edges(plan)
+    assert "tracker/hall/track.forecast -> tracker/hall/detect/cam1.forecast delay 1" in found
+    assert "tracker/stage/track.tracks -> only.tracks" in found
+    assert len([edge for edge in found if edge.endswith(" pair.blobs")]) == 3
+
+
+def test_zones_that_overlap_share_what_an_input_gives_them(tmp_path: Path) -> None:
+    main = EACH.replace("each: zones}", "each: zones, in: {frames: eyes}}")
+    main += "  eyes: {uses: room.source, each: cameras}\n"
+    found = edges(planned(tmp_path, main, room=ZONED))
+    assert [edge for edge in found if edge.startswith("eyes/cam1")] == [
+        "eyes/cam1.out -> tracker/hall/detect/cam1.frame",
+        "eyes/cam1.out -> tracker/stage/detect/cam1.frame",
+    ]

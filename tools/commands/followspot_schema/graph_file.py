@@ -151,6 +151,7 @@ def _feed() -> Schema:
         "STAGE or STAGE.PORT, with options",
         {
             "from": {**TEXT, "description": "STAGE or STAGE.PORT"},
+            "only": {**TEXT, "description": 'which instances of the sender: "cameras[zone=hall]"'},
             "delay": {"type": "integer", "minimum": 0, "description": "frames; for feedback"},
             "depth": {"type": "integer", "minimum": 1, "description": "longest queue"},
             "tolerance": {"type": "number", "minimum": 0, "description": "of matching by capture time, s"},

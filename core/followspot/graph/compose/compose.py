@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from followspot.graph.compose.senders import senders
 from followspot.graph.compose.unit import Unit, Units, Wired
 from followspot.graph.names import below
 from followspot.graph.override import Override
+from followspot.room import Room
 
 
 @dataclass(frozen=True)
@@ -34,21 +35,27 @@ class Composed:
     complete: bool
 
 
-def compose(path: Path, overrides: Sequence[Override], mistakes: list[Mistake]) -> Composed:
+def compose(
+    path: Path,
+    overrides: Sequence[Override],
+    find_room: Callable[[Node | None], Room | None],
+    mistakes: list[Mistake],
+) -> Composed:
     """Put the files of a graph together, with overrides; note mistakes.
 
-    Raises InputError if the graph file itself cannot be read.
+    find_room: gives the room from what the graph says; None if it has mistakes. Raises InputError if the
+    graph file itself cannot be read.
     """
     wrong: list[Mistake] = []
     files = GraphFiles(wrong, mistakes)
     root = files.root(path)
-    units = Units(files, wrong, mistakes)
-    unit = units.unit(root, overrides)
+    units = Units(files, find_room(root.room), wrong, mistakes)
+    unit = units.root(root, overrides)
     stages: dict[str, Node] = {}
     for name, node in _stages(unit, wrong):
         if name in stages:
             text = f'stage "{name}" is declared twice'
-            place = node.key.within(replace(stages[name].key, outer=None))
+            place = node.key.beside(stages[name].key)
             wrong.append(Mistake(place, text, "rename one"))
         stages.setdefault(name, node)
     for override in units.unknown:
@@ -63,7 +70,7 @@ def compose(path: Path, overrides: Sequence[Override], mistakes: list[Mistake]) 
 
 def _units(unit: Unit) -> Iterator[Unit]:
     """All sub-graphs."""
-    for inner in unit.units.values():
+    for inner in (inner for found in unit.units.values() for inner in found):
         yield inner
         yield from _units(inner)
 
@@ -72,8 +79,9 @@ def _stages(unit: Unit, mistakes: list[Mistake]) -> Iterator[tuple[str, Node]]:
     """The stages of a unit and of those below it, in the order of the files, with full names."""
     for name, node in unit.stages.items():
         if name in unit.units:
-            yield from _stages(unit.units[name], mistakes)
-        elif name not in unit.replaced and not (isinstance(node.value, Mapping) and "graph" in node.value):
+            for inner in unit.units[name]:
+                yield from _stages(inner, mistakes)
+        elif name not in unit.replaced:
             yield below(unit.name, name), _flat(name, node, unit, mistakes)
 
 
@@ -83,7 +91,7 @@ def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
         return node
     entry = dict(node.value)
     if "each" in entry:
-        entry["each"] = narrowed(entry["each"], unit.cameras)
+        entry["each"] = narrowed(entry["each"], unit.limits)
     inputs = entry.get("in")
     wired = {port: found for (stage, port), found in unit.wired.items() if stage == name}
     if wired and inputs is None:

@@ -48,10 +48,15 @@ def joined(outer: Node, inner: Node) -> Node:
     return replace(outer, value={"from": origin(outer), **options}) if options else origin(outer)
 
 
+def with_option(feed: Node, key: str, value: Node) -> Node:
+    """The feed with one more option."""
+    return replace(feed, value={"from": origin(feed), **_options(feed), key: value})
+
+
 def seen_with(feed: Node, other: Node) -> Node:
     """The feed, whose place names that of another feed, too."""
     start = origin(feed)
-    start = replace(start, place=start.place.within(replace(origin(other).place, outer=None)))
+    start = replace(start, place=start.place.beside(origin(other).place))
     return replace(feed, value={**feed.value, "from": start}) if isinstance(feed.value, Mapping) else start
 
 

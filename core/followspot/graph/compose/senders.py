@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.compose.feeds import items, joined, origin, renamed, seen_with, sender
+from followspot.graph.compose.feeds import items, joined, origin, renamed, seen_with, sender, with_option
+from followspot.graph.compose.narrowing import Limit, narrowed
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
 
@@ -33,15 +35,16 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
     if stage in unit.replaced:
         wired = unit.replaced[stage]
         outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
-        return [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
+        found = [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
+        return [_only(one, unit.stages[stage], unit.limits) for one in found]
     if stage in unit.units:
-        return _of_output(unit.units[stage], port, feed, mistakes, way)
-    if stage not in unit.stages:
-        inner = next((name for name in unit.units if stage.startswith(f"{name}/")), None)
-        if inner is not None:
-            text = _join(stage.removeprefix(f"{inner}/"), port)
-            return senders(unit.units[inner], renamed(feed, text), mistakes, way)
-    return [renamed(feed, _join(below(unit.name, stage), port))]
+        return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]
+    full = below(unit.name, stage)
+    for inner in (inner for units in unit.units.values() for inner in units):
+        if stage not in unit.stages and full.startswith(f"{inner.name}/"):
+            text = _join(full.removeprefix(f"{inner.name}/"), port)
+            return senders(inner, renamed(feed, text), mistakes, way)
+    return [renamed(feed, _join(full, port))]
 
 
 def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way) -> list[Node]:
@@ -50,7 +53,7 @@ def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake]
     chosen = port if port is not None else next(iter(outputs)) if len(outputs) == 1 else None
     target = outputs.get(chosen) if chosen is not None else None
     if target is None:
-        place = origin(feed).place.within(replace(unit.file.place, outer=None))
+        place = origin(feed).place.beside(unit.file.place)
         if port is not None:
             text = f'sub-graph "{unit.name}" has no output "{port}"'
             mistakes.append(Mistake(place, text, did_you_mean(port, outputs, "outputs")))
@@ -62,6 +65,15 @@ def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake]
         return []
     inner = replace(target.node, place=origin(feed).place)
     return [joined(one, feed) for one in senders(unit, seen_with(inner, target.node), mistakes, way)]
+
+
+def _only(feed: Node, replaced: Node, limits: Sequence[Limit]) -> Node:
+    """The feed from those members alone that the replaced stage served."""
+    each = replaced.value.get("each") if isinstance(replaced.value, Mapping) else None
+    selector = None if each is None else narrowed(each, limits)
+    if selector is None or "[" not in str(selector.value):
+        return feed
+    return with_option(feed, "only", selector)
 
 
 def _with_port(feed: Node, port: str | None) -> Node:

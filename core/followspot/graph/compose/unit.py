@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from followspot.document import Node
@@ -11,9 +11,10 @@ from followspot.form import Form
 from followspot.graph.compose.feeds import items, sender
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
 from followspot.graph.compose.interface import Interface, Target, read_interface
-from followspot.graph.compose.narrowing import check_cameras
+from followspot.graph.compose.narrowing import Limit, members, narrowed, read_cameras
 from followspot.graph.names import below
 from followspot.graph.override import SUBGRAPH, Override, overridden, with_value
+from followspot.room import Room
 
 
 @dataclass(frozen=True)
@@ -30,60 +31,91 @@ class Unit:
 
     name: of the sub-graph, "" for the graph itself; stages: as in the file, with the parameters that the use
     gives; wired: inputs of these stages that the use connects; replaced: stages in whose place the use
-    connects something; cameras: selectors of the use and of the uses around it; units: the sub-graphs among
-    the stages.
+    connects something; limits: of the use and of the uses around it; units: the sub-graphs among the stages,
+    several for one that fans out.
     """
 
     name: str
     file: GraphFile
     interface: Interface
     stages: dict[str, Node]
-    cameras: tuple[Node, ...] = ()
+    limits: tuple[Limit, ...] = ()
     wired: dict[tuple[str, str], Wired] = field(default_factory=dict)
     replaced: dict[str, Wired] = field(default_factory=dict)
-    units: dict[str, Unit] = field(default_factory=dict)
+    units: dict[str, tuple[Unit, ...]] = field(default_factory=dict)
 
 
 class Units:
     """Makes the units of one graph, and notes what does not fit an interface."""
 
-    def __init__(self, files: GraphFiles, mistakes: list[Mistake], odd: list[Mistake]) -> None:
-        """mistakes, odd: lists that receive mistakes, odd those with which the graph is still known."""
+    def __init__(
+        self, files: GraphFiles, room: Room | None, mistakes: list[Mistake], odd: list[Mistake]
+    ) -> None:
+        """room: None if it has mistakes; mistakes, odd: lists that receive mistakes, odd those with which the
+        graph is still known.
+        """
         self.files = files
+        self.room = room
         self.mistakes = mistakes
         self.odd = odd
         self.unknown: list[Override] = []
 
-    def unit(
-        self,
-        file: GraphFile,
-        overrides: Sequence[Override],
-        name: str = "",
-        entry: Form | None = None,
-        parent: Unit | None = None,
-    ) -> Unit:
-        """The unit of a file with all that are below it; entry: the stage that uses the file."""
-        self._check_removed(file)
-        unit = Unit(name, file, read_interface(file, self.mistakes), dict(file.stages))
-        if entry is not None and parent is not None:
-            unit.cameras = (*parent.cameras, *self._cameras(entry))
-            self._connect(unit, {**_own_inputs(entry, parent), **_wired_inputs(name, parent)})
-            self._give_params(unit, entry)
-        left = [override for override in overrides if not self._apply(unit, override)]
-        for stage, node in unit.stages.items():
-            if _is_subgraph(node) and stage not in unit.replaced:
-                inside = [override for override in left if override.stage.startswith(f"{stage}/")]
-                left = [override for override in left if override not in inside]
-                self._add(unit, stage, node, [override.below(stage) for override in inside])
-        self.unknown += left
+    def root(self, file: GraphFile, overrides: Sequence[Override]) -> Unit:
+        """The graph itself with all sub-graphs below it."""
+        unit = self._unit("", file)
+        self._complete(unit, overrides)
         return unit
 
-    def _cameras(self, entry: Form) -> Sequence[Node]:
-        """The selector below `cameras`, if there is one."""
-        found = entry.get("cameras")
-        if found is not None:
-            check_cameras(found, self.mistakes)
-        return () if found is None else (found,)
+    def _unit(self, name: str, file: GraphFile) -> Unit:
+        self._check_removed(file)
+        return Unit(name, file, read_interface(file, self.mistakes), dict(file.stages))
+
+    def _complete(self, unit: Unit, overrides: Sequence[Override]) -> None:
+        """Apply overrides, and add the units below."""
+        left = [override for override in overrides if not self._apply(unit, override)]
+        for stage, node in unit.stages.items():
+            if is_subgraph(node) and stage not in unit.replaced:
+                inside = [override for override in left if override.stage.startswith(f"{stage}/")]
+                left = [override for override in left if override not in inside]
+                unit.units[stage] = tuple(self._below(unit, stage, node, inside))
+        self.unknown += left
+
+    def _below(self, parent: Unit, stage: str, node: Node, overrides: Sequence[Override]) -> Iterator[Unit]:
+        """The units of a stage that is a sub-graph: one, or one for each member that it fans out over."""
+        name = below(parent.name, stage)
+        entry = Form(node, f'sub-graph "{name}"', SUBGRAPH, self.mistakes)
+        cameras, each = entry.get("cameras"), entry.get("each")
+        selector = read_cameras(cameras, self.mistakes) if cameras is not None else None
+        limits = parent.limits if selector is None else (*parent.limits, selector)
+        if each is None:
+            yield from self._use(parent, stage, stage, entry, limits, overrides)
+            return
+        found = members(narrowed(each, limits), name, self.room, self.mistakes)
+        names = [f"{stage}/{member.name}" for member in found]
+        self.unknown += [o for o in overrides if not any(o.stage.startswith(f"{n}/") for n in names)]
+        for member, full in zip(found, names, strict=True):
+            mine = [override for override in overrides if override.stage.startswith(f"{full}/")]
+            yield from self._use(parent, stage, full, entry, (*limits, member), mine)
+
+    def _use(
+        self,
+        parent: Unit,
+        stage: str,
+        name: str,
+        entry: Form,
+        limits: tuple[Limit, ...],
+        overrides: Sequence[Override],
+    ) -> Iterator[Unit]:
+        """The unit of one use of a file; none if a mistake was noted. name: within the parent."""
+        file = self.files.used(entry.entries["graph"], "graph", parent.file.paths, entry.node.key)
+        if file is None:
+            return
+        unit = replace(self._unit(below(parent.name, name), file), limits=limits)
+        wired = {port: found for (to, port), found in parent.wired.items() if to == stage}
+        self._connect(unit, {**_own_inputs(entry, parent), **wired})
+        self._give_params(unit, entry)
+        self._complete(unit, [override.below(name) for override in overrides])
+        yield unit
 
     def _apply(self, unit: Unit, override: Override) -> bool:
         """Apply an override if it is for a stage of this unit."""
@@ -98,13 +130,6 @@ class Units:
             unit.stages[stage] = overridden(unit.stages[stage], override, self.odd)
         return True
 
-    def _add(self, parent: Unit, stage: str, node: Node, overrides: Sequence[Override]) -> None:
-        """Add the unit of a stage that is a sub-graph."""
-        entry = Form(node, f'sub-graph "{below(parent.name, stage)}"', SUBGRAPH, self.mistakes)
-        file = self.files.used(entry.entries["graph"], "graph", parent.file.paths, node.key)
-        if file is not None:
-            parent.units[stage] = self.unit(file, overrides, below(parent.name, stage), entry, parent)
-
     def _check_removed(self, file: GraphFile) -> None:
         """Note removed stages that others still read, or the interface names."""
         for name, place in file.removed.items():
@@ -114,7 +139,7 @@ class Units:
             listed = ", ".join(dict.fromkeys(reader for reader, _ in readers))
             text = f'stage "{name}" is removed, but read by: {listed}'
             remedy = "feed them from another stage, or remove them too"
-            self.mistakes.append(Mistake(_seen_with(place, readers[0][1]), text, remedy))
+            self.mistakes.append(Mistake(place.beside(readers[0][1]), text, remedy))
 
     def _connect(self, unit: Unit, inputs: Mapping[str, Wired]) -> None:
         """Connect inputs of the interface."""
@@ -145,7 +170,7 @@ class Units:
             if targets is None:
                 self._unknown(unit, "parameter", name, value.key, unit.interface.params)
             for target in targets or ():
-                key, place = (_seen_with(place, target.node.place) for place in (value.key, value.place))
+                key, place = (place.beside(target.node.place) for place in (value.key, value.place))
                 keys = ("with", *(target.name or "").split("."))
                 if target.stage in unit.replaced:
                     text = f'parameter "{name}" of sub-graph "{unit.name}" sets "{target.text}"'
@@ -159,32 +184,22 @@ class Units:
 
     def _wrong(self, place: Place, target: Target, text: str, remedy: str) -> None:
         """Note a mistake at a use of an interface, together with the place of the interface."""
-        self.mistakes.append(Mistake(_seen_with(place, target.node.place), text, remedy))
+        self.mistakes.append(Mistake(place.beside(target.node.place), text, remedy))
 
     def _unknown(self, unit: Unit, noun: str, name: str, place: Place, known: Mapping[str, object]) -> None:
         text = f'graph "{unit.file.name}", used as "{unit.name}", has no {noun} "{name}"'
         remedy = did_you_mean(name, known.keys(), f"{noun}s")
-        self.mistakes.append(Mistake(_seen_with(place, unit.file.place), text, remedy))
+        self.mistakes.append(Mistake(place.beside(unit.file.place), text, remedy))
 
 
-def _is_subgraph(node: Node) -> bool:
+def is_subgraph(node: Node) -> bool:
+    """True if the entry of a stage names a graph file."""
     return isinstance(node.value, Mapping) and "graph" in node.value
 
 
 def _own_inputs(entry: Form, parent: Unit) -> dict[str, Wired]:
     """The inputs that the stage connects, in the names of the unit around it."""
     return {name: Wired(parent, feeds) for name, feeds in entry.mapping("in").items()}
-
-
-def _wired_inputs(name: str, parent: Unit) -> dict[str, Wired]:
-    """The inputs that an interface around the sub-graph connects."""
-    stage = name.removeprefix(f"{parent.name}/")
-    return {port: wired for (to, port), wired in parent.wired.items() if to == stage}
-
-
-def _seen_with(place: Place, other: Place) -> Place:
-    """The place together with another one that matters, without the outer places of that."""
-    return place.within(replace(other, outer=None))
 
 
 def _readers(name: str, file: GraphFile) -> list[tuple[str, Place]]:
