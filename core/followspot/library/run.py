@@ -151,7 +151,7 @@ class OwnRun(ScriptHandle):
         if kind is None:
             self._raise()
 
-    def __getitem__(self, port: str) -> Subscription:
+    def __getitem__(self, port: str) -> Subscription[Any]:
         """The messages of a port: all of them if it was named in `ports=`, else the newest from now on.
 
         port: STAGE.PORT, or a shorter name as `ports=` takes it. Raises FollowspotError.

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 from followspot.closing import Closing
 from followspot.control.dispatch import Ask
 from followspot.errors import FollowspotError
 from followspot.html import html_table
-from followspot.library.subscription import Subscription
+from followspot.library.subscription import M, Subscription
 from followspot.library.tapped import TappedPorts
 from followspot.operator.run_handle import RunHandle
 
@@ -30,7 +31,19 @@ class ScriptHandle(RunHandle, Closing):
         super().__init__(run, graph, ask, pid)
         self._tapped = TappedPorts(self, failure)
 
-    def __getitem__(self, port: str) -> Subscription:
+    def subscribe(self, port: str, kind: type[M]) -> Subscription[M]:
+        """``self[port]`` for type checkers and editors: a subscription to messages of this type.
+
+        kind: for example `followspot.tracking.Tracks`. Raises FollowspotError if the port gives other
+        messages, or if there is no such port.
+        """
+        found = self[port]
+        other = sorted(given.__name__ for given in found.types if not issubclass(given, kind))
+        if other:
+            raise FollowspotError(f"{port} gives {', '.join(other)}, not {kind.__name__}")
+        return found
+
+    def __getitem__(self, port: str) -> Subscription[Any]:
         """The newest messages of a port from now on; `dropped` counts the rest.
 
         port: STAGE.PORT, or a shorter name as `ports=` of `run` takes it. Raises FollowspotError.

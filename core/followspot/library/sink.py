@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from followspot.library.subscription import Subscription
 from followspot.messages import Message
@@ -11,7 +12,7 @@ from followspot.taps.port_tap import PortTap
 
 SINK = "followspot.subscription"
 
-_open: dict[str, Sequence[Subscription]] = {}
+_open: dict[str, Sequence[Subscription[Any]]] = {}
 """Subscriptions of this process by key."""
 
 
@@ -26,7 +27,7 @@ class SubscriptionSink(PortTap):
         key: str = Field("", description="subscriptions of this process")
 
     params: Params
-    subscriptions: Sequence[Subscription] = ()
+    subscriptions: Sequence[Subscription[Any]] = ()
 
     def setup(self) -> None:
         """Find the subscriptions. Raises RuntimeError if the key belongs to another process."""
@@ -52,7 +53,7 @@ class SubscriptionSink(PortTap):
         super().close()
 
 
-def offer_subscriptions(key: str, subscriptions: Sequence[Subscription]) -> None:
+def offer_subscriptions(key: str, subscriptions: Sequence[Subscription[Any]]) -> None:
     """Let the sink with this key hand its messages to these subscriptions."""
     _open[key] = subscriptions
 

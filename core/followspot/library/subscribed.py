@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import Any
 from uuid import uuid4
 
 from followspot.errors import FollowspotError
@@ -30,12 +31,12 @@ class Subscribed:
         self.in_process = (plan.workers[0].name,) if len(plan.workers) == 1 else (_WORKER,)
         self.failure: Callable[[], Exception | None] = lambda: None
         """Returns the error of the run; None if it succeeded."""
-        self._subscriptions: dict[str, Subscription] = {}
+        self._subscriptions: dict[str, Subscription[Any]] = {}
         self._keys: list[str] = []
         _check_offered(plan)
         self.plan = self._with_sinks(plan, words)
 
-    def found(self, word: str) -> Subscription | None:
+    def found(self, word: str) -> Subscription[Any] | None:
         """The subscription of this name; None if `ports=` did not name it."""
         return self._subscriptions.get(word)
 
@@ -58,16 +59,18 @@ class Subscribed:
 
     def _with_sinks(self, plan: Plan, words: Sequence[str]) -> Plan:
         known = output_ports(plan)
-        takers: dict[str, list[Subscription]] = defaultdict(list)
+        takers: dict[str, list[Subscription[Any]]] = defaultdict(list)
         for word in words:
-            subscription = Subscription(
+            chosen = chosen_ports(word, known, "ports")
+            subscription = Subscription[Any](
                 word,
+                [known[port] for port in chosen],
                 lossless=not plan.live,
                 failure=lambda: self.failure(),
                 siblings=self._subscriptions.values(),
             )
             self._subscriptions[word] = subscription
-            for port in chosen_ports(word, known, "ports"):
+            for port in chosen:
                 takers[port].append(subscription)
                 subscription.join()
         for port, subscriptions in takers.items():
@@ -77,7 +80,7 @@ class Subscribed:
             plan = replace(plan, workers=(*plan.workers, PlannedWorker(worker)))
         return plan
 
-    def _with_sink(self, plan: Plan, port: str, subscriptions: Sequence[Subscription]) -> Plan:
+    def _with_sink(self, plan: Plan, port: str, subscriptions: Sequence[Subscription[Any]]) -> Plan:
         key = uuid4().hex
         self._keys.append(key)
         offer_subscriptions(key, subscriptions)

@@ -6,18 +6,20 @@ import asyncio
 import threading
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Collection, Iterator
+from typing import Any, Generic, TypeVar
 
 from followspot.closing import Closing
 from followspot.errors import FollowspotError
 from followspot.messages import Message
 
+M = TypeVar("M", bound=Message)
 CAPACITY = 64
 """Messages that wait for the loop."""
 _STALLED = 1.0
 """Seconds without a message after which the subscription looks for the reason."""
 
 
-class Subscription(Closing):
+class Subscription(Closing, Generic[M]):
     """Iterates over the messages of one or more ports until the run ends. Leaving the loop closes it.
 
     A lossless subscription holds up the run while `CAPACITY` messages wait. Any other keeps the newest, and
@@ -28,43 +30,45 @@ class Subscription(Closing):
     def __init__(
         self,
         port: str,
+        types: Collection[type[Message]],
         *,
         lossless: bool,
         failure: Callable[[], Exception | None],
-        siblings: Collection[Subscription] = (),
+        siblings: Collection[Subscription[Any]] = (),
         on_close: Callable[[], object] = lambda: None,
     ) -> None:
-        """port: its name; failure: returns the error of the run, raised after the last message.
+        """port: its name; types: of its messages.
 
-        siblings: all subscriptions of the run, because an unread one may hold up the others; on_close: called
-        at each close.
+        failure: returns the error of the run, raised after the last message; siblings: all subscriptions of
+        the run, because an unread one may hold up the others; on_close: called at each close.
         """
         self.port = port
+        self.types = frozenset(types)
         self.lossless = lossless
         self.dropped = 0
         self._failure = failure
         self._siblings = siblings
         self._on_close = on_close
         self._begun = False
-        self._messages: deque[Message] = deque()
+        self._messages: deque[M] = deque()
         self._changed = threading.Condition()
         self._senders = 0
         self._ended = self._closed = False
 
-    def __iter__(self) -> Iterator[Message]:
+    def __iter__(self) -> Iterator[M]:
         try:
             while (message := self._next()) is not None:
                 yield message
         finally:
             self.close()
 
-    def __next__(self) -> Message:
+    def __next__(self) -> M:
         message = self._next()
         if message is None:
             raise StopIteration
         return message
 
-    async def __aiter__(self) -> AsyncIterator[Message]:
+    async def __aiter__(self) -> AsyncIterator[M]:
         try:
             while (message := await asyncio.to_thread(self._next)) is not None:
                 yield message
@@ -90,7 +94,7 @@ class Subscription(Closing):
             self._changed.notify_all()
         self._on_close()
 
-    def put(self, message: Message, missing: int = 0) -> None:
+    def put(self, message: M, missing: int = 0) -> None:
         """Add a message of the run; wait while a lossless subscription is full.
 
         missing: messages before it that did not come.
@@ -141,7 +145,7 @@ class Subscription(Closing):
                     f"close it{'' if other is self else both}"
                 )
 
-    def _next(self) -> Message | None:
+    def _next(self) -> M | None:
         """The next message; None at the end. Raises the error of the run after the last message."""
         self._begun = True
         with self._changed:

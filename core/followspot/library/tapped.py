@@ -39,7 +39,7 @@ class TappedPorts:
         self._feeds: dict[str, _Feed] = {}
         self._lock = threading.Lock()
 
-    def subscription(self, word: str) -> Subscription:
+    def subscription(self, word: str) -> Subscription[Any]:
         """The open subscription of this name, or a new one. Raises FollowspotError; see `_Feed`."""
         with self._lock:
             feed = self._feeds.get(word)
@@ -63,11 +63,13 @@ class _Feed:
 
     def __init__(self, run: RunHandle, word: str, failure: Failure) -> None:
         """Raises InputError if there is no such port, FollowspotError if it cannot be reached from here."""
-        self.subscription = Subscription(word, lossless=False, failure=failure, on_close=self._close)
         self._run = run
         plan, self._around = run.plan(), run.surroundings()
         ports = output_ports(plan)
         self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports")}
+        self.subscription = Subscription[Any](
+            word, self._types.values(), lossless=False, failure=failure, on_close=self._close
+        )
         self._homes: dict[str, str] = {}
         self._taps: list[Tapping] = []
         self._folder = TemporaryDirectory(prefix="followspot-tap-")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import inspect
 import signal
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -256,6 +258,44 @@ def test_the_handle_is_safe_from_many_threads(tmp_path: Path) -> None:
         for thread in threads:
             thread.join()
     assert problems == []
+
+
+@pytest.mark.parametrize("ports", [(), ("track.tracks",)], ids=["later", "from the start"])
+def test_a_subscription_to_messages_of_another_type_is_refused(
+    tmp_path: Path, ports: tuple[str, ...]
+) -> None:
+    endless = {"camera.realtime": True, "camera.frames": 0}
+    with fs.run(GRAPH, set=endless, ports=ports, out=tmp_path) as run:
+        with pytest.raises(fs.FollowspotError, match=r"track\.tracks gives Tracks, not Blobs"):
+            run.subscribe("track.tracks", Blobs)
+        for tracks in run.subscribe("track.tracks", Tracks):
+            assert tracks.xyz.shape[1] == 3
+            break
+
+
+TYPED = """
+from typing import Any, assert_type
+
+import followspot as fs
+from followspot.tracking import Tracks
+
+with fs.run("graph.yaml") as run:
+    assert_type(run.subscribe("track.tracks", Tracks), fs.Subscription[Tracks])
+    for tracks in run.subscribe("track.tracks", Tracks):
+        assert_type(tracks, Tracks)
+        print(tracks.xyz)
+    for message in run["track.tracks"]:
+        print(message.xyz)
+    assert_type(next(fs.connect().subscribe("fuse", Tracks)), Tracks)
+"""
+
+
+@pytest.mark.thorough
+def test_type_checkers_know_the_messages_of_a_subscription(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(TYPED)
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", tmp_path / "cache", "script.py"]
+    checked = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert checked.returncode == 0, checked.stdout
 
 
 def test_editors_see_everything() -> None:
