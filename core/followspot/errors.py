@@ -83,11 +83,15 @@ class Guess:
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake: its place, what is wrong, and the remedy."""
+    """One mistake: its place, what is wrong, and the remedy.
+
+    warning: True if the graph can run all the same.
+    """
 
     place: Place | None
     text: str
     help: str | Guess = ""
+    warning: bool = False
 
     def __post_init__(self) -> None:
         """Shorten a text that quotes much of the user's input."""
@@ -137,6 +141,14 @@ class InputError(FollowspotError):
         if more > 0:
             parts.append(f"and {more} more, which are shown when these are mended")
         return "\n".join(parts)
+
+
+def warning_lines(warnings: Sequence[Mistake]) -> Iterator[str]:
+    """The first warnings for a terminal, and how many more there are."""
+    for mistake in warnings[:MOST_SHOWN]:
+        yield f"warning: {mistake}"
+    if len(warnings) > MOST_SHOWN:
+        yield f"warning: and {len(warnings) - MOST_SHOWN} more"
 
 
 @contextmanager

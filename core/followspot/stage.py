@@ -20,7 +20,7 @@ from __future__ import annotations
 import hashlib
 import logging
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -29,6 +29,7 @@ from typing import Annotated, Any, ClassVar, Protocol, TypeVar
 import numpy as np
 import pydantic
 
+from followspot.errors import Mistake
 from followspot.messages import Array, Message
 from followspot.room import SETS, Camera, Member, Room, Sensor, Target
 
@@ -293,6 +294,15 @@ class Stage:
         A live source above 100 Hz keeps half a second of messages for a graph that is busy, any other two.
         """
         return None
+
+    @classmethod
+    def check_room(cls, params: Any, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Reasons known before a run why the stage can find nothing in a room; they become warnings.
+
+        params: of its first instance; cameras: those whose messages reach any of its instances. A mistake
+        without a place gets that of the stage.
+        """
+        return ()
 
     def setup(self) -> None:
         """Open files and devices; the worker calls it once before the first message."""

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage
+from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.color_mask import Limits, Sought, in_picture, in_windows
 from followspot_balls.components import Components, above_local_peak, clipped, components, of_size
-from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
+from followspot_balls.detection import DetectionParams, Detections, blobs_by_view, without_template
 from followspot_balls.hue import BINS, bhattacharyya, hue_bits, normalised
 from followspot_balls.search import Circles, Regions, search_regions
 from followspot_balls.strip import Windows, abreast, row_and_column
@@ -109,6 +109,11 @@ class ColorBlobs(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn about targets without a template."""
+        return without_template(room, cameras, "colour", lambda target: target.hue_histogram)
 
     def setup(self) -> None:
         name, p = self.camera.name, self.params

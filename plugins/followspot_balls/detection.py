@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from followspot import Array, Field, StageParams
+from followspot import Array, Field, Mistake, StageParams
 from followspot.geometry import undistort
-from followspot.room import Camera
+from followspot.room import Camera, Room, Target
 from followspot.tracking import Blobs
 
 
@@ -39,6 +39,19 @@ class DetectionParams(SearchParams):
         unit="1",
         description="largest blob area over the template's; raising it accepts more",
     )
+
+
+def without_template(
+    room: Room, cameras: Sequence[Camera], kind: str, template: Callable[[Target], Mapping[str, Any]]
+) -> Iterator[Mistake]:
+    """The targets that no camera can find, for lack of a template. kind: of the cameras, for people."""
+    if not room.targets:
+        yield Mistake(None, f'the room "{room.name}" has no targets to find', "followspot calibrate targets")
+    for target in room.targets.values():
+        if not any(c.name in template(target) and c.name in target.area for c in cameras):
+            names = ", ".join(camera.name for camera in cameras)
+            text = f'target "{target.name}" has no template in any {kind} camera ({names}), so none finds it'
+            yield Mistake(None, text, "followspot calibrate targets --room ROOM.yaml --clips CLIPS learns it")
 
 
 class Detections(NamedTuple):

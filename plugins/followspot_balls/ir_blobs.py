@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage
+from followspot import Array, Camera, Field, Latest, Mistake, Room, Stage
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.components import above_local_peak, clipped, components, of_size
-from followspot_balls.detection import DetectionParams, Detections, blobs_by_view
+from followspot_balls.detection import DetectionParams, Detections, blobs_by_view, without_template
 from followspot_balls.search import Circles, Regions, distances, search_regions, within
 from followspot_balls.strip import (
     Strip,
@@ -76,6 +76,11 @@ class IrBlobs(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn about targets without a template."""
+        return without_template(room, cameras, "infrared", lambda target: target.gray)
 
     def setup(self) -> None:
         name = self.camera.name

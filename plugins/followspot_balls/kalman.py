@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from followspot import Array, Field, Stage, StageParams
+from followspot import Array, Camera, Field, Mistake, Room, Stage, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
 from followspot_balls.marks import marked
@@ -106,6 +107,14 @@ class Kalman(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if nothing tells several targets apart."""
+        untold = [name for name in room.targets if name not in params.marks]
+        if len(room.targets) > 1 and untold and cameras and all(c.kind == "infrared" for c in cameras):
+            text = f"infrared cameras alone cannot tell {', '.join(untold)} from the other targets"
+            yield Mistake(None, text, "with: {marks: {TARGET: [x, y, z]}}, where each is at the beginning")
 
     def setup(self) -> None:
         """Begin with every target lost. Raises InputError if a mark is that of no target."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from followspot import Array, Field, Joined, Latest, Room, Stage, StageParams
+from followspot import Array, Camera, Field, Joined, Latest, Mistake, Room, Stage, StageParams
 from followspot.geometry import epipolar_distance, fundamental_matrix, plane_homography, transfer
 from followspot.tracking import Blobs, Forecast, Pairs
 from followspot_balls.alignment import aligned, delays
@@ -50,6 +50,15 @@ class VerifyPairs(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if fewer than two cameras send blobs."""
+        if len(cameras) < 2:
+            sent = f"only camera {cameras[0].name} sends" if cameras else "no camera sends"
+            yield Mistake(
+                None, f"a pair needs blobs of two cameras, and {sent} any", "add a calibrated camera"
+            )
 
     def setup(self) -> None:
         self.cameras = tuple(self.room.cameras)

@@ -7,7 +7,7 @@ import json
 from dataclasses import replace
 
 from followspot.cli.graph_options import add_graph_options, plan_of
-from followspot.errors import MOST_SHOWN, InputError, Mistake, Place, shown
+from followspot.errors import MOST_SHOWN, InputError, Mistake, Place, shown, warning_lines
 from followspot.plugins.hooks import Command
 
 
@@ -25,6 +25,8 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     """Find every mistake in a graph, its room and its placement; start nothing.
 
+    What can never come to anything (a stage that nobody reads, a target without a template) is a warning.
+
     Examples:
       followspot check graphs/glowballs.yaml --room rooms/studio.yaml
       followspot check graphs/glowballs.yaml --strict       is the result reproducible?
@@ -40,12 +42,21 @@ def _run(args: argparse.Namespace) -> int:
         return 2
     counts = {"stages": len(plan.stages), "edges": len(plan.edges), "workers": len(plan.workers)}
     if args.json:
-        found = {"graph": plan.graph, "room": plan.room.name, **counts, "notes": plan.notes}
+        warnings = [_mistake(mistake) for mistake in plan.warnings[:MOST_SHOWN]]
+        found = {
+            "graph": plan.graph,
+            "room": plan.room.name,
+            **counts,
+            "notes": plan.notes,
+            "warnings": warnings,
+        }
         print(json.dumps({"ok": True, **found}))
     else:
         print(f"{plan.graph} in {plan.room.name}: " + ", ".join(f"{n} {what}" for what, n in counts.items()))
         for note in plan.notes:
             print(f"note: {note}")
+        for line in warning_lines(plan.warnings):
+            print(line)
     return 0
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from followspot.cli.agent_options import add_network_options, network_of
 from followspot.cli.graph_options import add_graph_options, frame_count, output_folder, plan_of
-from followspot.errors import FollowspotError
+from followspot.errors import FollowspotError, warning_lines
 from followspot.plugins.hooks import Command, load_plan_options
 
 _SOON = 1.0
@@ -83,6 +83,8 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     if not args.quiet:
         for note in plan.notes:
             print(f"note: {note}", file=sys.stderr)
+    for line in warning_lines(plan.warnings):
+        print(line, file=sys.stderr)
     network = network_of(args)
     if args.detach:
         return _detach(plan, args, network)

@@ -44,6 +44,7 @@ def plan(
         seed=checked.seed if seed is None else seed,
         plugin_files=plugin_files,
         notes=(*checked.notes, *placed.notes, *_notes(planned, edges)),
+        warnings=checked.warnings,
     )
 
 

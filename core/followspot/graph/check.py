@@ -14,6 +14,7 @@ from followspot.graph.parameters import output_paths, validated
 from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
+from followspot.graph.warnings import warnings
 from followspot.people import PoseTruth
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
@@ -44,6 +45,8 @@ class Checked:
     """What is left out in this room, tunes that match nothing, and what is allowed in live runs only."""
     risks: tuple[Mistake, ...] = ()
     """Everything that can make two runs differ."""
+    warnings: tuple[Mistake, ...] = ()
+    """Everything that can never come to anything."""
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
@@ -72,7 +75,14 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     room = _checked_room(expanded, mistakes)
     notes = (*expanded.notes, *notes)
     return Checked(
-        expanded.name, room, expanded.seed, tuple(stages), tuple(edges), notes, tuple(risks(stages, edges))
+        expanded.name,
+        room,
+        expanded.seed,
+        tuple(stages),
+        tuple(edges),
+        notes,
+        tuple(risks(stages, edges)),
+        () if mistakes else tuple(warnings(stages, edges, expanded)),
     )
 
 

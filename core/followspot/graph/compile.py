@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from followspot.errors import FollowspotError, InputError, Mistake, Place
@@ -27,13 +28,14 @@ def compile_graph(
     seed: int | None = None,
     change: Callable[[Loaded], Loaded] | None = None,
     strict: bool = False,
+    subscribed: Sequence[str] = (),
 ) -> Plan:
     """The plan of a graph file. Raises InputError with every mistake.
 
     room: a room file instead of the graph's own; placement: "camera", "stage" or a placement file;
     overrides: STAGE.KEY=VALUE; plugin_files: Python files that offer stages; seed: of all random numbers;
     change: changes the declared stages before they are looked up; strict: treat everything that can make two
-    runs differ as a mistake.
+    runs differ as a mistake; subscribed: STAGE.PORT that a script reads, which are not warned about.
     """
     files = tuple(str(Path(file).absolute()) for file in plugin_files)
     checked, placed = checked_graph(
@@ -44,6 +46,7 @@ def compile_graph(
         plugin_files=files,
         change=change,
         strict=strict,
+        subscribed=subscribed,
     )
     return plan(checked, placed, edges, seed=seed, plugin_files=files)
 
@@ -57,6 +60,7 @@ def checked_graph(
     plugin_files: Sequence[str] = (),
     change: Callable[[Loaded], Loaded] | None = None,
     strict: bool = False,
+    subscribed: Sequence[str] = (),
 ) -> tuple[Checked, Placed]:
     """The graph before it is planned, with the places of all that is written; see `compile_graph`."""
     mistakes: list[Mistake] = []
@@ -64,12 +68,18 @@ def checked_graph(
     loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
     expanded = expand(loaded if change is None else change(loaded), mistakes)
     expanded = tuned(expanded, mistakes)
-    checked = check(expanded, mistakes)
+    checked = check(replace(expanded, offered=expanded.offered | _stages(subscribed)), mistakes)
     mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:
         raise InputError(_ordered(mistakes))
     return checked, placed
+
+
+def _stages(ports: Sequence[str]) -> set[str]:
+    """The stages of ports, with those that they are instances of."""
+    names = {port.partition(".")[0] for port in ports}
+    return names | {name.rpartition("/")[0] for name in names}
 
 
 def _use(files: Sequence[str], mistakes: list[Mistake]) -> None:

@@ -62,6 +62,8 @@ class Expanded:
     left_out: Mapping[str, str]
     """Optional stages without an instance, each with the reason."""
     notes: tuple[str, ...] = ()
+    offered: frozenset[str] = frozenset()
+    """Stages that an interface names among its outputs."""
 
 
 _Groups = Mapping[str, Mapping[Member | None, Instance]]
@@ -94,17 +96,17 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         if len(wires) > MAX_EDGES:
             text = f"the graph has more than {MAX_EDGES} edges"
             return _nothing(loaded, text, "feed fewer inputs", mistakes)
-    complete = all(instance.declared.each is None or instance.member for instance in instances.values())
     return Expanded(
-        loaded.name,
-        room,
-        loaded.room_node,
-        complete,
-        loaded.seed,
-        instances,
-        tuple(wires),
-        left_out,
-        tuple(left_out.values()),
+        name=loaded.name,
+        room=room,
+        room_node=loaded.room_node,
+        complete=all(one.declared.each is None or one.member for one in instances.values()),
+        seed=loaded.seed,
+        instances=instances,
+        wires=tuple(wires),
+        left_out=left_out,
+        notes=tuple(left_out.values()),
+        offered=loaded.offered,
     )
 
 

@@ -31,6 +31,8 @@ class Loaded:
     room_node: Node | None
     seed: int
     stages: Mapping[str, StageDeclaration]
+    offered: frozenset[str] = frozenset()
+    """Stages that an interface names among its outputs."""
 
 
 def load(
@@ -49,7 +51,7 @@ def load(
         problem = problem if nodes else "the graph has no stages"
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
-    return Loaded(composed.name, found, document, composed.seed, stages)
+    return Loaded(composed.name, found, document, composed.seed, stages, composed.offered)
 
 
 def composed_graph(path: str | Path, *, room: str | None = None, overrides: Sequence[str] = ()) -> Composed:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from followspot.errors import Mistake
 from followspot.ranges import Wait
 from followspot.room import Member, Room
 
@@ -147,6 +148,8 @@ class Plan:
     """Absolute paths of one-file plugins."""
     notes: tuple[str, ...] = field(default=())
     """Differences from the request, for example an edge kind that was not possible."""
+    warnings: tuple[Mistake, ...] = ()
+    """What can never come to anything, with its places; it stays with the operator."""
 
     @property
     def live(self) -> bool:

@@ -53,30 +53,34 @@ class PlanOptions(TypedDict, total=False):
 
 
 def plan_of(
-    graph: str | Path | Graph, settings: Mapping[str, Any] | None, **options: Unpack[PlanOptions]
+    graph: str | Path | Graph,
+    settings: Mapping[str, Any] | None,
+    ports: Sequence[str] = (),
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """The plan of a graph with these options. Raises InputError with every mistake."""
     overrides = [f"{name}={_word(value)}" for name, value in (settings or {}).items()]
     if isinstance(graph, Graph):
-        return graph.plan(overrides=overrides, **options)
-    return compile_graph(graph, overrides=overrides, **options)
+        return graph.plan(overrides=overrides, subscribed=ports, **options)
+    return compile_graph(graph, overrides=overrides, subscribed=ports, **options)
 
 
 def check(
     graph: str | Path | Graph,
     *,
     set: Mapping[str, Any] | None = None,  # noqa: A002  # as --set is called
+    ports: Sequence[str] = (),
     **options: Unpack[PlanOptions],
 ) -> list[Mistake]:
     """Every mistake in a graph, its room and its placement, as data; nothing is started.
 
-    set, room, placement, seed, plugin_files, edges: as `run` takes them.
+    A graph without mistakes can still have warnings (`Mistake.warning`): what can never come to anything.
+    set, ports, room, placement, seed, plugin_files, edges: as `run` takes them.
     """
     try:
-        plan_of(graph, set, **options)
+        return list(plan_of(graph, set, ports, **options).warnings)
     except InputError as error:
         return list(error.mistakes)
-    return []
 
 
 def run(
@@ -104,7 +108,14 @@ def run(
     Raises InputError with every mistake.
     """
     plan = plan_of(
-        graph, set, room=room, placement=placement, seed=seed, plugin_files=plugin_files, edges=edges
+        graph,
+        set,
+        ports,
+        room=room,
+        placement=placement,
+        seed=seed,
+        plugin_files=plugin_files,
+        edges=edges,
     )
     subscribed = Subscribed(plan, ports)
     folder = Path(out or Path("runs") / f"{plan.graph}-{time.strftime('%Y%m%d-%H%M%S')}")

@@ -80,7 +80,7 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
             for host, clock in report.clocks.items()
         ],
         "workers": [worker.to_data() for worker in report.workers],
-        "warnings": list(report.warnings),
+        "warnings": [*(f"{m.place}: {m.text}" for m in report.plan.warnings), *report.warnings],
         "notes": list(report.plan.notes),
         "errors": [*report.errors, *report.unbalanced],
     }

@@ -213,7 +213,9 @@ def test_a_large_or_odd_text_is_refused_and_little_is_said(
 
 
 def test_a_room_of_a_thousand_cameras_is_planned(said: dict[str, tuple[int, str]]) -> None:
-    assert said["planned"] == (0, "g in room: 9000 stages, 8000 edges, 1 workers\n")
+    code, text = said["planned"]
+    assert (code, text.splitlines()[0]) == (0, "g in room: 9000 stages, 8000 edges, 1 workers")
+    assert 'warning: g.yaml:5:3: no stage reads what stage "s0" (balls.color_blobs) gives' in text
 
 
 def test_json_names_the_first_mistakes_and_counts_the_rest(said: dict[str, tuple[int, str]]) -> None:

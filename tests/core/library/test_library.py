@@ -197,7 +197,9 @@ def test_messages_come_to_an_event_loop_as_well(tmp_path: Path) -> None:
 
 def test_a_composed_graph_is_saved_checked_drawn_and_run_with_a_class_of_this_process(tmp_path: Path) -> None:
     graph = composed()
-    assert fs.check(graph) == []
+    assert fs.check(graph, ports=["low"]) == []
+    (warning,) = fs.check(graph)
+    assert warning.text == 'no stage reads what stage "low" (here.low) gives'
     assert str(graph._repr_svg_()).startswith("<svg")
     with fs.run(graph, frames=15, ports=["low"], out=tmp_path) as run:
         heights = [tracks.xyz[:, 2].max(initial=0.0) for tracks in run["low"]]

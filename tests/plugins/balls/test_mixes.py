@@ -29,7 +29,7 @@ def graph_for(room: Room, path: Path) -> Path:
     text = (GRAPHS / "glowballs.yaml").read_text()
     for stage, kind in (("color", "color"), ("infrared", "infrared")):
         if kind not in {camera.kind for camera in room.cameras.values()}:
-            lines = [line for line in text.splitlines() if not line.startswith(f"  {stage}:")]
+            lines = [line for line in text.splitlines() if not line.startswith((f"  {stage}:", "params:"))]
             text = "\n".join(lines).replace(f"{stage}, ", "").replace(f", {stage}]", "]")
     path.write_text(text)
     return path
@@ -140,6 +140,33 @@ def test_the_only_target_that_is_not_tracked_is_sought_everywhere_in_spite_of_it
     stage.setup()
     outputs = stage.process(positions_at({0: RED}, 0))
     assert outputs.forecast.state.tolist() == [TRACKED, LOST]
+
+
+def warned(folder: Path, mix: Mix, **settings: object) -> list[str]:
+    """What `check` says of the demo graph in such a room."""
+    room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), mix, seed=7, frames=FRAMES)
+    room_file.save(room, folder / "room.yaml")
+    graph = graph_for(room, folder / "graph.yaml")
+    return [mistake.text for mistake in fs.check(graph, room=folder / "room.yaml", set=settings)]
+
+
+def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) -> None:
+    assert warned(tmp_path, Mix(3, 0)) == warned(tmp_path, Mix(0, 2, 1)) == []
+    (alone,) = warned(tmp_path, Mix(1, 0))
+    assert alone == "a pair needs blobs of two cameras, and only camera cam0 sends any"
+    (untold,) = warned(tmp_path, Mix(0, 2))
+    assert untold == "infrared cameras alone cannot tell green, red, blue from the other targets"
+    assert (
+        warned(tmp_path, Mix(0, 2), **{"track.marks": dict.fromkeys(("green", "red", "blue"), GREEN)}) == []
+    )
+
+
+def test_a_target_without_a_template_in_any_camera_is_warned_about(tmp_path: Path) -> None:
+    room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), Mix(2, 1), seed=7, frames=FRAMES)
+    red = replace(room.targets["red"], hue_histogram={})
+    room_file.save(replace(room, targets={**room.targets, "red": red}), tmp_path / "room.yaml")
+    (mistake,) = fs.check(GRAPHS / "glowballs.yaml", room=tmp_path / "room.yaml")
+    assert mistake.text == 'target "red" has no template in any colour camera (cam0, cam2), so none finds it'
 
 
 def test_a_mark_of_no_target_is_refused() -> None:

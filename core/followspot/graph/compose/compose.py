@@ -23,7 +23,8 @@ class Composed:
     """A graph without sub-graphs, as if it were one file.
 
     room: the value of the key; place: of the graph file; files: all that were read; complete: False if a
-    mistake in how files are put together left stages or edges unknown.
+    mistake in how files are put together left stages or edges unknown; offered: stages that an interface
+    names among its outputs.
     """
 
     name: str
@@ -33,6 +34,7 @@ class Composed:
     stages: Mapping[str, Node]
     files: tuple[Path, ...]
     complete: bool
+    offered: frozenset[str] = frozenset()
 
 
 def compose(
@@ -65,7 +67,19 @@ def compose(
         mistakes.append(Mistake(override.stage_place, text, did_you_mean(name, known, "stages")))
     mistakes += wrong
     read = tuple(files.files)
-    return Composed(root.name, root.place, root.room, root.seed or 0, stages, read, complete=not wrong)
+    offered = _offered(unit) if not wrong else frozenset()
+    return Composed(root.name, root.place, root.room, root.seed or 0, stages, read, not wrong, offered)
+
+
+def _offered(unit: Unit) -> frozenset[str]:
+    """Full names of the stages that interfaces offer, that of the graph file included."""
+    found = [
+        str(node.value)
+        for one in (unit, *_units(unit))
+        for target in one.interface.outputs.values()
+        for node in senders(one, target.node, [])
+    ]
+    return frozenset(name.partition(".")[0] for name in found)
 
 
 def _units(unit: Unit) -> Iterator[Unit]:

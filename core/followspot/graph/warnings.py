@@ -1,0 +1,174 @@
+"""What a graph can never do although it is valid: warnings, which do not stop a run."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from operator import or_
+from typing import Any, Protocol
+
+from followspot.document import Node, child
+from followspot.errors import Mistake
+from followspot.graph.connections import CheckedEdge
+from followspot.graph.cycles import Successors, successors, topological
+from followspot.graph.expand import Expanded, Instance
+from followspot.ports import ports
+from followspot.room import Member, Room
+from followspot.stage import Stage
+
+MOST_NAMED = 6
+"""Most cameras that a warning names."""
+FIRING = ("plain", "joined")
+"""Kinds of inputs whose messages let a stage fire."""
+
+
+class Checked(Protocol):
+    """An instance with its class and its validated parameters."""
+
+    @property
+    def instance(self) -> Instance: ...
+
+    @property
+    def stage(self) -> type[Stage]: ...
+
+    @property
+    def params(self) -> Mapping[str, Any]: ...
+
+
+@dataclass(frozen=True)
+class Flow:
+    """The checked stages, and all edges by the instances at their ends."""
+
+    stages: Mapping[str, Checked]
+    edges: Sequence[CheckedEdge]
+
+    @cached_property
+    def after(self) -> Successors:
+        """The instances that each feeds, except those that it feeds sampled or delayed."""
+        ends = [(e.wire.source.name, e.wire.target.name) for e in self.edges if not e.held]
+        return successors(self.stages, ends)
+
+    @cached_property
+    def order(self) -> Sequence[str]:
+        """All instances, each after those that feed it."""
+        return topological(self.after)
+
+    @cached_property
+    def groups(self) -> Mapping[str, list[Checked]]:
+        """The instances of each stage of the graph file."""
+        found: dict[str, list[Checked]] = defaultdict(list)
+        for checked in self.stages.values():
+            found[checked.instance.declared.name].append(checked)
+        return found
+
+
+def warnings(stages: Sequence[Checked], edges: Sequence[CheckedEdge], expanded: Expanded) -> list[Mistake]:
+    """Everything in a graph without mistakes that can never come to anything, at its place."""
+    room = expanded.room
+    flow = Flow({checked.instance.name: checked for checked in stages}, edges)
+    found = [
+        *_unread(flow, expanded),
+        *_unused(flow, room, expanded.room_node),
+        *_never(flow),
+        *_foreseen(flow, room),
+    ]
+    return [replace(mistake, warning=True) for mistake in dict.fromkeys(found)]
+
+
+def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:
+    """Stages with outputs that feed nothing, or that feed nothing for some cameras."""
+    read = {edge.wire.source.name for edge in flow.edges}
+    for name, group in flow.groups.items():
+        idle = [one.instance for one in group if one.instance.name not in read]
+        if not idle or name in expanded.offered or not ports(group[0].stage).outputs:
+            continue
+        declared = group[0].instance.declared
+        if len(idle) == len(group):
+            text = f'no stage reads what stage "{name}" ({idle[0].uses}) gives'
+            yield Mistake(declared.place, text, "feed a stage or a sink from it, or remove it")
+        else:
+            members = _listed([one.member for one in idle if one.member], expanded.room)
+            text = f'no stage reads what stage "{name}" gives for {members}'
+            place = declared.each.place if declared.each is not None else declared.place
+            yield Mistake(place, text, "add a stage for these, or narrow its each")
+
+
+def _unused(flow: Flow, room: Room, node: Node | None) -> Iterator[Mistake]:
+    """Cameras of the room that no stage serves, in a graph that serves others."""
+    served = {_camera(checked.instance) for checked in flow.stages.values()} - {""}
+    idle = [name for name in room.cameras if name not in served]
+    if not served or not idle:
+        return
+    entry = child(child(node, "cameras"), idle[0])
+    text = f"no stage serves {_listed([Member('cameras', name) for name in idle], room)}"
+    yield Mistake(
+        entry.key if entry is not None else None, text, "each: cameras serves all cameras of the room"
+    )
+
+
+def _camera(instance: Instance) -> str:
+    """The name of the camera that an instance serves, empty if it serves none."""
+    return instance.member.name if instance.member and instance.member.set == "cameras" else ""
+
+
+def _listed(members: Sequence[Member], room: Room) -> str:
+    """For example: cameras cam1 (infrared), cam3 (infrared)."""
+    shown = [m.name + (f" ({room.cameras[m.name].kind})" if m.set == "cameras" else "") for m in members]
+    more = f" and {len(shown) - MOST_NAMED} more" if len(shown) > MOST_NAMED else ""
+    return f"{members[0].noun}{'s' * (len(shown) > 1)} {', '.join(shown[:MOST_NAMED])}{more}"
+
+
+def _never(flow: Flow) -> Iterator[Mistake]:
+    """Stages that never fire, unless one that feeds them is named already."""
+    into: dict[str, list[CheckedEdge]] = defaultdict(list)
+    for edge in flow.edges:
+        if edge.kind in FIRING and not edge.held:
+            into[edge.wire.target.name].append(edge)
+    firing = _firing(flow, into)
+    for name, group in flow.groups.items():
+        still = [one.instance.name for one in group if one.instance.name not in firing]
+        if still and not any(edge.wire.source.name not in firing for i in still for edge in into[i]):
+            text = f'stage "{name}" never fires: all its inputs are sampled or delayed'
+            remedy = "feed it without a delay from a source, or from a stage that a source feeds"
+            yield Mistake(group[0].instance.declared.place, text, remedy)
+
+
+def _firing(flow: Flow, into: Mapping[str, Sequence[CheckedEdge]]) -> set[str]:
+    """Instances that messages of a source can reach at every required input that fires.
+
+    into: edges that are neither sampled nor delayed, by their target.
+    """
+    found: set[str] = set()
+    for name in flow.order:
+        if ports(flow.stages[name].stage).source or _fed(into[name], found):
+            found.add(name)
+    return found
+
+
+def _fed(edges: Sequence[CheckedEdge], firing: set[str]) -> bool:
+    """Whether some sender of every port fires."""
+    live = {edge.wire.port for edge in edges if edge.wire.source.name in firing}
+    return bool(live) and live == {edge.wire.port for edge in edges}
+
+
+def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
+    """What the stages themselves know of the room and of the cameras that reach them."""
+    reach = _cameras(flow, list(room.cameras))
+    for group in flow.groups.values():
+        first = group[0]
+        seen = reduce(or_, (reach[one.instance.name] for one in group))
+        cameras = [camera for bit, camera in enumerate(room.cameras.values()) if seen >> bit & 1]
+        for mistake in first.stage.check_room(first.stage.Params(**first.params), room, cameras):
+            yield replace(mistake, place=mistake.place or first.instance.declared.place)
+
+
+def _cameras(flow: Flow, cameras: Sequence[str]) -> dict[str, int]:
+    """The cameras whose messages each instance gets, its own included, as bits in the order of the room."""
+    bit = {name: 1 << number for number, name in enumerate(cameras)}
+    reach = {name: bit.get(_camera(one.instance), 0) for name, one in flow.stages.items()}
+    for source in flow.order:
+        for target in flow.after[source]:
+            reach[target] |= reach[source]
+    return reach
