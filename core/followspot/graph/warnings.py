@@ -142,15 +142,17 @@ def _firing(flow: Flow, into: Mapping[str, Sequence[CheckedEdge]]) -> set[str]:
     """
     found: set[str] = set()
     for name in flow.order:
-        if ports(flow.stages[name].stage).source or _fed(into[name], found):
+        stage = flow.stages[name].stage
+        if ports(stage).source or _fed(stage, into[name], found):
             found.add(name)
     return found
 
 
-def _fed(edges: Sequence[CheckedEdge], firing: set[str]) -> bool:
-    """Whether some sender of every port fires."""
+def _fed(stage: type[Stage], edges: Sequence[CheckedEdge], firing: set[str]) -> bool:
+    """Whether some sender of a port fires, and one of every port that the stage cannot do without."""
     live = {edge.wire.port for edge in edges if edge.wire.source.name in firing}
-    return bool(live) and live == {edge.wire.port for edge in edges}
+    required = {port.name for port in ports(stage).inputs if port.required}
+    return bool(live) and required & {edge.wire.port for edge in edges} <= live
 
 
 def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:

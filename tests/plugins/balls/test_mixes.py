@@ -13,7 +13,6 @@ import followspot as fs
 from bench_mixes import Mix, first_positions, part
 from followspot import room_file
 from followspot.errors import InputError
-from followspot.room import Room
 from followspot.stage import Context
 from followspot.tracking import LOST, MISSING, TRACKED, Pairs
 from followspot_balls.kalman import Kalman
@@ -21,18 +20,8 @@ from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 
 GRAPHS = Path(__file__).parents[3] / "graphs"
+GRAPH = GRAPHS / "glowballs.yaml"
 FRAMES = 60
-
-
-def graph_for(room: Room, path: Path) -> Path:
-    """The demo graph without the detectors that the room has no camera for."""
-    text = (GRAPHS / "glowballs.yaml").read_text()
-    for stage, kind in (("color", "color"), ("infrared", "infrared")):
-        if kind not in {camera.kind for camera in room.cameras.values()}:
-            lines = [line for line in text.splitlines() if not line.startswith((f"  {stage}:", "params:"))]
-            text = "\n".join(lines).replace(f"{stage}, ", "").replace(f", {stage}]", "]")
-    path.write_text(text)
-    return path
 
 
 # Bars: what hides a ball from one of two cameras ends its measurements, so two cover less than three.
@@ -53,8 +42,7 @@ def test_balls_are_tracked_by_any_mix_of_cameras(
     room = part(simulated, Mix(color, infrared, targets), seed=7, frames=FRAMES)
     room_file.save(room, tmp_path / "room.yaml")
     settings = {"track.marks": first_positions(room)} if told else {}
-    graph = graph_for(room, tmp_path / "graph.yaml")
-    with fs.run(graph, room=tmp_path / "room.yaml", set=settings, out=tmp_path) as run:
+    with fs.run(GRAPH, room=tmp_path / "room.yaml", set=settings, out=tmp_path) as run:
         found = {row["target"]: row for row in run.wait().accuracy}
     assert len(found) == targets
     for name, row in found.items():
@@ -146,8 +134,7 @@ def warned(folder: Path, mix: Mix, **settings: object) -> list[str]:
     """What `check` says of the demo graph in such a room."""
     room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), mix, seed=7, frames=FRAMES)
     room_file.save(room, folder / "room.yaml")
-    graph = graph_for(room, folder / "graph.yaml")
-    return [mistake.text for mistake in fs.check(graph, room=folder / "room.yaml", set=settings)]
+    return [mistake.text for mistake in fs.check(GRAPH, room=folder / "room.yaml", set=settings)]
 
 
 def test_rooms_in_which_nothing_can_be_found_are_warned_about(tmp_path: Path) -> None:
@@ -165,7 +152,7 @@ def test_a_target_without_a_template_in_any_camera_is_warned_about(tmp_path: Pat
     room = part(room_file.load(GRAPHS / "rooms/simulated.yaml"), Mix(2, 1), seed=7, frames=FRAMES)
     red = replace(room.targets["red"], hue_histogram={})
     room_file.save(replace(room, targets={**room.targets, "red": red}), tmp_path / "room.yaml")
-    (mistake,) = fs.check(GRAPHS / "glowballs.yaml", room=tmp_path / "room.yaml")
+    (mistake,) = fs.check(GRAPH, room=tmp_path / "room.yaml")
     assert mistake.text == 'target "red" has no template in any colour camera (cam0, cam2), so none finds it'
 
 
