@@ -245,7 +245,8 @@ def _sources(
     mistakes: list[Mistake],
 ) -> Collection[Instance]:
     """The instances that feed a target: those of its own or related members, else all of the stage."""
-    if feed.only is not None and _ANY not in sources:
+    unknown = target.declared.each is not None and target.member is None
+    if feed.only is not None and _ANY not in sources and not unknown:
         chosen = feed.only.select(room)
         sources = {member: source for member, source in sources.items() if member in chosen}
         if not sources:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.compose.feeds import items
+from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
 from followspot.graph.compose.senders import senders
@@ -74,9 +74,10 @@ def compose(
 def _offered(unit: Unit) -> frozenset[str]:
     """Full names of the stages that interfaces offer, that of the graph file included."""
     found = [
-        str(node.value)
+        str(origin(node).value)
         for one in (unit, *_units(unit))
-        for target in one.interface.outputs.values()
+        for targets in one.interface.outputs.values()
+        for target in targets
         for node in senders(one, target.node, [])
     ]
     return frozenset(name.partition(".")[0] for name in found)

@@ -57,6 +57,7 @@ class GraphFiles:
         self._seen: set[str] = set()
         self._uses = 0
         self._nodes = 0
+        self._full = False
 
     def root(self, path: Path) -> GraphFile:
         """The file of the graph itself. Raises InputError if it cannot be read."""
@@ -85,7 +86,9 @@ class GraphFiles:
         new = real not in self._seen
         if len(self._seen) + new > MAX_FILES or self._uses >= MAX_USES or self._nodes > MAX_NODES:
             text = f"more than {MAX_FILES} files, {MAX_USES} uses of files or {MAX_NODES} values are used"
-            self._fail(node.place, text, "make the graph smaller")
+            if not self._full:
+                self._fail(node.place, text, "make the graph smaller")
+            self._full = True
             return None
         try:
             return self._read(path, above, outer, "paths are relative to this file", node.place)

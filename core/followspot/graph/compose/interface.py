@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from followspot.document import Node
@@ -34,54 +34,51 @@ class Target:
 
 @dataclass(frozen=True)
 class Interface:
-    """What each name of the interface stands for inside."""
+    """What each name of the interface stands for inside; nothing if a mistake was noted."""
 
     params: Mapping[str, tuple[Target, ...]]
     inputs: Mapping[str, tuple[Target, ...]]
-    outputs: Mapping[str, Target]
+    outputs: Mapping[str, tuple[Target, ...]]
 
 
 def read_interface(file: GraphFile, mistakes: list[Mistake]) -> Interface:
     """Note names that cannot be read, and targets that are no stages of the file."""
-    known = file.stages.keys()
-    params = {
-        name: tuple(target for target in found if target.name is not None)
-        for name, found in _read("params", file.params, known, mistakes)
-    }
-    inputs = dict(_read("inputs", file.inputs, known, mistakes))
-    outputs = {
-        name: found[0] for name, found in _read("outputs", file.outputs, known, mistakes) if len(found) == 1
-    }
-    return Interface(params, inputs, outputs)
+    return Interface(
+        dict(_read("params", file.params, file, mistakes)),
+        dict(_read("inputs", file.inputs, file, mistakes)),
+        dict(_read("outputs", file.outputs, file, mistakes)),
+    )
 
 
 def _read(
-    key: str, entries: Mapping[str, Node], known: Collection[str], mistakes: list[Mistake]
+    key: str, entries: Mapping[str, Node], file: GraphFile, mistakes: list[Mistake]
 ) -> Iterator[tuple[str, tuple[Target, ...]]]:
     for name, node in entries.items():
         if not is_name(name):
             text = f'"{name}" cannot be a name among the {key}'
             mistakes.append(Mistake(node.key, text, "use letters, digits, _ and -"))
-            continue
         listed = items(node)
-        if not listed or (key == "outputs" and len(listed) != 1):
-            mistakes.append(
-                Mistake(node.place, f"{key}: {name} stands for {_FORMS[key]}, not {kind_of(node)}")
-            )
-        found = [_target(key, name, item, known, mistakes) for item in listed]
+        if not listed or (key == "outputs" and len(listed) > 1):
+            mistakes.append(_malformed(key, name, node))
+            listed = ()
+        found = [_target(key, name, item, file, mistakes) for item in listed]
         yield name, tuple(target for target in found if target is not None)
 
 
-def _target(
-    key: str, name: str, node: Node, known: Collection[str], mistakes: list[Mistake]
-) -> Target | None:
+def _target(key: str, name: str, node: Node, file: GraphFile, mistakes: list[Mistake]) -> Target | None:
     named = sender(node) if isinstance(node.value, str) else None
     if named is None or (key == "params" and named[1] is None):
-        text = f"{key}: {name} stands for {_FORMS[key]}, not {kind_of(node)}"
-        mistakes.append(Mistake(node.place, text, f"{key}: {{{name}: STAGE.NAME}}"))
+        mistakes.append(_malformed(key, name, node))
         return None
-    if named[0] not in known:
+    if named[0] in file.removed:
+        return None  # which is a mistake of its own
+    if named[0] not in file.stages:
         text = f'{key}: {name} names the stage "{named[0]}", which the graph lacks'
-        mistakes.append(Mistake(node.place, text, did_you_mean(named[0], known, "stages")))
+        mistakes.append(Mistake(node.place, text, did_you_mean(named[0], file.stages.keys(), "stages")))
         return None
     return Target(named[0], named[1], node)
+
+
+def _malformed(key: str, name: str, node: Node) -> Mistake:
+    text = f"{key}: {name} stands for {_FORMS[key]}, not {kind_of(node)}"
+    return Mistake(node.place, text, f"{key}: {{{name}: STAGE.{'PARAMETER' if key == 'params' else 'PORT'}}}")

@@ -51,8 +51,8 @@ def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake]
     """The senders behind an output of a sub-graph: the named one, else the only one."""
     outputs = unit.interface.outputs
     chosen = port if port is not None else next(iter(outputs)) if len(outputs) == 1 else None
-    target = outputs.get(chosen) if chosen is not None else None
-    if target is None:
+    targets = outputs.get(chosen) if chosen is not None else None
+    if targets is None:
         place = origin(feed).place.beside(unit.file.place)
         if port is not None:
             text = f'sub-graph "{unit.name}" has no output "{port}"'
@@ -63,8 +63,11 @@ def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake]
             remedy = remedy if outputs else "add to its file: outputs: {NAME: STAGE.PORT}"
             mistakes.append(Mistake(place, text, remedy))
         return []
-    inner = replace(target.node, place=origin(feed).place)
-    return [joined(one, feed) for one in senders(unit, seen_with(inner, target.node), mistakes, way)]
+    found = []
+    for target in targets:  # one, or none if a mistake was noted
+        inner = seen_with(replace(target.node, place=origin(feed).place), target.node)
+        found += [joined(one, feed) for one in senders(unit, inner, mistakes, way)]
+    return found
 
 
 def _only(feed: Node, replaced: Node, limits: Sequence[Limit]) -> Node:

@@ -143,7 +143,7 @@ class Units:
 
     def _connect(self, unit: Unit, inputs: Mapping[str, Wired]) -> None:
         """Connect inputs of the interface."""
-        by: dict[tuple[str, str | None], str] = {}
+        connected: list[tuple[Target, str]] = []
         for name, wired in inputs.items():
             targets = unit.interface.inputs.get(name)
             if targets is None:
@@ -151,20 +151,29 @@ class Units:
             elif not items(wired.feeds):
                 text = f'input "{name}" of sub-graph "{unit.name}" is fed by nothing'
                 self.mistakes.append(Mistake(wired.feeds.place, text, "name a stage"))
-            for target in targets or ():
-                first = by.setdefault((target.stage, target.name), name)
-                if first != name or (target.name is not None and target.stage in unit.replaced):
-                    text = (
-                        f'several inputs of sub-graph "{unit.name}" feed "{target.text}": connect one of them'
-                    )
-                    self._wrong(wired.feeds.key, target, text, f'"{first}" feeds it, too')
-                elif target.name is None:
-                    unit.replaced[target.stage] = wired
-                else:
-                    unit.wired[target.stage, target.name] = wired
+            else:
+                for target in targets:
+                    self._connect_to(unit, target, name, wired, connected)
+
+    def _connect_to(
+        self, unit: Unit, target: Target, name: str, wired: Wired, connected: list[tuple[Target, str]]
+    ) -> None:
+        """Connect an input to one of its targets, unless one of those connected before has taken it."""
+        first = next((other for known, other in connected if _overlap(known, target)), None)
+        if first is not None:
+            both = f'"{first}" and "{name}" of sub-graph "{unit.name}"'
+            self._wrong(
+                wired.feeds.key, target, f"inputs {both} both feed {target.stage}", "connect one of them"
+            )
+        elif target.name is None:
+            unit.replaced[target.stage] = wired
+        else:
+            unit.wired[target.stage, target.name] = wired
+        connected.append((target, name))
 
     def _give_params(self, unit: Unit, entry: Form) -> None:
         """Put the values below `with` where the interface says."""
+        by: dict[tuple[str, str | None], str] = {}
         for name, value in entry.mapping("with").items():
             targets = unit.interface.params.get(name)
             if targets is None:
@@ -172,7 +181,12 @@ class Units:
             for target in targets or ():
                 key, place = (place.beside(target.node.place) for place in (value.key, value.place))
                 keys = ("with", *(target.name or "").split("."))
-                if target.stage in unit.replaced:
+                first = by.setdefault((target.stage, target.name), name)
+                if first != name:
+                    both = f'"{first}" and "{name}" of sub-graph "{unit.name}"'
+                    text = f"parameters {both} both set {target.text}"
+                    self._wrong(value.key, target, text, "give one of them")
+                elif target.stage in unit.replaced:
                     text = f'parameter "{name}" of sub-graph "{unit.name}" sets "{target.text}"'
                     self._wrong(
                         value.key, target, text, "this stage is replaced by an input: remove the value"
@@ -195,6 +209,11 @@ class Units:
 def is_subgraph(node: Node) -> bool:
     """True if the entry of a stage names a graph file."""
     return isinstance(node.value, Mapping) and "graph" in node.value
+
+
+def _overlap(first: Target, second: Target) -> bool:
+    """True if both stand for one port, or one for the stage of the other."""
+    return first.stage == second.stage and (first.name == second.name or None in (first.name, second.name))
 
 
 def _own_inputs(entry: Form, parent: Unit) -> dict[str, Wired]:
