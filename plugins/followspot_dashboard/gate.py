@@ -12,6 +12,8 @@ import os
 from pathlib import Path
 
 FILE = "gate"
+SOCKET = "previews"
+"""File of the socket beside it that takes the previews of this host."""
 WATCHED, MOMENT, BEFORE, NEXT = range(4)
 """Words: whether a browser shows the page; the next capture time to show, ns, and the previous one, which
 some taps may not have reached; the monotonic time, ns, after which a tap may choose the next one. They are

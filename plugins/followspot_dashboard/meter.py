@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot import Field, Message
 from followspot.messages import stamped
-from followspot_dashboard.observer import Observer
+from followspot.taps.port_tap import PortTap
 
 MOST = 4096
 """Largest number of remembered messages; the oldest are dropped if the window has more."""
@@ -31,10 +31,10 @@ class Rhythm(Message):
     worst_ms: float
 
 
-class Meter(Observer):
+class Meter(PortTap):
     """Report to `followspot hz` how regularly a port sends."""
 
-    class Params(Observer.Params):
+    class Params(PortTap.Params):
         window: float = Field(
             5.0,
             gt=0,
@@ -51,7 +51,7 @@ class Meter(Observer):
     """A clock, ns."""
 
     def setup(self) -> None:
-        """Connect to the reader; without one, nothing is measured."""
+        """Connect to the reader."""
         super().setup()
         self.window = int(self.params.window * 1e9)
         self.every = int(self.params.report_interval * 1e9)
@@ -60,22 +60,16 @@ class Meter(Observer):
 
     def process(self, message: Message) -> None:
         """Note when the message came. Raises EOFError if the reader has left."""
-        line = self.line
-        if line is not None and line.deserted:
-            raise EOFError("the reader has left")
-        if line is None:
-            return
+        awaited = self.awaited()
         now = self.monotonic_ns()
         self.count += 1
         self.times.append(now)
         if now < self.tell_at:
             return
         self.tell_at = now + self.every
-        if line.watched:
+        if awaited:
             times = np.array(self.times)
-            line.send(
-                self.port, stamped(rhythm(self.count, times[times >= now - self.window]), message.header)
-            )
+            self.send(stamped(rhythm(self.count, times[times >= now - self.window]), message.header))
 
 
 def rhythm(count: int, times: np.ndarray) -> Rhythm:

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import time
 
-from followspot import Field, Message
+from followspot import Field, InputPath, Message
+from followspot.taps.port_tap import PortTap
 from followspot.tracking import Frame
-from followspot_dashboard.line import Line
-from followspot_dashboard.observer import Observer
+from followspot_dashboard.gate import Gate
 from followspot_dashboard.picture import picture_of
 from followspot_dashboard.turn import GateTurn, GridTurn, Turn
 
 
-class Tap(Observer):
+class Tap(PortTap):
     """Send previews of a port to the page; `followspot run --dashboard` adds a tap for each port.
 
     The tap shrinks pictures, and only while a browser shows them. It drops what the page does not take at
     once: a tap never waits.
     """
 
-    class Params(Observer.Params):
+    class Params(PortTap.Params):
+        folder: InputPath | None = Field(None, description="folder of the page's gate, if on this host")
         sets_times: bool = Field(
             False, description="whether this tap chooses the capture times that all taps show; for a source"
         )
@@ -38,32 +39,49 @@ class Tap(Observer):
         )
 
     params: Params
+    gate: Gate | None = None
 
     def setup(self) -> None:
-        """Connect to the page; without one, the tap ignores every message."""
+        """Connect to the page. One that has gone is reported at the first message."""
         super().setup()
         given = self.params
         self.between = int(1e9 / given.message_rate) if given.message_rate else 0
         self.next_at = 0
         period = int(1e9 / given.picture_rate)
-        self.turn: Turn
-        if isinstance(self.line, Line):
-            self.turn = GateTurn(self.line.gate, period, leads=given.sets_times)
-        else:
-            self.turn = GridTurn(period)
+        self.turn: Turn = GridTurn(period)
+        if given.folder is not None:
+            try:
+                self.gate = Gate(given.folder)
+            except OSError:
+                self.gone = True
+                return
+            self.turn = GateTurn(self.gate, period, leads=given.sets_times)
 
     def process(self, message: Message) -> None:
         """Show or ignore the message. Raises EOFError if the page has ended."""
-        line = self.line
-        if line is None:
-            return
+        if self.gone:
+            raise EOFError("the page has ended")
         if not (self.turn.has_come(message.header.time) or self._between_pictures()):
             return
         self.next_at = time.monotonic_ns() + self.between
-        if not isinstance(message, Frame):
-            line.send(self.port, message)
-        elif line.watched and (picture := picture_of(message, self.params.maximum_side)) is not None:
-            line.send(self.port, picture)
+        if isinstance(message, Frame):
+            picture = picture_of(message, self.params.maximum_side) if self._watched() else None
+            if picture is not None:
+                self.send(picture)
+        elif self.gate is not None or self._watched():
+            self.send(message)
+
+    def close(self) -> None:
+        """Disconnect from the page."""
+        super().close()
+        if self.gate is not None:
+            self.gate.close()
+
+    def _watched(self) -> bool:
+        """Whether a browser shows pictures; on another host, whether the page takes this port."""
+        if self.gate is not None:
+            return self.gate.watched
+        return self.context.post is not None and self.context.post.wanted
 
     def _between_pictures(self) -> bool:
         """Whether one more message is shown before the next picture."""

@@ -28,8 +28,7 @@ from websockets.sync.client import ClientConnection, connect
 from followspot.graph.compile import compile_graph
 from followspot.operator.report import RunReport
 from followspot.worker.ledger import EdgeCount
-from followspot_dashboard.gate import make_gate
-from followspot_dashboard.line import SOCKET
+from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page.taps import shown_ports, tappings
 from followspot_recording.recording import Recording
 
@@ -144,7 +143,7 @@ def test_unread_previews_change_neither_ledger_nor_tracks(
 ) -> None:
     """A browser requests 60 pictures a second and reads none: taps do not wait for it."""
     make_gate(room_for_sockets).watched = True
-    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as page:
+    with socket.socket(socket.AF_UNIX) as page:
         page.bind(str(room_for_sockets / SOCKET))
         page.listen(64)
         run = demo(tmp_path)

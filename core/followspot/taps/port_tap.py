@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from followspot.messages import Message
-from followspot.stage import Field, InputPath, Post, Stage, StageParams
+from followspot.stage import Field, InputPath, Stage, StageParams
 from followspot.taps.framing import head_of
 from followspot.taps.sender import TapSender, acquire, release
 from followspot.wire import pack
@@ -38,23 +38,26 @@ class PortTap(Stage):
 
     def process(self, message: Message) -> None:
         """Send the message, or drop it. Raises EOFError if the receiver has gone."""
-        if self.gone:
-            raise EOFError("the receiver of the tap has gone")
-        if self.sender is not None:
-            self.sender.send(self.port, self.number, pack(message))
-            self.number += 1
-        elif self.context.post is not None:
-            self._post(self.context.post, message)
+        if self.awaited():
+            self.send(message)
 
-    def _post(self, post: Post, message: Message) -> None:
-        """Send to another host while a receiver subscribes. Raises EOFError once the last one has gone."""
-        if post.wanted:
-            self.heard = True
-            packed = pack(message)
-            post.send(head_of(self.port, self.number, packed) + packed)
-            self.number += 1
-        elif self.heard:
+    def awaited(self) -> bool:
+        """Whether a receiver is there. Raises EOFError if it has gone."""
+        post = self.context.post
+        wanted = self.sender is not None if post is None else post.wanted
+        if self.gone or (self.heard and not wanted):
             raise EOFError("the receiver of the tap has gone")
+        self.heard |= wanted
+        return wanted
+
+    def send(self, message: Message) -> None:
+        """Send the message, or drop it. Raises EOFError if the receiver on this host has gone."""
+        packed = pack(message)
+        if self.sender is not None:
+            self.sender.send(self.port, self.number, packed)
+        elif self.context.post is not None:
+            self.context.post.send(head_of(self.port, self.number, packed) + packed)
+        self.number += 1
 
     def close(self) -> None:
         """Close the connection."""

@@ -7,10 +7,10 @@ import pytest
 
 from followspot import Context
 from followspot.messages import Header, stamped
+from followspot.taps.framing import framed_record
 from followspot.tracking import Blobs
 from followspot.wire import unpack
 from followspot_dashboard.echo import Echo
-from followspot_dashboard.line import read
 from followspot_dashboard.meter import MOST, Meter, Rhythm, rhythm
 
 MS = 1_000_000
@@ -52,8 +52,10 @@ def test_only_the_window_counts_and_reports_are_rare() -> None:
         now[0] += 10 * MS if number < 150 else 20 * MS
         meter.process(MESSAGE)
     assert len(post.sent) == 9  # at once, and in 4.49 s after that
-    port, kind, packed = read(post.sent[-1])
-    assert (port, kind) == ("color/cam0.blobs", "Rhythm")
+    record = framed_record(post.sent[-1])
+    assert record is not None
+    port, number, packed = record
+    assert (port, number) == ("color/cam0.blobs", 8)
     told = unpack(packed, Rhythm)
     assert isinstance(told, Rhythm)
     assert (told.mean_ms, told.jitter_ms, told.header.seq) == (20.0, 0.0, 3)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import cv2
@@ -14,10 +13,12 @@ import pytest
 
 from followspot.messages import Header, Message, stamped
 from followspot.stage import Context
+from followspot.taps import sender
+from followspot.taps.framing import Record
+from followspot.taps.receivers import LocalReceiver
 from followspot.tracking import Frame, Tracks
 from followspot.wire import unpack
-from followspot_dashboard.gate import Gate, make_gate
-from followspot_dashboard.line import SOCKET, read
+from followspot_dashboard.gate import SOCKET, Gate, make_gate
 from followspot_dashboard.pace import Pace
 from followspot_dashboard.picture import Picture, picture_of
 from followspot_dashboard.tap import Tap
@@ -34,38 +35,25 @@ def frame(value: int = 0, size: tuple[int, int] = (48, 64), channels: int = 3) -
 
 
 class Listener:
-    """The page's end of the lines."""
+    """The page's end of the connections."""
 
     def __init__(self, folder: Path) -> None:
-        self.door = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self.door.setblocking(False)
-        self.door.bind(str(folder / SOCKET))
-        self.door.listen(8)
-        self.lines: list[socket.socket] = []
+        self.records: list[Record] = []
+        self.receiver = LocalReceiver(folder / SOCKET, self.records.extend)
 
-    def heard(self) -> list[tuple[str, str, bytes]]:
-        with suppress(BlockingIOError):
-            while True:
-                self.lines.append(self.door.accept()[0])
-        return [read(packet) for line in self.lines for packet in _packets(line)]
-
-    def close(self) -> None:
-        for line in (self.door, *self.lines):
-            line.close()
-
-
-def _packets(line: socket.socket) -> Iterator[bytes]:
-    line.setblocking(False)
-    with suppress(BlockingIOError):
-        while packet := line.recv(1 << 18):
-            yield packet
+    def heard(self, *taps: Tap) -> list[tuple[str, bytes]]:
+        """What has come when these taps have left."""
+        for tap in taps:
+            tap.close()
+        self.receiver.close(60.0)
+        return [(port, packed) for port, _, packed in self.records]
 
 
 @pytest.fixture
 def listener(tmp_path: Path) -> Iterator[Listener]:
     found = Listener(tmp_path)
     yield found
-    found.close()
+    found.receiver.close()
 
 
 @pytest.fixture
@@ -77,17 +65,18 @@ def gate(tmp_path: Path) -> Iterator[Gate]:
 
 
 def tap(folder: Path, port: str = "camera/cam0.out", **params: float) -> Tap:
-    made = Tap(Context(name="tap"), folder=str(folder), port=port, **params)
+    made = Tap(Context(name="tap"), folder=str(folder), socket=str(folder / SOCKET), port=port, **params)
     made.setup()
     return made
 
 
 def test_a_picture_arrives_small_and_with_its_moment(tmp_path: Path, gate: Gate, listener: Listener) -> None:
-    tap(tmp_path).process(at(5, frame(90, (480, 640))))
-    [(port, kind, packed)] = listener.heard()
+    made = tap(tmp_path)
+    made.process(at(5, frame(90, (480, 640))))
+    [(port, packed)] = listener.heard(made)
     picture = unpack(packed, Picture)
     assert isinstance(picture, Picture)
-    assert (port, kind) == ("camera/cam0.out", "Picture")
+    assert port == "camera/cam0.out"
     assert (picture.camera, picture.width, picture.height) == ("cam0", 640, 480)
     assert picture.header.time == 5 * MS
     pixels = cv2.imdecode(picture.jpeg, cv2.IMREAD_UNCHANGED)
@@ -97,8 +86,9 @@ def test_a_picture_arrives_small_and_with_its_moment(tmp_path: Path, gate: Gate,
 
 def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, listener: Listener) -> None:
     gate.watched = False
-    tap(tmp_path).process(at(5, frame()))
-    assert listener.heard() == []
+    made = tap(tmp_path)
+    made.process(at(5, frame()))
+    assert listener.heard(made) == []
 
 
 def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, listener: Listener) -> None:
@@ -108,7 +98,7 @@ def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, lis
         source.process(at(10 * number, frame()))
         second.process(at(10 * number + 3, frame()))  # its shutter opens 3 ms later
     shown: dict[str, list[int]] = {"camera/cam0.out": [], "camera/cam1.out": []}
-    for port, _, packed in listener.heard():
+    for port, packed in listener.heard(source, second):
         picture = unpack(packed, Picture)
         assert isinstance(picture, Picture)
         shown[port].append(picture.header.time // (10 * MS))
@@ -122,7 +112,7 @@ def test_a_recording_that_begins_anew_is_shown_again(tmp_path: Path, gate: Gate,
     gate.name(90_000 * MS, next_at=0)
     source.process(at(10, frame()))
     source.process(at(20, frame()))
-    assert len(listener.heard()) == 1
+    assert len(listener.heard(source)) == 1
 
 
 def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, listener: Listener) -> None:
@@ -131,7 +121,7 @@ def test_cameras_slower_than_the_page_are_all_shown(tmp_path: Path, gate: Gate, 
         time.sleep(0.02)  # longer than from one picture of the page to the next
         for one in taps:
             one.process(at(100 * number, frame()))
-    shown = [port for port, _, _ in listener.heard()]
+    shown = [port for port, _ in listener.heard(*taps)]
     assert all(shown.count(f"camera/cam{i}.out") >= 6 for i in range(3))  # the first ones set the pace
 
 
@@ -140,27 +130,34 @@ def test_tracks_are_shown_between_pictures_too(tmp_path: Path, gate: Gate, liste
     gate.name(10**15, next_at=2**62)  # no moment comes
     tracks.process(at(1, Tracks.empty()))
     tracks.process(at(2, Tracks.empty()))  # too soon after the first
-    assert [kind for _, kind, _ in listener.heard()] == ["Tracks"]
+    [(_, packed)] = listener.heard(tracks)
+    assert isinstance(unpack(packed, Tracks), Tracks)
 
 
-def test_a_page_that_does_not_listen_costs_previews_and_nothing_else(tmp_path: Path, gate: Gate) -> None:
-    busy = Listener(tmp_path)  # never reads
-    watched = tap(tmp_path)
-    for number in range(2000):
-        gate.name(number * MS, next_at=0)
-        watched.process(at(number, frame()))
-    assert watched.line is not None
-    assert watched.line.dropped > 0
-    busy.close()
+def test_a_page_that_does_not_listen_costs_previews_and_nothing_else(
+    tmp_path: Path, gate: Gate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sender, "MAX_WAITING", 1 << 16)
+    monkeypatch.setattr(sender, "_CLOSING", 0.0)
+    with socket.socket(socket.AF_UNIX) as busy:  # never reads
+        busy.bind(str(tmp_path / SOCKET))
+        busy.listen()
+        watched = tap(tmp_path)
+        for number in range(2000):
+            gate.name(number * MS, next_at=0)
+            watched.process(at(number, frame()))
+        assert watched.number == 2000
+        assert watched.sender is not None
+        assert watched.sender._bytes <= 1 << 16
+        watched.close()
 
 
-def test_without_a_page_a_tap_passes_everything_over(tmp_path: Path) -> None:
-    warnings: list[str] = []
-    lonely = Tap(Context(warn=warnings.append), folder=str(tmp_path / "gone"))
+def test_a_tap_says_that_its_page_has_gone(tmp_path: Path) -> None:
+    lonely = Tap(Context(), folder=str(tmp_path / "gone"), socket=str(tmp_path / "gone" / SOCKET))
     lonely.setup()
-    lonely.process(at(0, frame()))
+    with pytest.raises(EOFError):
+        lonely.process(at(0, frame()))
     lonely.close()
-    assert len(warnings) == 1
 
 
 @pytest.mark.parametrize(("size", "channels"), [((0, 10), 3), ((10, 10), 2), ((10, 0), 1)])

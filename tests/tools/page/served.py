@@ -32,9 +32,10 @@ from followspot.operator.run_requests import (
     Surroundings,
 )
 from followspot.operator.run_status import RunStatus
+from followspot.taps.sender import TapSender
 from followspot.tracking import Tracks
-from followspot_dashboard.gate import Gate
-from followspot_dashboard.line import Line
+from followspot.wire import pack
+from followspot_dashboard.gate import SOCKET, Gate
 from followspot_page.showing import PageOrder, shown
 
 GRAPH = Path(__file__).parents[3] / "graphs" / "glowballs.yaml"
@@ -83,9 +84,13 @@ class Shown:
         self.url = url
         self.host = urlsplit(url).netloc
         assert self.tapped.wait(60)
-        self.line = Line(self.folder)
+        self.taps = TapSender(self.folder / SOCKET)
         self.gate = Gate(self.folder)
         self.get("")
+
+    def send(self, port: str, message: Message) -> None:
+        """Send a preview as the tap of a port does."""
+        self.taps.send(port, 0, pack(message))
 
     def get(self, path: str, **headers: str) -> tuple[int, str, Any]:
         request = urllib.request.Request(self.url + path, headers=headers)

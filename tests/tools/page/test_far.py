@@ -12,11 +12,12 @@ import zenoh
 from followspot import Context, Network
 from followspot.messages import Header, Message, stamped
 from followspot.room import Room
+from followspot.taps.framing import head_of
 from followspot.tracking import Blobs, Frame
 from followspot.transport.keys import tap_key
 from followspot.transport.zenoh.post import ZenohPost
 from followspot.transport.zenoh.session import locators, open_session
-from followspot_dashboard.line import packet, read
+from followspot.wire import pack
 from followspot_dashboard.tap import Tap
 from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Previews
@@ -89,10 +90,12 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
 def test_a_host_speaks_for_its_own_ports_only() -> None:
     feed = Feed()
     previews = Previews(feed, Room(), lambda message: None)
-    data = packet("color/cam0.out", blobs(40))
-    assert read(data)[:2] == ("color/cam0.out", "Blobs")
+    previews.kinds = {"color/cam0.out": Blobs, "color/cam1.out": Blobs}
+    packed = pack(blobs(40))
+    data = head_of("color/cam0.out", 0, packed) + packed
     previews.take_from("color/cam1.out", data)
     previews.take_from("color/cam", data)
-    assert (feed.number, previews.invalid) == (0, 2)
+    previews.take_from("color/cam0.out", data[:-1])
+    assert (feed.number, previews.invalid) == (0, 3)
     previews.take_from("color/cam0.out", data)
-    assert (feed.number, previews.invalid) == (1, 2)
+    assert (feed.number, previews.invalid) == (1, 3)

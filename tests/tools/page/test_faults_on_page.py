@@ -61,8 +61,8 @@ def send(page: Shown, ms: int) -> None:
     """A picture of one camera, and where a target is."""
     picture = picture_of(at(ms, Frame("cam1", np.zeros((24, 32, 1), "u1"))), 320)  # type: ignore[arg-type]
     assert isinstance(picture, Message)
-    page.line.send("camera/cam1.out", picture)
-    page.line.send("track.tracks", at(ms, tracks(1)))
+    page.send("camera/cam1.out", picture)
+    page.send("track.tracks", at(ms, tracks(1)))
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")

@@ -35,9 +35,10 @@ from followspot.operator.run_status import RunStatus
 from followspot.plugins.registry import load_stage
 from followspot.stage import Context
 from followspot.tables import grid, line
+from followspot.taps.sender import TapSender
 from followspot.tracking import Blobs, Frame, Tracks
+from followspot.wire import pack
 from followspot.worker.ledger import AWAY, COLUMNS, DELIVERED, DROPPED, LATE, PRODUCED, UNMATCHED
-from followspot_dashboard.line import Line
 from followspot_dashboard.picture import picture_of
 from followspot_watch.screen import live_screen
 
@@ -103,10 +104,10 @@ def tell(wanted: Tapping) -> None:
             meter.process(message)
         meter.close()
         return
-    line = Line(Path(params["folder"]))
+    taps = TapSender(Path(params["socket"]))
     for message in sent(port) if uses == "dashboard.echo" else ():
-        line.send(port, message)
-    line.close()
+        taps.send(port, 0, pack(message))
+    taps.close()
 
 
 def sent(port: str) -> Iterator[Any]:

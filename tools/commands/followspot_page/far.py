@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 from followspot import Network
 from followspot.taps.remote import RemoteTaps
 from followspot.tracking import Frame
+from followspot_page.feed import Arrivals
 from followspot_page.taps import TAP, ShownPort
-
-_WAITING = 256
-"""Previews that may wait for the page; further ones are dropped."""
 
 
 class FarPreviews:
@@ -23,9 +22,7 @@ class FarPreviews:
 
     def __init__(self, remote: RemoteTaps, take: Callable[[str, bytes], Any]) -> None:
         self._remote = remote
-        self._take = take
-        self._loop = asyncio.get_running_loop()
-        self._waiting = 0
+        self._arrivals = Arrivals(take)
         self._ports: dict[str, ShownPort] = {}
         self._watched = False
 
@@ -52,20 +49,6 @@ class FarPreviews:
     def _subscribe(self) -> None:
         for name, port in self._ports.items():
             if self._watched or port.type is not Frame:
-                self._remote.subscribe(name, port.host, TAP, self._receiver(name))
+                self._remote.subscribe(name, port.host, TAP, partial(self._arrivals.put, name))
             else:
                 self._remote.unsubscribe(name)
-
-    def _receiver(self, port: str) -> Callable[[bytes], None]:
-        """Receives the packets of a port, in a thread of Zenoh."""
-
-        def take(packet: bytes) -> None:
-            if self._waiting < _WAITING:
-                self._waiting += 1
-                self._loop.call_soon_threadsafe(self._arrived, port, packet)
-
-        return take
-
-    def _arrived(self, port: str, packet: bytes) -> None:
-        self._waiting -= 1
-        self._take(port, packet)

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import json
-import socket
 import struct
-from collections.abc import Callable
-from pathlib import Path
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from typing import Any
 
 from followspot.messages import InvalidMessage, Message
 from followspot.room import Room
+from followspot.taps.framing import Record, framed_record
 from followspot.wire import unpack
-from followspot_dashboard.line import read
 from followspot_dashboard.picture import Picture
-from followspot_page.views import KINDS, view
+from followspot_page.views import view
 
 MAX_THINGS = 4096
 """Largest number of different things."""
-_BURST = 64
-"""Packets read from one sender at a time, so that browsers are served in between."""
-_BUFFER = 1 << 18
-_BACKLOG = 1024
-"""Connections of taps that may wait for acceptance."""
+_WAITING = 256
+"""Previews that may wait for the page; further ones are dropped."""
 
 
 class Feed:
@@ -61,19 +58,21 @@ class Previews:
         self.room = room
         self.watch = watch
         self.invalid = 0
+        self.kinds: Mapping[str, type[Message]] = {}
+        """Type of the messages that the tap of each port sends."""
 
     def take_from(self, sender: str, packet: bytes) -> None:
         """Show what a port on another host sent; a host may send for its own ports only."""
-        if packet.startswith(sender.encode() + b"\0"):
-            self.take(packet)
+        record = framed_record(packet)
+        if record is not None and record[0] == sender:
+            self.take(sender, record[2])
         else:
             self.invalid += 1
 
-    def take(self, packet: bytes) -> None:
-        """Show a packet; a malformed one is counted and dropped."""
+    def take(self, port: str, packed: bytes) -> None:
+        """Show a message; a malformed one is counted and dropped."""
         try:
-            port, name, packed = read(packet)
-            message = unpack(packed, KINDS[name])
+            message = unpack(packed, self.kinds[port])
             if isinstance(message, Picture):
                 self.feed.put(f"picture {message.camera}", picture_bytes(message))
             elif isinstance(message, Message):
@@ -92,43 +91,27 @@ def picture_bytes(picture: Picture) -> bytes:
     return head + picture.jpeg.tobytes()
 
 
-class Listener:
-    """Receives the packets of all senders that connect to this socket, in the running event loop."""
+class Arrivals:
+    """Hands what threads receive to the running event loop; what comes while too much waits is dropped."""
 
-    def __init__(self, path: Path, take: Callable[[bytes], Any]) -> None:
-        """Raises OSError."""
+    def __init__(self, take: Callable[[str, bytes], Any]) -> None:
+        """take: receives a port, and a packet or packed message of it."""
         self._take = take
-        self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._listener.setblocking(False)
-        self._listener.bind(str(path))
-        self._listener.listen(_BACKLOG)
-        self._senders: set[socket.socket] = set()
         self._loop = asyncio.get_running_loop()
-        self._loop.add_reader(self._listener, self._admit)
+        self._room = threading.Semaphore(_WAITING)
 
-    def close(self) -> None:
-        """Close all connections."""
-        for end in (self._listener, *self._senders):
-            self._loop.remove_reader(end)
-            end.close()
+    def hear(self, records: Iterator[Record]) -> None:
+        """Take what one sender of this host brings, until it leaves."""
+        with suppress(ValueError):  # a malformed stream
+            for port, _, packed in records:
+                self.put(port, packed)
 
-    def _admit(self) -> None:
-        sender, _ = self._listener.accept()
-        sender.setblocking(False)
-        self._senders.add(sender)
-        self._loop.add_reader(sender, self._hear, sender)
+    def put(self, port: str, data: bytes) -> None:
+        """Take one thing; safe from any thread."""
+        if self._room.acquire(blocking=False):
+            with suppress(RuntimeError):  # the loop has ended
+                self._loop.call_soon_threadsafe(self._arrived, port, data)
 
-    def _hear(self, sender: socket.socket) -> None:
-        for _ in range(_BURST):
-            try:
-                packet = sender.recv(_BUFFER)
-            except BlockingIOError:
-                return
-            except OSError:
-                packet = b""
-            if not packet:
-                self._loop.remove_reader(sender)
-                self._senders.discard(sender)
-                sender.close()
-                return
-            self._take(packet)
+    def _arrived(self, port: str, data: bytes) -> None:
+        self._room.release()
+        self._take(port, data)

@@ -24,6 +24,7 @@ from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.scene import scene
+from followspot_page.taps import sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
 MAX_BROWSERS = 16
@@ -55,6 +56,7 @@ class Page:
     def show(self, plan: Plan) -> None:
         """Take the present plan; browsers receive it if it differs."""
         self.plan = self.run.plan = plan
+        self.previews.kinds = sent_kinds(shown_ports(plan))
         scene = json.dumps({"type": "scene", **self.about()})
         if self.feed.newest("scene") != scene:
             self.feed.put("scene", scene)

@@ -20,13 +20,13 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
 from followspot.errors import FollowspotError
-from followspot_dashboard.gate import make_gate
-from followspot_dashboard.line import SOCKET
+from followspot.taps.receivers import LocalReceiver
+from followspot_dashboard.gate import SOCKET, make_gate
 from followspot_page import metrics
 from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
 from followspot_page.crowd import Rejections
-from followspot_page.feed import Listener
+from followspot_page.feed import Arrivals
 from followspot_page.follow import Sight, far_previews, follow, found, plan_of
 from followspot_page.page import Page
 
@@ -90,7 +90,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
             return
         run = waiting.result()
         page = Page(await plan_of(run), make_gate(folder), folder)
-        listener = Listener(folder / SOCKET, page.previews.take)
+        receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).hear)
         page.far = await far_previews(run, page.previews.take_from)
         sight = Sight(run, folder, rate, page.far)
         await sight.turn_to(page.plan)
@@ -108,7 +108,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         await serving
         following.cancel()
         await page.button.close()
-        listener.close()
+        receiver.close()
         if page.far is not None:
             page.far.close()
 

@@ -12,6 +12,9 @@ from followspot.library.handle import Tapping
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
+from followspot.tracking import Frame
+from followspot_dashboard.gate import SOCKET
+from followspot_dashboard.picture import Picture
 from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"
@@ -48,6 +51,11 @@ def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
     return tuple(found)
 
 
+def sent_kinds(shown: Iterable[ShownPort]) -> dict[str, type[Message]]:
+    """The type of the messages that the tap of each port sends."""
+    return {port.name: Picture if port.type is Frame else port.type for port in shown}
+
+
 def longest_side(size: tuple[int, int]) -> int:
     """Longest side of a picture's preview, px, for a fixed number of pixels. size: width and height, px."""
     width, height = size
@@ -61,6 +69,7 @@ def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[
     for port in looked_at:
         smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
         look = {"picture_rate": rate, "message_rate": smooth, "maximum_side": longest_side(port.size)}
-        place = {} if port.host else {"folder": str(folder), "sets_times": port.source}
+        place = {} if port.host else {"folder": str(folder), "socket": str(folder / SOCKET)}
+        look["sets_times"] = port.source and not port.host
         found.append(Tapping(port.name, TAP, {**place, "port": port.name, **look}))
     return found

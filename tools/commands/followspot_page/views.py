@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,15 +12,11 @@ from followspot.messages import Array, Message
 from followspot.people import Boxes, Poses
 from followspot.room import Camera, Room
 from followspot.tracking import STATES, Blobs, Forecast, Frame, ImageTracks, Tracks
-from followspot_dashboard.picture import Picture
 
 SHOWN: tuple[type[Message], ...] = (Frame, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks)
 """Message types that the page can show."""
 SMOOTH: tuple[type[Message], ...] = (Tracks, Poses)
 """Types that are shown more often than pictures."""
-_SENT: tuple[type[Message], ...] = (Picture, *SHOWN[1:])
-KINDS: Mapping[str, type[Message]] = {kind.__name__: kind for kind in _SENT}
-"""Message types that taps send, by name."""
 _HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4
 """Radius of a head, m; how far below its top the chest is, as a share of the height; length of arrows, m."""
 _SEARCH = 3.0
