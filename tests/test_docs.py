@@ -27,8 +27,8 @@ from followspot_calibrate.triangulation import triangulate
 ROOT = Path(__file__).parent.parent
 PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 GRAPHS = ROOT / "graphs"
-TRIED_ELSEWHERE = ("README.md", "reference.md", "tutorial.md")
-"""Tests of their own try README and tutorial; in the reference `...` stands where a graph says more."""
+TRIED_ELSEWHERE = ("README.md", "other_programs.md", "reference.md", "tutorial.md")
+"""Tests of their own try these pages; in the reference `...` stands where a graph says more."""
 READY = {"distribution.md": "person_panorama.yaml"}
 """The ready graph that a page speaks of, where it is not the demo's."""
 FENCED = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from followspot import Field, InputPath, Message, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
-from followspot_cameras.clock import capture_time, exact_rate
+from followspot.frame_times import capture_time, exact_rate
 
 M = TypeVar("M", bound=Message)
 SUFFIXES = frozenset({".bmp", ".jpeg", ".jpg", ".pgm", ".png", ".ppm", ".tif", ".tiff", ".webp"})

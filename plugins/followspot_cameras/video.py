@@ -11,8 +11,8 @@ import cv2
 from followspot import Field, InputPath, Source, Stage, StageParams, at
 from followspot.errors import InputError, Mistake
 from followspot.files import require_regular
+from followspot.frame_times import capture_time, exact_rate
 from followspot.tracking import Frame
-from followspot_cameras.clock import capture_time, exact_rate
 from followspot_cameras.container import cut_off
 from followspot_cameras.picture import as_frame, check_size, color_buffer
 

@@ -11,6 +11,7 @@ from typing import Any
 from followspot import Message, Source, Stage
 from followspot.errors import FollowspotError
 from followspot.people import Appearances, Boxes, Gradients, Poses, PoseTruth
+from followspot.points import Points2D, Points3D
 from followspot.tracking import (
     Blobs,
     Candidates,
@@ -39,6 +40,8 @@ REPLAYS: Mapping[str, type[Message]] = {
     "appearances": Appearances,
     "poses": Poses,
     "pose_truth": PoseTruth,
+    "points_2d": Points2D,
+    "points_3d": Points3D,
 }
 """The message types of the stages `recording.NAME`."""
 
@@ -69,6 +72,8 @@ ReplayBoxes = replay_of(Boxes, "Recorded boxes of upper bodies.")
 ReplayAppearances = replay_of(Appearances, "Recorded appearances of persons.")
 ReplayPoses = replay_of(Poses, "Recorded poses of persons.")
 ReplayPoseTruth = replay_of(PoseTruth, "Recorded true poses of persons.")
+ReplayPoints2D = replay_of(Points2D, "Recorded points in pictures.")
+ReplayPoints3D = replay_of(Points3D, "Recorded points in the room.")
 
 
 class ReplayPort(Replay):

@@ -10,7 +10,7 @@ from types import FrameType
 
 import pytest
 
-from followspot.accuracy.rows import read_rows
+from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError
 from followspot.log.file import NAME, read_log
 from followspot.plugins.one_file import load_file

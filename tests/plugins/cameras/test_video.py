@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.plugins.cameras.recordings import SIZE, context, numbers, record
 
 from followspot import InputError
-from followspot_cameras.clock import capture_time, exact_rate
+from followspot.frame_times import capture_time, exact_rate
 from followspot_cameras.video import Video
 
 GLOWBALLS = Path(__file__).parents[3] / "../shared/data/glowballs-dev"

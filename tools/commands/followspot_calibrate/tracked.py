@@ -12,8 +12,8 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from followspot.accuracy import TrackTable, read_tracks_csv
-from followspot.accuracy.rows import read_rows
 from followspot.cli.progress import ProgressBar
+from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan

@@ -18,7 +18,7 @@ from followspot.accuracy import (
     table,
     to_json,
 )
-from followspot.accuracy.rows import header_of
+from followspot.csv_rows import header_of
 from followspot.errors import InputError
 from followspot.messages import Array
 from followspot.room_file import load

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy.rows import Row, header_of, read_rows
+from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import FollowspotError
 from followspot.geometry import direction, wrap
 from followspot.messages import Array

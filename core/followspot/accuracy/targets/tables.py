@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy.rows import Row, read_rows
+from followspot.csv_rows import Row, read_rows
 from followspot.messages import Array
 from followspot.tracking import STATES, Truth
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Camera
-from followspot.accuracy.rows import Row, read_rows
+from followspot.csv_rows import Row, read_rows
 from followspot.errors import InputError
 from followspot.files import open_text
 from followspot.form import is_name

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy.rows import Row, read_rows
+from followspot.csv_rows import Row, read_rows
 from followspot.errors import InputError
 from followspot.messages import Array
 from followspot_calibrate.wand.alignment import Marker

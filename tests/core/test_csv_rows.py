@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from followspot import InputError
-from followspot.accuracy.rows import Row, header_of, read_rows
+from followspot.csv_rows import Row, header_of, read_rows
 
 
 def only_row(path: Path, text: str, columns: str = "time, hidden,object") -> Row:

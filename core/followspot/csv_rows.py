@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
-from followspot.errors import InputError, Mistake, Place
+from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.files import open_text
 
 MOST_ROWS = 5_000_000
@@ -20,7 +21,7 @@ FLAGS = {"0": False, "1": True, "false": False, "true": True}
 
 @dataclass(frozen=True)
 class Row:
-    """One line of a CSV file and the position of its columns."""
+    """One line of a CSV file, and the position of each column that was asked for and is there."""
 
     file: str
     line: int
@@ -66,6 +67,18 @@ class Row:
             raise self.mistake(column, "0 or 1")
         return value
 
+    def has(self, column: str) -> bool:
+        """True if the file has this column."""
+        return column in self.columns
+
+    def known(self, column: str, names: Collection[str], noun: str) -> str:
+        """A name that is among these. Raises InputError with the most similar one."""
+        cell = self.cell(column)
+        if cell not in names:
+            wrong = self.mistake(column, "").mistakes[0]
+            raise InputError([Mistake(wrong.place, wrong.text, did_you_mean(cell, names, noun))])
+        return cell
+
     def choice(self, column: str, words: Sequence[str]) -> int:
         """Index of the word among the allowed ones. Raises InputError."""
         cell = self.cell(column)
@@ -82,13 +95,20 @@ class Row:
         return InputError([Mistake(place, text, f"needs {wanted}")])
 
 
-def read_rows(path: Path, columns: Sequence[str]) -> Iterator[Row]:
+def read_rows(
+    path: Path,
+    columns: Sequence[str],
+    optional: Sequence[str] = (),
+    named: Mapping[str, str] = MappingProxyType({}),
+) -> Iterator[Row]:
     """Rows of a CSV file whose first line names at least these columns.
 
-    Raises InputError if the file cannot be read, lacks a column or has more than `MOST_ROWS` rows.
+    optional: columns that are read if they are there; named: the name in the file of each column that has
+    another one there. Raises InputError if the file cannot be read, lacks a column or has more than
+    `MOST_ROWS` rows.
     """
     with _lines(path) as lines:
-        yield from _rows(str(path), lines, columns)
+        yield from _rows(str(path), lines, columns, optional, named)
 
 
 def header_of(path: Path) -> tuple[str, ...]:
@@ -108,13 +128,21 @@ def _lines(path: Path) -> Iterator[Iterator[list[str]]]:
         raise InputError([Mistake(None, f"{path} is not a CSV file: {error}")]) from None
 
 
-def _rows(file: str, lines: Iterator[list[str]], columns: Sequence[str]) -> Iterator[Row]:
+def _rows(
+    file: str,
+    lines: Iterator[list[str]],
+    columns: Sequence[str],
+    optional: Sequence[str],
+    named: Mapping[str, str],
+) -> Iterator[Row]:
     head = [cell.strip() for cell in next(lines, [])]
-    absent = [name for name in columns if name not in head]
+    wanted = {name: named.get(name, name) for name in (*columns, *optional)}
+    absent = [wanted[name] for name in columns if wanted[name] not in head]
+    absent += [word for name, word in named.items() if name in optional and word not in head]
     if absent:
         text = f"columns {', '.join(absent)} are missing"
-        raise InputError([Mistake(Place(file, 1, 1), text, f"the first line names {', '.join(columns)}")])
-    index = {name: head.index(name) for name in columns}
+        raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
+    index = {name: head.index(word) for name, word in wanted.items() if word in head}
     needed = max(index.values()) + 1
     for line, cells in enumerate(lines, 2):
         if not cells:

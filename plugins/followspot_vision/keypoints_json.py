@@ -1,0 +1,86 @@
+"""Joints of persons that OpenPose or a program with COCO's format found."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from followspot import Field, InputPath, Source, Stage, at
+from followspot.errors import InputError
+from followspot.frame_times import capture_time, exact_rate
+from followspot.points import Points2D
+from followspot_vision.frame_table import MOST_FRAMES
+from followspot_vision.keypoint_files import Person, openpose_files, read_coco, read_openpose
+from followspot_vision.picture_points import Found, PictureParams, points_of
+from followspot_vision.skeletons import joint_names
+
+
+class KeypointsJson(Stage):
+    """Joints of persons from the JSON files of OpenPose (a folder) or in COCO's format for results (a file).
+
+    Each point has the joint's name as its label and the person's number in the picture as its instance.
+    Joints with the score 0 were not found and are left out.
+    """
+
+    per_camera = True
+
+    class Params(PictureParams):
+        """The files, their times and their frame of reference."""
+
+        path: InputPath = Field(
+            description="the camera's file or folder, or a folder with CAMERA.json or CAMERA/ for each camera"
+        )
+        fps: float = Field(30.0, ge=0.001, le=100_000, unit="1/s", description="frame rate of the pictures")
+        first_picture: int = Field(
+            0, ge=0, unit="frames", description="number in the files of the picture at time 0"
+        )
+        joints: tuple[str, ...] = Field(
+            (), description="names of the joints; by default those of COCO (17) or OpenPose (18, 25)"
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        """Find the files. Raises InputError if they are none."""
+        place = of_camera(self.params.path, self.camera.name)
+        self.files = dict(openpose_files(place)) if place.is_dir() else {}
+        self.results = {} if place.is_dir() else read_coco(place)
+        numbers = [*self.files, *self.results]
+        first = self.params.first_picture
+        if numbers and min(numbers) < first:
+            text = f"{place} begins with picture {min(numbers)}, before first_picture"
+            raise InputError.of(text, f"with: {{first_picture: {min(numbers)}}}")
+        self.count = max(numbers, default=first - 1) + 1 - first
+        if self.count > MOST_FRAMES:
+            text = f"{place} goes up to picture {max(numbers)}"
+            raise InputError.of(text, f"at most {MOST_FRAMES} after first_picture")
+        if not numbers:
+            self.context.warn(f"{place} has no results")
+
+    def length(self) -> int:
+        """Number of pictures."""
+        return self.count
+
+    def process(self) -> Source[Points2D]:
+        """One message for each picture up to the last; empty for one without results."""
+        rate = exact_rate(self.params.fps)
+        for number in range(self.count):
+            found = list(self.found(number + self.params.first_picture))
+            yield at(capture_time(number, rate), points_of(found, self.camera, self.params), seq=number)
+
+    def found(self, picture: int) -> Iterator[Found]:
+        """The joints of all persons. Raises InputError if the file is none."""
+        persons: Sequence[Person] = self.results.get(picture, ())
+        if picture in self.files:
+            persons = read_openpose(self.files[picture])
+        for instance, person in enumerate(persons):
+            names = joint_names(len(person), self.params.joints, str(self.params.path)) if person else ()
+            for name, (x, y, score) in zip(names, person, strict=True):
+                if score > 0:
+                    yield Found(x, y, name, instance, score)
+
+
+def of_camera(path: Path, camera: str) -> Path:
+    """The file or folder of a camera: CAMERA.json or CAMERA below the path if there is one, else the path."""
+    below = (path / f"{camera}.json", path / camera)
+    return next((place for place in below if place.exists()), path)

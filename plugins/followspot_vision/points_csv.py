@@ -1,0 +1,45 @@
+"""Points in pictures that another program found."""
+
+from __future__ import annotations
+
+from followspot import Source, Stage, at
+from followspot.csv_rows import Row
+from followspot.points import Points2D
+from followspot_vision.frame_table import FrameParams, read_frames
+from followspot_vision.picture_points import Found, PictureParams, coordinate, label_of, points_of, score_of
+
+
+class PointsCsv(Stage):
+    """Points from a CSV file: frame or time, camera, x, y, and if there are any label, score and instance.
+
+    Rows of each camera are sorted by frame; a frame in which a camera saw nothing has no row and gives an
+    empty message. A label that is the name of a target of the room means that target.
+    """
+
+    per_camera = True
+
+    class Params(FrameParams, PictureParams):
+        """The file, its times and its frame of reference."""
+
+    params: Params
+
+    def setup(self) -> None:
+        """Read the file whole. Raises InputError with file, line and remedy."""
+        names = ("label", "score", "instance")
+        self.frames = read_frames(self.params, ("x", "y"), names, _point, self.camera.name, self.room.cameras)
+        if not self.frames.own:
+            self.context.warn(f"{self.params.path} has no points of camera {self.camera.name}")
+
+    def length(self) -> int:
+        """Number of frames."""
+        return len(self.frames)
+
+    def process(self) -> Source[Points2D]:
+        """One message for each frame of the file."""
+        for frame in self.frames:
+            yield at(frame.time, points_of(frame.rows, self.camera, self.params), seq=frame.number)
+
+
+def _point(row: Row) -> Found:
+    instance = row.integer("instance") if row.has("instance") else -1
+    return Found(coordinate(row, "x"), coordinate(row, "y"), label_of(row), instance, score_of(row))

@@ -1,0 +1,114 @@
+"""Points in the room from labelled points in the pictures of several cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.geometry import back_projection
+from followspot.points import Points2D, Points3D
+from followspot_vision.consensus import Place, Seen, places
+
+
+class Triangulate(Stage):
+    """Find the places that points of one label in several pictures agree on; each point is used once.
+
+    One label may have several places, for example the noses of several persons. Points without a partner,
+    such as false detections, are left out.
+    """
+
+    class Params(StageParams):
+        point_sigma: float = Field(
+            1.0, gt=0, unit="px", description="sigma of a point; raising it raises the covariances"
+        )
+        maximum_error: float = Field(
+            4.0,
+            gt=0,
+            unit="px",
+            description="distance of a point from the image of its place up to which they agree; raising it "
+            "tolerates bad calibration, and joins what does not belong together",
+        )
+        minimum_views: int = Field(
+            2, ge=2, unit="1", description="cameras that must agree; raising it avoids mistakes"
+        )
+        maximum_sigma: float = Field(
+            0.2,
+            gt=0,
+            unit="m",
+            description="sigma beyond which a place is left out, since its rays are nearly parallel",
+        )
+        maximum_points: int = Field(
+            20,
+            ge=1,
+            le=1000,
+            unit="1",
+            description="points of one label in a picture, those with the best scores; raising it costs time",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        cameras = self.room.cameras
+        self.number = {name: number for number, name in enumerate(cameras)}
+        self.projection = np.array([c.projection for c in cameras.values()]).reshape(-1, 3, 4)
+        self.back = np.array([back_projection(c) for c in cameras.values()]).reshape(-1, 3, 3)
+        self.center = np.array([c.center for c in cameras.values()]).reshape(-1, 3)
+
+    def process(self, points: Joined[Points2D]) -> Points3D:
+        labels = tuple(dict.fromkeys(label for one in points for label in one.labels))
+        kept = [(one, self.best_rows(one)) for one in points]
+        label = _joined([_indices(one.labels, labels)[one.label[rows]] for one, rows in kept], "i4")
+        camera = _joined([np.full(len(rows), self.number[one.camera]) for one, rows in kept], "i4")
+        xy = np.concatenate([np.zeros((0, 2)), *(one.xy[rows] for one, rows in kept)])
+        score = _joined([one.score[rows] for one, rows in kept], "f8")
+        seen = self.seen(camera, xy)
+        gate, views = self.params.maximum_error, self.params.minimum_views
+        found: list[tuple[int, Place, float]] = []
+        for number in range(len(labels)):
+            own = np.flatnonzero(label == number)
+            agreed = places(seen.rows(own), gate, views)
+            found += [(number, place, float(score[own[place.rows]].mean())) for place in agreed]
+        return self.message(labels, found)
+
+    def best_rows(self, points: Points2D) -> Array:
+        """Rows with a known place, of each label those with the best scores, in their order."""
+        rows = np.flatnonzero(np.isfinite(points.xy).all(axis=1))
+        if len(rows) <= self.params.maximum_points:
+            return rows
+        order = rows[np.argsort(-points.score[rows], kind="stable")]
+        order = order[np.argsort(points.label[order], kind="stable")]
+        first = np.searchsorted(points.label[order], points.label[order])
+        return np.sort(order[np.arange(len(order)) - first < self.params.maximum_points])
+
+    def seen(self, camera: Array, xy: Array) -> Seen:
+        """The points with what is known of their cameras."""
+        back = self.back[camera]
+        ray = back[..., 0] * xy[:, :1] + back[..., 1] * xy[:, 1:] + back[..., 2]
+        ray /= np.linalg.norm(ray, axis=1, keepdims=True)
+        return Seen(camera, xy, self.projection[camera], self.center[camera], ray)
+
+    def message(self, labels: tuple[str, ...], found: Sequence[tuple[int, Place, float]]) -> Points3D:
+        """The places that are determined well enough."""
+        normal = np.array([place.normal for _, place, _ in found]).reshape(-1, 3, 3)
+        covariance = self.params.point_sigma**2 * np.linalg.inv(normal)
+        sure = np.linalg.eigvalsh(covariance)[:, -1] <= self.params.maximum_sigma**2
+        return Points3D(
+            labels=labels,
+            label=np.array([number for number, _, _ in found], "i4"),
+            xyz=np.array([place.xyz for _, place, _ in found]).reshape(-1, 3),
+            covariance=covariance,
+            views=np.array([len(place.rows) for _, place, _ in found], "i4"),
+            error=np.array([place.error for _, place, _ in found], "f8"),
+            score=np.array([score for _, _, score in found], "f8"),
+        ).where(sure)
+
+
+def _indices(labels: Sequence[str], among: Sequence[str]) -> Array:
+    index = {label: number for number, label in enumerate(among)}
+    return np.array([index[label] for label in labels], int)
+
+
+def _joined(parts: Sequence[Array], dtype: str) -> Array:
+    return np.concatenate([np.zeros(0, dtype), *(part.astype(dtype) for part in parts)])
