@@ -74,7 +74,7 @@ class Trial:
         served = {
             "cameras": name,
             "sensors": next(iter(self.room.sensors), ""),
-            "targets": next(iter(self.room.targets)),
+            "targets": next(iter(self.room.targets), ""),
         }
         chosen = self.stage.serves()
         member = Member(chosen, served[chosen]) if chosen else None

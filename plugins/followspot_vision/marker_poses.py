@@ -1,0 +1,119 @@
+"""Poses of markers in the room, from their corners in one camera or several."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from followspot import Array, Field, Joined, Stage, StageParams
+from followspot_vision.marker_messages import MarkerPoses, Markers
+from followspot_vision.square_pose import Pose, poses, quaternion
+
+NANOSECOND = 1e-9
+TURN_SIGMA = 0.1
+"""Sigma of the angle between two faces of a marker that does not turn, rad."""
+LEAST_LIKELY = -40.0
+"""Smallest log-likelihood of a side, relative to the other: a marker may also be turned unseen."""
+
+
+class Sides(NamedTuple):
+    """The poses that a marker may have had, for it may lean to the camera or away from it."""
+
+    faces: Array
+    """(K, 3), directions of the face."""
+    likely: Array
+    """(K,) log-likelihood of each, 0 of the best."""
+    time: int
+    """ns."""
+
+
+class FindMarkerPoses(Stage):
+    """Find each marker's pose, from all cameras that see it; one is enough.
+
+    One view of a flat square allows two poses: it may lean to the camera or away from it. Both are followed
+    from frame to frame, as likely as their corners and their turns are; the more likely one is given.
+    """
+
+    class Params(StageParams):
+        size: float = Field(0.1, gt=0, unit="m", description="side of a marker, its black border included")
+        sizes: dict[str, float] = Field(
+            {}, unit="m", description="sides of markers by name, where they differ"
+        )
+        maximum_error: float = Field(
+            3.0,
+            gt=0,
+            unit="px",
+            description="largest RMS distance of the corners from their images; raising it tolerates bad "
+            "calibration",
+        )
+        corner_sigma: float = Field(
+            0.5, gt=0, unit="px", description="sigma of a corner; raising it avoids flips to the other pose"
+        )
+        turn_rate: float = Field(
+            3.0, ge=0, unit="rad/s", description="how fast markers turn; raising it follows faster turns"
+        )
+        memory: float = Field(
+            1.0, ge=0, unit="s", description="time for which the poses of an unseen marker are remembered"
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        self.sides: dict[str, Sides] = {}
+
+    def process(self, markers: Joined[Markers]) -> MarkerPoses:
+        seen: dict[str, list[tuple[str, Array]]] = {}
+        for one in markers:
+            for row, index in enumerate(one.marker.tolist()):
+                seen.setdefault(one.names[index], []).append((one.camera, one.xy[row]))
+        time = max((one.header.time for one in markers), default=0)
+        self.sides = {name: s for name, s in self.sides.items() if not self.forgotten(s, time)}
+        found = {name: self.pose(name, views, time) for name, views in sorted(seen.items())}
+        kept = {name: pose for name, pose in found.items() if pose is not None}
+        names = tuple(kept)
+        return MarkerPoses(
+            names=names,
+            marker=np.arange(len(names), dtype=np.int32),
+            xyz=np.array([pose.xyz for pose, _ in kept.values()]).reshape(-1, 3),
+            rotation=np.array([quaternion(pose.rotation) for pose, _ in kept.values()]).reshape(-1, 4),
+            views=np.array([len(seen[name]) for name in names], np.int32),
+            error=np.array([pose.error for pose, _ in kept.values()]),
+            ambiguity=np.array([ambiguity for _, ambiguity in kept.values()]),
+        )
+
+    def pose(self, name: str, views: list[tuple[str, Array]], time: int) -> tuple[Pose, float] | None:
+        """The pose of a marker and its ambiguity; None if its corners do not fit a square of its size."""
+        cameras = [self.room.cameras[camera] for camera, _ in views]
+        size = self.params.sizes.get(name, self.params.size)
+        possible = poses(cameras, np.array([xy for _, xy in views]), size)[:2]
+        if not possible or possible[0].error > self.params.maximum_error:
+            return None
+        errors = np.array([pose.error for pose in possible])
+        likely = -2 * len(views) * np.square(errors / self.params.corner_sigma)  # four corners a view
+        faces = np.array([pose.rotation[:, 2] for pose in possible])
+        before = self.sides.get(name)
+        if before is not None:
+            likely += self.turned(before, faces, time)
+        self.sides[name] = Sides(faces, np.maximum(likely - likely.max(), LEAST_LIKELY), time)
+        ambiguity = errors[0] / max(errors[1], np.finfo(float).tiny) if len(errors) > 1 else 0.0
+        return possible[int(likely.argmax())], float(ambiguity)
+
+    def turned(self, before: Sides, faces: Array, time: int) -> Array:
+        """Log-likelihood of faces (K, 3) after the sides before, by the turns that lead to them: (K,)."""
+        sigma = TURN_SIGMA + self.params.turn_rate * (time - before.time) * NANOSECOND
+        angle = np.arccos(np.clip(faces @ before.faces.T, -1, 1))
+        return np.asarray((before.likely - np.square(angle / sigma) / 2).max(axis=1))
+
+    def forgotten(self, sides: Sides, time: int) -> bool:
+        """Whether poses are too old to count, or of a time that has not come yet."""
+        return not 0 <= (time - sides.time) * NANOSECOND <= self.params.memory
+
+    def state(self) -> Any:
+        return {name: [sides.faces, sides.likely, sides.time] for name, sides in self.sides.items()}
+
+    def restore(self, state: Any) -> None:
+        self.sides = {
+            name: Sides(np.array(faces), np.array(likely), int(time))
+            for name, (faces, likely, time) in state.items()
+        }
