@@ -55,16 +55,16 @@ def wait_until(condition: Callable[[], object]) -> bool:
 APART = """
 placement: apart
 workers:
-  other: {stages: [b]}
+  other: {stages: [STAGE]}
 """
 
 
 class Going:
     """A running graph; other runs may go on on this machine."""
 
-    def __init__(self, folder: Path, stages: str, workers: int) -> None:
+    def __init__(self, folder: Path, stages: str, workers: int, apart: str) -> None:
         self.out = folder / "out"
-        (folder / "apart.yaml").write_text(APART)
+        (folder / "apart.yaml").write_text(APART.replace("STAGE", apart))
         options = ("--placement", str(folder / "apart.yaml")) if workers == 2 else ()
         self.process = start(write_graph(folder, stages), self.out, *options)
         self.name = str(self.process.pid)
@@ -96,8 +96,9 @@ class Going:
 
 
 @contextmanager
-def going(folder: Path, stages: str, workers: int) -> Iterator[Going]:
-    run = Going(folder, stages, workers)
+def going(folder: Path, stages: str, workers: int, apart: str = "b") -> Iterator[Going]:
+    """apart: the stage in the second worker."""
+    run = Going(folder, stages, workers, apart)
     try:
         run.grows()
         yield run
@@ -123,6 +124,40 @@ def test_a_replay_that_is_changed_loses_nothing(tmp_path: Path, workers: int) ->
     counts = {(e["to"], e["sent"], e["delivered"]) for e in finished.summary["edges"]}
     assert counts == {("b.number", 1200, 1200), ("save.number", 1200, 1200)}, "as without a change"
     assert "while it ran: b: term = 1000" in finished.summary["notes"]
+
+
+PART = """\
+params: {{first: b.term}}
+inputs: {{number: b.number}}
+outputs: {{number: c}}
+stages:
+  b: {{uses: ticks.add, with: {{term: {term}, sleep: {sleep}}}}}
+  c: {{uses: ticks.add, in: {{number: b}}, with: {{term: {term}}}}}
+"""
+WHOLE = """
+a:    {uses: ticks.count, with: {count: 1200}}
+hall: {graph: part.yaml, in: {number: a}}
+save: {uses: ticks.write, in: {number: hall}}
+"""
+
+
+def test_a_sub_graph_is_swapped_as_a_whole_and_no_message_is_lost(tmp_path: Path) -> None:
+    """Stage hall/b runs in another worker than the rest."""
+    (tmp_path / "part.yaml").write_text(PART.format(term=1, sleep=0.02))
+    (tmp_path / "other.yaml").write_text(PART.format(term=1000, sleep=0.0))
+    with going(tmp_path, WHOLE, 2, "hall/b") as run:
+        words = [f"hall={tmp_path / 'other.yaml'}", "hall.first=5000"]
+        report = run_here(run.name).change(words)
+        assert {stage.stage for stage in report.stages} == {"hall/b", "hall/c"}
+        finished = finish(run.process, run.out)
+    assert finished.code == 0, finished.errors
+    rows = [line.split(",") for line in finished.lines()]
+    assert [int(row[0]) for row in rows] == list(range(1200)), "every frame has its row"
+    terms = [int(row[2]) - int(row[0]) for row in rows]
+    assert (terms[0], terms[-1]) == (2, 6000)
+    assert set(terms) <= {2, 1001, 5001, 6000}, "a worker may take over a few messages after another"
+    assert terms == sorted(terms)
+    assert balanced(finished.summary)
 
 
 REFUSED = [

@@ -54,11 +54,13 @@ def _swap(args: argparse.Namespace) -> int:
 
     The run builds a new stage beside the old one. The new stage takes over between two messages, with the
     state of the old one if both stages support that; no message is lost. If a new stage cannot be built, the
-    old stages go on, and the command says why.
+    old stages go on, and the command says why. A sub-graph is replaced by another file with the same stages
+    and edges: all its stages are built first, then they take over, each worker between two of its messages.
 
     Examples:
       followspot swap glowballs fuse=balls.mean
       followspot swap fuse=balls.mean_shift fuse.maximum_iterations=50
+      followspot swap hall=quick_tracker.yaml
     """
     return _change(args)
 
@@ -73,6 +75,7 @@ def _set(args: argparse.Namespace) -> int:
     Examples:
       followspot set glowballs color.similarity=0.7
       followspot set color/cam0.similarity=0.7       one camera, of the only run
+      followspot set hall.similarity=0.7             a parameter in the interface of a sub-graph
     """
     return _change(args)
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from followspot.document import Node
+from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.graph.names import enclosing
 from followspot.graph.override import Override, read_override
 from followspot.graph.parameters import output_paths, plain_default, validated
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.replacement import misfits
+from followspot.graph.subgraph_change import is_subgraph, subgraph_changes
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 
@@ -21,14 +23,16 @@ def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> t
     """The stages that change, in their new form. Raises InputError with every mistake.
 
     words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
-    of its instances; folder: that paths in the words are relative to. A replacement keeps the given
-    parameters of the old stage that it also has.
+    of its instances, or a sub-graph, with FILE for USES; folder: that paths in the words are relative to. A
+    replacement keeps the given parameters of the old stage that it also has.
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
     for word in words:
         override = read_override(_spelled(word), mistakes)
-        if override is not None:
+        if override is not None and is_subgraph(plan, override.stage):
+            _note_subgraph(override, word, plan, folder, wishes, mistakes)
+        elif override is not None:
             _note(override, plan, wishes, mistakes)
     found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
     changed = [stage for stage in found if stage is not None]
@@ -61,13 +65,33 @@ def _spelled(word: str) -> str:
     return f"{stage}.uses={uses}" if sign and "." not in stage else word
 
 
+def _note_subgraph(
+    override: Override,
+    word: str,
+    plan: Plan,
+    folder: Path,
+    wishes: dict[str, _Wish],
+    mistakes: list[Mistake],
+) -> None:
+    """Add a word for a sub-graph to the wishes for its instances."""
+    place = override.stage_place
+    by_name = {stage.name: stage for stage in plan.stages}
+    try:
+        for found in subgraph_changes(plan, word, folder, place):
+            wish = wishes.setdefault(found.name, _Wish(by_name[found.name], place))
+            wish.uses = found.uses
+            wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
+    except InputError as error:
+        mistakes += error.mistakes
+
+
 def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]) -> None:
     """Add one word to the wishes for the instances that it names."""
     name, keys = override.stage, override.keys
     place = override.stage_place
     targets = [stage for stage in plan.stages if name in (stage.group, stage.name)]
     if not targets:
-        known = {known for stage in plan.stages for known in (stage.group, stage.name)}
+        known = {text for stage in plan.stages for text in (*enclosing(stage.group), stage.name)}
         mistakes.append(
             Mistake(place, f'the graph has no stage "{name}"', did_you_mean(name, known, "stages"))
         )

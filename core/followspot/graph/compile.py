@@ -12,7 +12,7 @@ from followspot.graph.check import Checked, check
 from followspot.graph.expand import expand
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, Recipe
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
 
@@ -48,7 +48,11 @@ def compile_graph(
         strict=strict,
         subscribed=subscribed,
     )
-    return plan(checked, placed, edges, seed=seed, plugin_files=files)
+    made = plan(checked, placed, edges, seed=seed, plugin_files=files)
+    if change is not None:
+        return made
+    at = None if room is None else str(Path(room).absolute())
+    return replace(made, recipe=Recipe(str(Path(path).absolute()), at, tuple(overrides)))
 
 
 def checked_graph(

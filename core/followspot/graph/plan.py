@@ -135,6 +135,15 @@ def nearest_kind(start: PlannedWorker, end: PlannedWorker) -> EdgeKind:
 
 
 @dataclass(frozen=True)
+class Recipe:
+    """The files and options that a plan was made from, so that it can be made again with a change."""
+
+    graph: str
+    room: str | None
+    overrides: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class Plan:
     """A run before it starts: stages in topological order (ignoring feedback edges), edges, workers."""
 
@@ -150,6 +159,8 @@ class Plan:
     """Differences from the request, for example an edge kind that was not possible."""
     warnings: tuple[Mistake, ...] = ()
     """What can never come to anything, with its places; it stays with the operator."""
+    recipe: Recipe | None = None
+    """It stays with the operator, too; None if the stages do not come from files alone."""
 
     @property
     def live(self) -> bool:

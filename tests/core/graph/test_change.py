@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tests.core.graph.composed import TRACKER
+from tests.core.graph.composed import planned as composed
 from tests.core.graph.files import TOY, write
 
 from followspot.errors import InputError
@@ -78,3 +80,60 @@ def test_paths_are_relative_to_the_folder_of_who_asks(plan: Plan, tmp_path: Path
     assert stage.params["mask"] == str(tmp_path / "here" / "mask.png")
     with pytest.raises(InputError, match="does not exist"):
         changed_stages(plan, ["pair=toy.masked", "pair.mask=mask.png"], tmp_path)
+
+
+NOTHING = ("", "")
+PAIR = "{uses: toy.pair, in: {blobs: detect}}"
+HALL = """\
+graph: building
+room: room.yaml
+stages:
+  hall: {graph: tracker.yaml, with: {level: 0.25}}
+  save: {uses: toy.save, in: {tracks: hall.tracks}}
+"""
+
+
+def test_a_sub_graph_is_swapped_by_a_file_with_the_same_stages(tmp_path: Path) -> None:
+    quick = TRACKER.replace("toy.pair,", "toy.pair_again,").replace("{model: constant}", "{model: quick}")
+    plan = composed(tmp_path, HALL, quick=quick)
+    changed = {stage.name: stage for stage in changed_stages(plan, ["hall=quick.yaml"], tmp_path)}
+    assert changed.keys() == {"hall/pair", "hall/track"}
+    assert changed["hall/pair"].uses == "toy.pair_again"
+    assert changed["hall/track"].params == {"model": "quick"}
+    after = with_stages(plan, changed.values())
+    assert changed_stages(after, ["hall=quick.yaml"], tmp_path) == ()
+    back = changed_stages(after, ["hall=tracker.yaml"], tmp_path)
+    assert {stage.name for stage in back} == {"hall/pair", "hall/track"}
+
+
+def test_a_parameter_of_an_interface_changes_the_stages_behind_it_alone(tmp_path: Path) -> None:
+    plan = composed(tmp_path, HALL)
+    plan = with_stages(plan, changed_stages(plan, ["hall/detect/cam0.start=warm"]))
+    changed = changed_stages(plan, ["hall.level=0.5"])
+    assert [(s.name, s.params["level"], s.params["start"]) for s in changed] == [
+        ("hall/detect/cam0", 0.5, "warm"),
+        ("hall/detect/cam1", 0.5, "cold"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("word", "change", "text"),
+    [
+        ("hall=gone.yaml", NOTHING, "gone.yaml: No such file"),
+        ("hall=quick.yaml", ("  pair:", f"  more: {PAIR}\n  pair:"), "adds hall/more"),
+        ("hall=quick.yaml", (", forecast: {from: track.forecast, delay: 1}", ""), "in another way"),
+        ("hall=quick.yaml", ("constant}", "constant}, on_error: skip"), "on_error, tolerance"),
+        ("hall=quick.yaml", ("tracks: track.tracks", "track: track.tracks"), 'has no output "tracks"'),
+        ("hall.levle=1", NOTHING, 'has no parameter "levle"'),
+        ("hall.level=7", NOTHING, "cannot be 7"),
+        ("hal=quick.yaml", NOTHING, 'the graph has no stage "hal"'),
+    ],
+)
+def test_a_sub_graph_that_cannot_be_changed_says_why(
+    tmp_path: Path, word: str, change: tuple[str, str], text: str
+) -> None:
+    plan = composed(tmp_path, HALL, quick=TRACKER.replace(*change) if change[0] else TRACKER)
+    with pytest.raises(InputError) as caught:
+        changed_stages(plan, [word], tmp_path)
+    assert len(caught.value.mistakes) == 1
+    assert text in str(caught.value)
