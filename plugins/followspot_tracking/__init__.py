@@ -1,0 +1,1 @@
+"""Tracks of several trackers that share one frame of reference."""
