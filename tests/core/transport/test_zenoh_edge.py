@@ -164,6 +164,39 @@ def test_what_was_on_its_way_to_a_reader_that_was_cut_off_to_the_end_is_lost(pai
     assert pair.writer.perished() == [(0, 1)]
 
 
+def test_a_reader_that_is_said_to_be_there_and_has_no_token_is_found_missing(pair: Pair) -> None:
+    """Zenoh says so at times to a writer that comes while the reader leaves, and never takes it back."""
+    pair.reader.close()
+    until(lambda: drained(pair.writer).lost == frozenset({0}))
+    pair.writer._flow.take_presence(Presence(zenoh.SampleKind.PUT))  # type: ignore[arg-type]
+    assert drained(pair.writer).lost == frozenset()
+    pair.writer.send(frame(0))
+
+    def found_missing() -> bool:
+        pair.writer.flush()  # as an idle worker does
+        return drained(pair.writer).lost == frozenset({0})
+
+    until(found_missing)
+
+
+def test_a_reader_that_is_there_and_does_not_report_is_waited_for(pair: Pair) -> None:
+    pair.reader.close()
+    until(lambda: drained(pair.writer).lost == frozenset({0}))
+    token = pair.stranger.liveliness().declare_token(f"{SAID}/alive/{QUOTED}/1")
+    until(lambda: drained(pair.writer).lost == frozenset())
+    told = {pair.writer._told_at}
+
+    def told_again() -> bool:
+        pair.writer.flush()
+        told.add(pair.writer._told_at)
+        return len(told) > 3
+
+    until(told_again)
+    assert drained(pair.writer).lost == frozenset()
+    token.undeclare()
+    until(lambda: drained(pair.writer).lost == frozenset({0}))
+
+
 def drained(writer: ZenohWriter) -> ZenohWriter:
     writer.drain()
     return writer

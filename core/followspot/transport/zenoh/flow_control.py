@@ -29,6 +29,8 @@ class ReaderRecord:
     incarnation: int = -1
     """Latest incarnation that was ever there; -1 before the first."""
     present: bool = False
+    arrivals: int = 0
+    """How often it came."""
     silent: bool = False
     """Whether it has not reported since it was told where to start."""
     done_incarnation: int = -1
@@ -49,11 +51,16 @@ class ReaderRecord:
 
 
 class _Change(NamedTuple):
-    """What became of an incarnation of a reader, as its liveliness tokens say."""
+    """What became of an incarnation of a reader, as its liveliness tokens say.
+
+    missing: it came, it does not report, and it has no token.
+    """
 
     reader: ReaderRecord
     incarnation: int
-    kind: Literal["came", "left", "done"]
+    kind: Literal["came", "left", "done", "missing"]
+    arrivals: int = 0
+    """Of a missing reader: how often it had come when it was asked for."""
 
 
 class FlowControl:
@@ -126,7 +133,7 @@ class FlowControl:
     def changes(self) -> Iterator[ReaderRecord]:
         """Take over what Zenoh's threads noted; yields each reader that joins: tell it where it starts."""
         while self._changes:
-            reader, incarnation, kind = self._changes.popleft()
+            reader, incarnation, kind, arrivals = self._changes.popleft()
             if kind == "done":
                 reader.done_incarnation = max(reader.done_incarnation, incarnation)
             elif incarnation < reader.incarnation:
@@ -134,6 +141,8 @@ class FlowControl:
             elif kind == "came":
                 self._join(reader, incarnation)
                 yield reader
+            elif kind == "missing" and not (reader.silent and reader.arrivals == arrivals):
+                continue  # it has come again or reported since it was asked for
             elif reader.present and reader.incarnation == incarnation:
                 reader.present = reader.silent = False
                 reader.messages_before_it_left = self.messages
@@ -186,6 +195,11 @@ class FlowControl:
             self._changes.append(_Change(reader, int(incarnation), "done"))
             self._wake()
 
+    def take_absence(self, reader: ReaderRecord, incarnation: int, arrivals: int) -> None:
+        """Note that a silent reader has no liveliness token. arrivals: of it, when it was asked for."""
+        self._changes.append(_Change(reader, incarnation, "missing", arrivals))
+        self._wake()
+
     def _join(self, reader: ReaderRecord, incarnation: int) -> None:
         """A reader is there: from now on it counts, and what it missed before does not."""
         if reader.incarnation not in (-1, incarnation):
@@ -195,6 +209,7 @@ class FlowControl:
         reader.messages_before_it_left = None
         reader.consumed, reader.taken = self.messages, self.tokens
         reader.present, reader.incarnation = True, incarnation
+        reader.arrivals += 1
         reader.lost, reader.silent = False, True
 
     def _note_death(self, reader: ReaderRecord) -> None:

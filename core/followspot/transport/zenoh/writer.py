@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import zenoh
 from zenoh.handlers import Callback
@@ -163,11 +164,25 @@ class ZenohWriter:
             self._tell_start(reader)
 
     def _tell_again(self) -> None:
-        """Repeat the start to readers that do not report: a new link may have swallowed it."""
+        """Repeat the start to silent readers, and ask for them: a new link may have swallowed it."""
         if time.monotonic() > self._told_at + _REPEAT:
             for reader in self._flow.readers:
                 if reader.silent:
                     self._tell_start(reader)
+                    self._ask_for(reader)
+
+    def _ask_for(self, reader: ReaderRecord) -> None:
+        """Ask whether the liveliness token of a silent reader exists.
+
+        While Zenoh declares a subscriber of tokens, it may tell it last of a token that has just gone. Such a
+        reader would hold up the port for ever.
+        """
+        taken = partial(self._flow.take_absence, reader, reader.incarnation, reader.arrivals)
+        replies: list[zenoh.Reply] = []
+        token = f"{reader_key(self._key, reader.host)}/alive/{reader.name}/{reader.incarnation}"
+        answered = Callback(replies.append, drop=lambda: None if replies else taken(), indirect=False)
+        with contextlib.suppress(zenoh.ZError):  # the session is closed
+            self._session.liveliness().get(token, answered, timeout=_REPEAT)
 
     def _tell_start(self, reader: ReaderRecord) -> None:
         """Tell a reader which token comes next, and how many messages it was given before."""
