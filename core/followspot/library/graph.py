@@ -11,6 +11,7 @@ from typing import Any, Literal
 from followspot.document import dump
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
+from followspot.graph.compose.graph_file import input_names
 from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.plan import Plan
 from followspot.graph.show import svg
@@ -81,7 +82,7 @@ class Graph:
     def add(
         self,
         name: str,
-        uses: str | type[Stage],
+        uses: str | Path | type[Stage],
         /,
         *,
         each: str | None = None,
@@ -92,9 +93,10 @@ class Graph:
         concurrency: int | None = None,
         **arguments: Any,
     ) -> StageOf:
-        """Add a stage.
+        """Add a stage, or a graph file as a sub-graph.
 
-        uses: the plugin stage, or a class of this process, which can run in this process only; each: the
+        uses: the plugin stage, or a class of this process, which can run in this process only, or a graph
+        file (.yaml), relative to the present folder, whose interface names the arguments; each: the
         cameras that the stage fans out over, for example ``cameras[kind=color]``; arguments: inputs (a stage,
         a port of one, or a list of them) and parameters, by name. tolerance, deadline: s; depth: of a
         live source; concurrency: of a stage with deferred outputs. Raises FollowspotError if the stage is not
@@ -102,6 +104,11 @@ class Graph:
         """
         if name in self.stages:
             raise FollowspotError(f'stage "{name}" is there already')
+        if isinstance(uses, Path) or (isinstance(uses, str) and uses.endswith((".yaml", ".yml"))):
+            policies = (on_error, tolerance, deadline, depth, concurrency)
+            if any(value is not None for value in policies):
+                raise FollowspotError(f'sub-graph "{name}" has no policies of its own: its stages have')
+            return self._add_file(name, Path(uses), each, arguments)
         used = uses if isinstance(uses, str) else offer_stage(uses)
         inputs = set() if used == ROOM_SOURCE else _inputs(load_stage(used), arguments)
         feeds = {key: _feed(value) for key, value in arguments.items() if key in inputs}
@@ -116,6 +123,20 @@ class Graph:
             "deadline": deadline,
             "depth": depth,
             "concurrency": concurrency,
+        }
+        self.stages[name] = {key: value for key, value in entry.items() if value is not None}
+        return StageOf(name)
+
+    def _add_file(self, name: str, file: Path, each: str | None, arguments: dict[str, Any]) -> StageOf:
+        """Add a sub-graph. cameras among the arguments: a selector of cameras. Raises InputError."""
+        cameras = arguments.pop("cameras", None)
+        inputs = input_names(file)
+        entry = {
+            "graph": str(file.absolute()),
+            "cameras": cameras,
+            "each": each,
+            "in": {key: _feed(value) for key, value in arguments.items() if key in inputs} or None,
+            "with": {key: _plain(value) for key, value in arguments.items() if key not in inputs} or None,
         }
         self.stages[name] = {key: value for key, value in entry.items() if value is not None}
         return StageOf(name)

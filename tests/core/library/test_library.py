@@ -60,6 +60,31 @@ def composed() -> fs.Graph:
     return graph
 
 
+def test_a_graph_file_is_added_as_a_stage_with_the_arguments_of_its_interface(tmp_path: Path) -> None:
+    graph = fs.Graph("two", room=ROOM)
+    camera = graph.add("camera", "room.source", each="cameras")
+    left = graph.add("left", GRAPH, cameras="cameras[name=cam0|cam1|cam2]", frames=camera, similarity=0.8)
+    graph.add("right", Path(GRAPH), frames=camera, tracks_file="right.csv")
+    graph.add("low", Low, tracks=left.tracks)
+    plan = graph.plan()
+    names = {stage.name: stage for stage in plan.stages}
+    assert names["left/color/cam0"].params["similarity"] == 0.8
+    assert names["right/save"].params["path"] == "right.csv"
+    assert not {"left/camera/cam0", "left/color/cam5"} & names.keys()
+    assert "left/track.tracks -> low.tracks" in {edge.name for edge in plan.edges}
+    assert plan_of(graph.save(tmp_path / "two.yaml")) == plan_of(graph)
+    with pytest.raises(fs.FollowspotError, match="no policies of its own"):
+        graph.add("third", GRAPH, on_error="skip")
+    with pytest.raises(fs.InputError, match="No such file"):
+        graph.add("third", "gone.yaml")
+
+
+def plan_of(graph: fs.Graph | Path) -> list[str]:
+    """Instances and edges."""
+    plan = graph.plan() if isinstance(graph, fs.Graph) else compile_graph(graph)
+    return [*(stage.name for stage in plan.stages), *(edge.name for edge in plan.edges)]
+
+
 @pytest.mark.parametrize("placement", [None, "camera"])
 def test_a_subscription_misses_nothing_and_the_run_is_changed_on_the_way(
     tmp_path: Path, placement: str | None

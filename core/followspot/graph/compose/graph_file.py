@@ -144,6 +144,15 @@ class GraphFiles:
         self.mistakes.append(Mistake(place, text, remedy))
 
 
+def input_names(path: Path) -> frozenset[str]:
+    """Names of the inputs in the interface of a graph file. Raises InputError if it cannot be read."""
+    mistakes: list[Mistake] = []
+    found = GraphFiles(mistakes, mistakes).root(path)
+    if mistakes:
+        raise InputError(mistakes)
+    return frozenset(found.inputs)
+
+
 def _real(path: Path) -> str:
     return os.path.realpath(path) if "\0" not in str(path) else str(path)
 

@@ -7,9 +7,11 @@ from dataclasses import replace
 
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.declaration import ENVELOPE
+from followspot.graph.override import SUBGRAPH
 
-_OF_A_STAGE = ("uses", "with", "on_error", "tolerance", "deadline", "depth", "concurrency")
-_OF_A_SUBGRAPH = ("graph", "with", "cameras")
+_OF_A_STAGE = {*ENVELOPE} - {"in", "each"}
+_OF_A_SUBGRAPH = {*SUBGRAPH} - {"in", "each"}
 
 
 def merged_stages(
@@ -43,7 +45,7 @@ def _merged_stage(old: Node, new: Node) -> Node:
     if not isinstance(old.value, Mapping) or not isinstance(new.value, Mapping):
         return new
     kept = dict(old.value)
-    for key, dropped in (("uses", (*_OF_A_SUBGRAPH, "uses")), ("graph", (*_OF_A_STAGE, "graph"))):
+    for key, dropped in (("uses", {"uses", *_OF_A_SUBGRAPH}), ("graph", {"graph", *_OF_A_STAGE})):
         if key in new.value and not _same(kept.get(key), new.value[key]):
             kept = {k: node for k, node in kept.items() if k not in dropped}
     for key, node in new.value.items():
