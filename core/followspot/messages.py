@@ -115,6 +115,8 @@ class Message:
     columns: ClassVar[tuple[Column, ...]] = ()
     array_names: ClassVar[tuple[str, ...]] = ()
     scalars: ClassVar[tuple[tuple[str, Any], ...]] = ()
+    rows_of: ClassVar[str] = ""
+    """The column that has as many entries as the message has rows; empty if it always says something."""
 
     def __init_subclass__(cls) -> None:
         dataclasses.dataclass(frozen=True, eq=False)(cls)
@@ -135,6 +137,9 @@ class Message:
                 raise TypeError(
                     f"{cls.__name__}.{name}: a field is a column(), str, int, float, bool or tuple[str, ...]"
                 )
+        named = [c.name for c in cls.columns[:1] if c.shape and isinstance(c.shape[0], str)]
+        numbers = any(kind in (int, float, bool) for _, kind in cls.scalars)
+        cls.rows_of = named[0] if named and not numbers else ""
         texts = {name for name, kind in cls.scalars if kind == tuple[str, ...]}
         for c in cls.columns:
             if c.refers and c.refers not in ("targets", "states", *texts):
@@ -155,6 +160,12 @@ class Message:
         for name, shape, dtype, *_ in cls.columns:
             values[name] = np.zeros([0 if isinstance(size, str) else size for size in shape], dtype)
         return cls(**values)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it says nothing: its first column has a named size, which is 0, and it has no number."""
+        name = type(self).rows_of
+        return name != "" and not len(getattr(self, name))
 
     def where(self, keep: Array | slice) -> Self:
         """The message with only these rows, in every column as long as the first.

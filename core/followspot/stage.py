@@ -218,6 +218,10 @@ class Stage:
     """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
     run only."""
 
+    advice: ClassVar[str] = ""
+    """What helps if the stage gets messages and never gives one with rows; the summary of such a run shows
+    it."""
+
     process_together: ClassVar[Callable[..., Any] | None] = None
     """Optional batch version of `process`: a classmethod `(stages, inputs) -> outputs`.
 

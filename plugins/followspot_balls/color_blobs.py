@@ -50,6 +50,10 @@ class ColorBlobs(Stage):
     """Find blobs of the targets' colours near the forecasts; in the whole image for lost targets."""
 
     per_camera = True
+    advice = (
+        "learn the templates in this light (`followspot calibrate targets`), or lower similarity, "
+        "minimum_saturation and minimum_brightness"
+    )
 
     class Params(DetectionParams):
         similarity: float = Field(

@@ -59,6 +59,10 @@ class IrBlobs(Stage):
     """Find bright blobs near the forecasts, in the whole image for lost targets; they bear no label."""
 
     per_camera = True
+    advice = (
+        "learn the templates in this light (`followspot calibrate targets`), or widen minimum_area and "
+        "maximum_area"
+    )
 
     class Params(DetectionParams):
         edge_level: float = Field(

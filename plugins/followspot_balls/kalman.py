@@ -30,6 +30,11 @@ class Outputs:
 class Kalman(Stage):
     """Filter each target with a first-order motion model; keep its life cycle: tracked, missing, lost."""
 
+    advice = (
+        "no target was confirmed: check the calibration (`followspot calibrate check`), or lower "
+        "minimum_support and confirmation_frames"
+    )
+
     class Params(StageParams):
         acceleration_sigma: float = Field(
             12.0,

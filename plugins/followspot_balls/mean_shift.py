@@ -20,6 +20,11 @@ FAINT = 1e-200
 class MeanShift(Stage):
     """Seek the mode of each target's candidates, from the forecast or from the densest candidate."""
 
+    advice = (
+        "no pair is evidence of a target: a colour and an infrared camera must see it at once, or two "
+        "cameras where all are of one kind"
+    )
+
     class Params(StageParams):
         initial_center: Literal["forecast", "densest", "mean"] = Field(
             "forecast", description="initial centre of a target with a forecast"

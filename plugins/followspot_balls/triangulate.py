@@ -22,6 +22,11 @@ SAME_COLOR = 0.8
 class Triangulate(Stage):
     """Turn every pair into a 3D candidate; reject those outside the spheres around the forecasts."""
 
+    advice = (
+        "check the calibration (`followspot calibrate check`), or widen minimum_area and maximum_area; "
+        "targets that infrared cameras alone see need marks (`track.marks`)"
+    )
+
     class Params(StageParams):
         minimum_search_radius: float = Field(
             0.225,

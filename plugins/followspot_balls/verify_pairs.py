@@ -27,6 +27,11 @@ class VerifyPairs(Stage):
     only sure light is rejected then.
     """
 
+    advice = (
+        "two cameras must see a target at once: check calibration and clocks (`followspot calibrate check`, "
+        "`followspot calibrate clocks`), or raise maximum_epipolar_distance"
+    )
+
     class Params(StageParams):
         maximum_epipolar_distance: float = Field(
             3.0,

@@ -12,6 +12,7 @@ from followspot.accuracy import PersonsScore, TargetScore, persons_table, person
 from followspot.library.table import Table
 from followspot.operator import summary
 from followspot.operator.report import RunReport
+from followspot.operator.silence import Silence
 from followspot.worker.ledger import COUNTS
 
 
@@ -62,6 +63,11 @@ class Report:
     def warnings(self) -> tuple[str, ...]:
         """Warnings of all workers, and faults from which the run recovered."""
         return self.run.warnings
+
+    @property
+    def silences(self) -> tuple[Silence, ...]:
+        """Ports that never gave a message with rows, although all that feeds their stage did."""
+        return self.run.silences
 
     @cached_property
     def ledger(self) -> Table:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from followspot.control.clock_status import ClockStatus
 from followspot.control.worker_report import RUN_AGAIN, WorkerReport
 from followspot.graph.plan import Plan, PlannedEdge
+from followspot.operator.silence import Silence, silences
 from followspot.worker.ledger import COLUMNS, EdgeCount, Ledger
 
 
@@ -40,6 +42,11 @@ class RunReport:
     def warnings(self) -> tuple[str, ...]:
         """The news of the run and the warnings of all workers."""
         return (*self.news, *(text for worker in self.workers for text in worker.warnings))
+
+    @cached_property
+    def silences(self) -> tuple[Silence, ...]:
+        """Ports that never gave a message with rows, although all that feeds their stage did."""
+        return silences(self.plan, self.edges)
 
     @property
     def unbalanced(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from followspot.operator.report import RunReport
@@ -26,6 +27,9 @@ def text(report: RunReport, accuracy: str) -> str:
     if report.clocks:
         parts.append("clocks, offset added to the times of each host\n" + _clocks(report))
     parts.append("ledger\n" + _ledger(report))
+    if report.silences:
+        lines = [line for silence in report.silences for line in (f"  {silence}", f"      {silence.advice}")]
+        parts.append("gave nothing\n" + "\n".join(lines))
     if report.plan.notes:
         parts.append("notes\n" + "\n".join(f"  {note}" for note in report.plan.notes))
     if report.warnings:
@@ -81,6 +85,7 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
         ],
         "workers": [worker.to_data() for worker in report.workers],
         "warnings": [*(f"{m.place}: {m.text}" for m in report.plan.warnings), *report.warnings],
+        "silences": [{**asdict(silence), "text": str(silence)} for silence in report.silences],
         "notes": list(report.plan.notes),
         "errors": [*report.errors, *report.unbalanced],
     }

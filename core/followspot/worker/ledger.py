@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 DELIVERED, DROPPED, LATE, UNMATCHED, INVALID = range(5)
 """Words of an edge's row that the reader stores."""
-SHED, OVERRUN, REFUSED, LOST, AWAY, PRODUCED = range(8, 14)
+SHED, OVERRUN, REFUSED, LOST, AWAY, PRODUCED, FILLED = range(8, 15)
 """Words that the sender stores: dropped before sending, dropped by a live source, refused before sending, on
-the way to readers that died, produced while the reader was away, and produced at all.
+the way to readers that died, produced while the reader was away, and produced at all. FILLED is no count:
+it is above 0 if one of the messages had rows.
 
 Each word has one writer, so two processes may share a row. The thread of a live source stores PRODUCED and
 OVERRUN, the worker's thread the others. A message counts as produced before it counts as anything else, so a
@@ -50,6 +51,8 @@ class EdgeCount:
 
     During a run the sender's counts may be older than the reader's. At the end of a run a surplus is a bug.
     """
+    filled: bool = False
+    """True if a message with rows was produced."""
 
     @property
     def balanced(self) -> bool:
@@ -108,4 +111,5 @@ def tally(row: Sequence[int]) -> EdgeCount:
         in_flight=sent - accounted - lost,
         lost=lost,
         surplus=sent - known,
+        filled=row[FILLED] > 0,
     )

@@ -11,7 +11,7 @@ from followspot.transport.dropping_writer import DroppingWriter
 from followspot.transport.edge import PortWriter
 from followspot.transport.token import ABSENT, END, Watermark
 from followspot.worker.input_queue import InputQueue
-from followspot.worker.ledger import AWAY, LOST, OVERRUN, PRODUCED, REFUSED, SHED
+from followspot.worker.ledger import AWAY, FILLED, LOST, OVERRUN, PRODUCED, REFUSED, SHED
 
 _TAPPING = Lock()
 """Any thread adds taps; the worker's thread removes them."""
@@ -32,6 +32,7 @@ class OutputPort:
         "announced",
         "counts",
         "edges",
+        "filled",
         "lateness",
         "queues",
         "refused",
@@ -65,6 +66,8 @@ class OutputPort:
         """Whether `send` counts messages as produced; a live source counts them in its thread."""
         self.taps: tuple[Callable[[Message], None], ...] = ()
         """Called with every message; see `followspot.worker.tapping`."""
+        self.filled = False
+        """Whether a message that was sent had rows."""
         self.watermark = -END
         self.announced = -END
         """What readers were told last: the watermark, or `ABSENT`."""
@@ -75,7 +78,9 @@ class OutputPort:
     def connect(self, queues: Sequence[InputQueue]) -> None:
         """Add edges to readers in the same worker."""
         self.queues += queues
-        self._all_rows += [queue.row for queue in queues]
+        rows = [queue.row for queue in queues]
+        self._all_rows += rows
+        self._fill(rows)
 
     def attach(self, writer: PortWriter, names: Sequence[str], rows: list[int]) -> None:
         """Add the edges to other workers that one writer serves; names, rows: of its readers in turn."""
@@ -87,6 +92,7 @@ class OutputPort:
         self.writers.append(writer)
         self.rows.append(rows)
         self._all_rows += rows
+        self._fill(rows)
         self.update_readers()
 
     def update_readers(self) -> None:
@@ -142,6 +148,9 @@ class OutputPort:
             return
         if message.header is not header:
             message = stamped(message, header)
+        if not self.filled and not message.is_empty:
+            self.filled = True
+            self._fill(self._all_rows)
         self.watermark = self.announced = header.time + 1 + self.lateness
         for tap in self.taps:
             tap(message)
@@ -220,6 +229,11 @@ class OutputPort:
         """Count a message that was queued and turned out too large to send."""
         self._count(rows, REFUSED)
         self.refused(reason)
+
+    def _fill(self, rows: list[int]) -> None:
+        """Note on these edges that a message had rows, if one had."""
+        for row in rows:
+            self.words[row + FILLED] |= self.filled
 
     def _count(self, rows: list[int], column: int) -> None:
         for row in rows:
