@@ -42,9 +42,9 @@ def tilted(roll: float = 0.3, pitch: float = 0.25, model: str = "pinhole") -> Ca
 
 @pytest.mark.parametrize("model", ["pinhole", "fisheye"])
 @pytest.mark.parametrize("scale", [1.0, 0.5])
-def test_a_point_is_shown_where_the_upright_camera_says(model: str, scale: float, tmp_path: Path) -> None:
+def test_a_point_is_shown_where_the_upright_camera_says(model: str, scale: float) -> None:
     taken = tilted(model=model)
-    upright = rectified(taken, scale, tmp_path)
+    upright = rectified(taken, scale)
     assert np.allclose(upright.center, taken.center)
     for point in ([4.0, 0.0, 1.0], [3.0, 0.8, 1.4], [5.0, -1.0, 0.3]):
         u, v = project(taken, np.array([point]))[0]
@@ -57,25 +57,25 @@ def test_a_point_is_shown_where_the_upright_camera_says(model: str, scale: float
         assert np.allclose(found, project(upright, np.array([point]))[0], atol=0.3)
 
 
-def test_the_upright_camera_looks_the_same_way_and_stands_straight(tmp_path: Path) -> None:
-    upright = rectified(tilted(), 1.0, tmp_path)
+def test_the_upright_camera_looks_the_same_way_and_stands_straight() -> None:
+    upright = rectified(tilted(), 1.0)
     assert np.allclose(upright.rotation[2], tilted().rotation[2])
     assert upright.rotation[0, 2] == pytest.approx(0.0)
     assert upright.rotation[1, 2] < 0
     assert np.linalg.det(upright.rotation) == pytest.approx(1.0)
 
 
-def test_nothing_that_the_video_shows_is_lost(tmp_path: Path) -> None:
-    upright = rectified(tilted(), 1.0, tmp_path)
+def test_nothing_that_the_video_shows_is_lost() -> None:
+    upright = rectified(tilted(), 1.0)
     maps = rectification(upright, tilted())
     everything = cv2.remap(np.full((SIZE[1], SIZE[0]), 255, np.uint8), *maps, cv2.INTER_LINEAR)
     share = (everything > 0).sum() / (SIZE[0] * SIZE[1])
     assert share > 0.95
 
 
-def test_cameras_that_cannot_be_turned_stay_as_they_are(tmp_path: Path) -> None:
+def test_cameras_that_cannot_be_turned_stay_as_they_are() -> None:
     for camera in (tilted(pitch=1.5), tilted(model="cylinder"), replace(tilted(), source=None)):
-        assert rectified(camera, 1.0, tmp_path) is camera
+        assert rectified(camera, 1.0) is camera
 
 
 def film(path: Path) -> None:

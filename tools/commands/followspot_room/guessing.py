@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from followspot.messages import Array
 from followspot.room import StageUse
 from followspot.room_file import save
 from followspot_cameras.video import announced_frames, open_video
+from followspot_room.moving import moved
 
 PICTURES = 20
 """So many pictures of the video, evenly spread, are searched for people."""
@@ -146,7 +146,6 @@ def room_of(video: Path, output: Path, size: tuple[int, int], focal: float, gues
     c, s = np.cos(guess.pitch), np.sin(guess.pitch)
     rotation = np.array([[0.0, -1.0, 0.0], [-s, 0.0, -c], [c, 0.0, -s]])
     matrix = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1]])
-    path = os.path.relpath(video.resolve(), output.parent.resolve())
     camera = Camera(
         name="camera",
         kind="color",
@@ -155,10 +154,10 @@ def room_of(video: Path, output: Path, size: tuple[int, int], focal: float, gues
         distortion=np.zeros(5),
         rotation=rotation,
         translation=-rotation @ np.array([0.0, 0.0, guess.height]),
-        source=StageUse("cameras.video", {"path": path}, str(output.parent)),
+        source=StageUse("cameras.video", {"path": str(video)}),
     )
     floor = np.array([0.0, 0.0, 1.0, 0.0])
-    return Room(name=output.stem, cameras={"camera": camera}, planes={"floor": floor})
+    return moved(Room(name=output.stem, cameras={"camera": camera}, planes={"floor": floor}), output)
 
 
 def _summary(output: Path, guess: Guess) -> str:

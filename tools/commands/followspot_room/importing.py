@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -16,6 +15,7 @@ from followspot.room_file import save
 from followspot_cameras.recordings import POSE_TRUTH, find_recordings
 from followspot_room.calibration import read_calibration
 from followspot_room.format import Calibration
+from followspot_room.moving import moved
 from followspot_room.recorded_size import as_recorded, picture_size
 
 TRUTH = "truth.csv"
@@ -104,26 +104,25 @@ def room_of(
     calibration: Calibration, recordings: Mapping[str, Path], truth: tuple[str, Path] | None, output: Path
 ) -> Room:
     """The room that is to be written to the output; paths are relative to its folder."""
-    folder = output.parent
 
     def with_source(camera: Camera) -> Camera:
         path = recordings.get(camera.name)
         if path is None:
             return camera
         stage = "cameras.images" if path.is_dir() else "cameras.video"
-        return replace(camera, source=_use(stage, path, folder))
+        return replace(camera, source=_use(stage, path))
 
-    return Room(
+    room = Room(
         name=output.stem,
         cameras={camera.name: with_source(camera) for camera in calibration.cameras},
         planes=calibration.planes,
-        truth=_use(*truth, folder) if truth else None,
+        truth=_use(*truth) if truth else None,
     )
+    return moved(room, output)
 
 
-def _use(stage: str, path: Path, folder: Path) -> StageUse:
-    relative = os.path.relpath(path.resolve(), folder.resolve())
-    return StageUse(stage, {"path": relative}, str(folder))
+def _use(stage: str, path: Path) -> StageUse:
+    return StageUse(stage, {"path": str(path)})
 
 
 def _no_recording(camera: str, videos: Path) -> Mistake:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +13,8 @@ from followspot import Camera
 from followspot.errors import InputError, writing
 from followspot.geometry import ray
 from followspot.messages import Array
-from followspot.room import StageUse
 from followspot.room_file import load, save
+from followspot_room.moving import moved
 
 STEEP = 0.17
 """Angle from the vertical, rad, below which a viewing direction has no upright view."""
@@ -31,39 +30,35 @@ def rectify_room(room_file: Path, output: Path, scale: float, *, as_json: bool) 
     scale: of the new pictures over the old ones.
     """
     room = load(room_file)
-    turned = {name: rectified(camera, scale, output.parent) for name, camera in room.cameras.items()}
+    turned = {name: rectified(camera, scale) for name, camera in room.cameras.items()}
     changed = [name for name, camera in turned.items() if camera is not room.cameras[name]]
     if not changed:
         text = f"{room_file} has no pinhole or fisheye camera with a video that looks at a horizon"
         raise InputError.of(text, "import the room with its videos: followspot room import")
-    kept = {name: _moved(turned[name], output.parent) for name in turned if name not in changed}
-    truth = room.truth and _use_in(room.truth, output.parent)
+    kept = [name for name in turned if name not in changed]
     with writing(output):
         output.parent.mkdir(parents=True, exist_ok=True)
-        save(replace(room, name=output.stem, cameras={**turned, **kept}, truth=truth), output)
+        save(moved(replace(room, name=output.stem, cameras=turned), output), output)
     for name in kept:
         print(f"warning: camera {name} stays as it is", file=sys.stderr)
     sizes = {name: turned[name].size for name in changed}
     if as_json:
-        print(json.dumps({"room": output.stem, "cameras": sizes, "kept": list(kept)}))
+        print(json.dumps({"room": output.stem, "cameras": sizes, "kept": kept}))
     else:
         print(f"{output}: " + ", ".join(f"{name} {w}x{h} px" for name, (w, h) in sizes.items()))
     return 0
 
 
-def rectified(camera: Camera, scale: float, folder: Path) -> Camera:
+def rectified(camera: Camera, scale: float) -> Camera:
     """An upright pinhole camera with the same centre, heading and field of view.
 
     The camera itself if it is no pinhole or fisheye, has no video, or looks up or down.
     """
     ahead = camera.rotation[2]
-    video = camera.source is not None and camera.source.uses == "cameras.video"
-    if (
-        camera.source is None
-        or not video
-        or camera.model == "cylinder"
-        or np.hypot(*ahead[:2]) < np.sin(STEEP)
-    ):
+    source = camera.source
+    if source is None or source.uses != "cameras.video" or camera.model == "cylinder":
+        return camera
+    if np.hypot(*ahead[:2]) < np.sin(STEEP):
         return camera
     right = np.array([ahead[1], -ahead[0], 0.0]) / np.hypot(*ahead[:2])
     rotation = np.stack([right, np.cross(ahead, right), ahead])
@@ -77,7 +72,6 @@ def rectified(camera: Camera, scale: float, folder: Path) -> Camera:
         "distortion": camera.distortion.tolist(),
         "rotation": camera.rotation.tolist(),
     }
-    source = _use_in(camera.source, folder)
     return replace(
         camera,
         model="pinhole",
@@ -86,7 +80,7 @@ def rectified(camera: Camera, scale: float, folder: Path) -> Camera:
         distortion=np.zeros(5),
         rotation=rotation,
         translation=-rotation @ camera.center,
-        source=StageUse("cameras.rectified_video", {**source.params, "lens": lens}, source.folder),
+        source=replace(source, uses="cameras.rectified_video", params={**source.params, "lens": lens}),
     )
 
 
@@ -101,18 +95,3 @@ def _extent(camera: Camera, rotation: Array, focal: float, limit: float) -> tupl
     local = local[local[:, 2] > 0]
     place = focal * local[:, :2] / local[:, 2:]
     return np.maximum(place.min(axis=0), -limit), np.minimum(place.max(axis=0), limit)
-
-
-def _moved(camera: Camera, folder: Path) -> Camera:
-    return camera if camera.source is None else replace(camera, source=_use_in(camera.source, folder))
-
-
-def _use_in(use: StageUse, folder: Path) -> StageUse:
-    """The stage with its path relative to another folder."""
-    path = use.params.get("path")
-    if not isinstance(path, str):
-        return replace(use, folder=str(folder))
-    absolute = (Path(use.folder) / path).resolve()
-    return StageUse(
-        use.uses, {**use.params, "path": os.path.relpath(absolute, folder.resolve())}, str(folder)
-    )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 
 from followspot import Camera, Room
 from followspot.errors import InputError, Mistake, writing
-from followspot.room import StageUse
 from followspot.room_file import load, save, update
 from followspot_calibrate.adjust import Progress
 from followspot_calibrate.output import print_result
@@ -31,6 +29,7 @@ from followspot_calibrate.wand.result import Calibrated, as_json, summary
 from followspot_calibrate.wand.solving import Solved, solve
 from followspot_calibrate.wand.targets import with_targets
 from followspot_calibrate.wand.timing import with_offsets
+from followspot_room.moving import moved
 
 LARGEST = 1 << 15
 """Width or height of a picture, px."""
@@ -133,16 +132,7 @@ def write(cameras: Mapping[str, Camera], room: Room | None, source: Path | None,
     elif source is not None and output.exists() and output.samefile(source):
         update(output, cameras=cameras)
     else:
-        moved = {name: replace(c, source=_rebased(c.source, output)) for name, c in cameras.items()}
-        save(replace(room, cameras=moved, truth=_rebased(room.truth, output)), output)
-
-
-def _rebased(use: StageUse | None, output: Path) -> StageUse | None:
-    """A source with its path relative to the folder of another room file."""
-    if use is None or not isinstance(use.params.get("path"), str):
-        return use
-    path = os.path.relpath((Path(use.folder) / use.params["path"]).resolve(), output.parent.resolve())
-    return StageUse(use.uses, {**use.params, "path": path}, str(output.parent))
+        save(moved(replace(room, cameras=cameras), output), output)
 
 
 def _check(args: argparse.Namespace) -> None:

@@ -32,25 +32,24 @@ KINDS: Mapping[str, str] = {
 
 def parse(files: Texts) -> Calibration | None:
     """JSON whose cameras have K, R and t."""
-    found = only_text(files)
-    document = recognise(found[1]) if found else None
-    if document is None:
+    document = json_object(files)
+    listed = document.get("cameras")
+    if not isinstance(listed, list) or not listed:
         return None
-    cameras = [_camera(one, f"cameras[{number}]") for number, one in enumerate(document["cameras"])]
+    if not all(isinstance(one, dict) and {"K", "R", "t"} <= one.keys() for one in listed):
+        return None
+    cameras = [_camera(one, f"cameras[{number}]") for number, one in enumerate(listed)]
     return Calibration(unique(cameras), _planes(document), _ball_radius(document))
 
 
-def recognise(text: str) -> Mapping[str, Any] | None:
-    """The document, if it is JSON whose cameras have K, R and t; else None."""
+def json_object(files: Texts) -> Mapping[str, Any]:
+    """The object in a single file of JSON; empty if it is anything else."""
+    found = only_text(files)
     try:
-        document = json.loads(text)
+        document = json.loads(found[1]) if found else None
     except (ValueError, RecursionError):
-        return None
-    listed = document.get("cameras") if isinstance(document, dict) else None
-    if not isinstance(listed, list) or not listed:
-        return None
-    alike = all(isinstance(one, dict) and {"K", "R", "t"} <= one.keys() for one in listed)
-    return document if alike else None
+        return {}
+    return document if isinstance(document, dict) else {}
 
 
 def _planes(document: Mapping[str, Any]) -> dict[str, Array]:
@@ -72,19 +71,29 @@ def _ball_radius(document: Mapping[str, Any]) -> float | None:
 
 def _camera(one: Mapping[str, Any], where: str) -> Camera:
     called = name(one.get("name"), where)
-    where = f"camera {called}"
     kind = KINDS.get(str(one.get("kind", "color")).lower())
     if kind is None:
-        raise Unfit(f"{where} has kind {one['kind']!r}, known: {', '.join(KINDS)}")
+        raise Unfit(f"camera {called} has kind {one['kind']!r}, known: {', '.join(KINDS)}")
+    return pinhole(one, called, kind)
+
+
+def pinhole(one: Mapping[str, Any], called: str, kind: str = "color") -> Camera:
+    """The camera of an object with width, height, K, R, t, and dist if its lens distorts. Raises Unfit."""
+    where = f"camera {called}"
     return Camera(
         name=called,
         kind=kind,
-        size=(side(one.get("width"), f"{where}: width"), side(one.get("height"), f"{where}: height")),
+        size=size(one, where),
         matrix=camera_matrix(one["K"], f"{where}: K"),
         distortion=distortion(one.get("dist", []), "pinhole", f"{where}: dist"),
         rotation=rotation(one["R"], f"{where}: R"),
         translation=array(one["t"], (3,), f"{where}: t"),
     )
+
+
+def size(one: Mapping[str, Any], where: str) -> tuple[int, int]:
+    """Width and height, px. Raises Unfit."""
+    return side(one.get("width"), f"{where}: width"), side(one.get("height"), f"{where}: height")
 
 
 FORMAT = Format("json", 'JSON with "cameras" that have K, dist, R and t (OpenCV convention)', parse)
