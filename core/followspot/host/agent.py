@@ -108,13 +108,13 @@ class Agent:
             if self.options.name in agents(self.session, timeout=0.5):
                 raise FollowspotError(f"there is an agent {self.options.name} already")
             self._resume_detached()
-            answers = RpcServer(
+            server = RpcServer(
                 self.session, self.options.name, self._dispatcher(), self._wakeup.set, self.tell
             )
             try:
-                self._loop(answers)
+                self._loop(server)
             finally:
-                answers.close()
+                server.close()
             self.agent_runs.forget()
         finally:
             for agent_run in self.agent_runs:
@@ -132,14 +132,14 @@ class Agent:
             except (FollowspotError, ValueError, OSError) as error:
                 self.tell(f"run {order.run[:8]}: cannot be resumed: {error}")
 
-    def _loop(self, answers: RpcServer) -> None:
+    def _loop(self, server: RpcServer) -> None:
         while not (self._stopping and all(agent_run.over for agent_run in self.agent_runs)):
             poll = select.poll()
             for fd in (self._wakeup.fileno(), *(agent_run.run.fileno() for agent_run in self.agent_runs)):
                 poll.register(fd, select.POLLIN)
             poll.poll(_POLL_MS)
             self._wakeup.clear()
-            answers.answer()
+            server.answer()
             for agent_run in self.agent_runs:
                 agent_run.run.attend(0)
                 if self._stopping:

@@ -134,7 +134,7 @@ class LocalHost:
         """Read messages of workers for up to `timeout`, s; restart dead workers and kill hanging ones."""
         assert self._swaps is not None
         self._swaps.attend(self.pool.receive(timeout))
-        self.supervisor.look(time.monotonic())
+        self.supervisor.check(time.monotonic())
         self._swaps.attend_deaths()
         while self._moves:
             self.supervisor.rearrange(self._moves.popleft())

@@ -73,7 +73,7 @@ class Supervisor:
         for name in self._leaving:
             self._end_without_report(self._pool.workers[name], error="")
 
-    def look(self, now: float) -> None:
+    def check(self, now: float) -> None:
         """Check all workers; kill, restart and checkpoint them as needed. now: monotonic time, s."""
         for worker in tuple(self._pool.workers.values()):
             self._attend_worker(worker, now)

@@ -30,7 +30,7 @@ from followspot.operator.truth import run_person_scores, run_scores
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
-_LOOK = 1.0
+_POLL_INTERVAL = 1.0
 """Seconds between two checks whether the run waits for a subscription without a reader."""
 _BEGIN = 120.0
 """Seconds that stages may take to be set up before a run answers."""
@@ -177,7 +177,7 @@ class OwnRun(ScriptHandle):
 
         Raises RunFailed if it failed, FollowspotError if it waits for a subscription without a reader.
         """
-        while not self._ended.wait(_LOOK):
+        while not self._ended.wait(_POLL_INTERVAL):
             self._subscribed.check_read()
         self._raise()
         return self.report

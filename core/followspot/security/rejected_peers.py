@@ -14,7 +14,7 @@ from contextlib import suppress
 from typing import Self
 
 from followspot.security.rejections import Rejections
-from followspot.transport.zenoh.session import log_refusals
+from followspot.transport.zenoh.session import log_rejections
 
 _STYLE = re.compile(rb"\x1b\[[0-9;]*m")
 _TLS = re.compile(rb"zenoh_link_tls\S*: (?P<why>.*?)(?: Hint: .*)?$")
@@ -40,7 +40,7 @@ class RejectedPeers:
         os.close(writing)
         self._thread = threading.Thread(target=self._listen, args=(reading,), name="door", daemon=True)
         self._thread.start()
-        log_refusals()
+        log_rejections()
 
     def __enter__(self) -> Self:
         return self

@@ -125,10 +125,10 @@ class WorkerMain:
         session = None
         network = order.network
         if uses_zenoh(plan, order.worker) or network.leads_somewhere:
-            from followspot.transport.zenoh.session import connected, locators, log_refusals
+            from followspot.transport.zenoh.session import connected, locators, log_rejections
 
             if network.certificates:  # the host counts the rejected peers that Zenoh logs
-                log_refusals()
+                log_rejections()
             session = connected(network)
             self.channel.send(Listening(locators=tuple(locators(session))))
         return EdgeLinks(plan, sending, receiving, session, order.run, order.incarnation)

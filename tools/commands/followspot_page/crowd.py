@@ -16,7 +16,7 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 
 MAX_WAITING = 32
 """Idle connections; if there are more, the oldest makes room."""
-PATIENCE = {"silent": 5.0, "deaf": 60.0}
+TIMEOUTS = {"silent": 5.0, "deaf": 60.0}
 """Seconds from a connection or its last answer to the next request, and for taking an answer."""
 MAX_FRAGMENTS = 64
 """Fragments of one message of a browser."""
@@ -96,7 +96,7 @@ class _Http(H11Protocol):
         self._rest()
         if not self.transport.is_closing():
             self.crowd.enter(self, self.transport)
-            self._timer = self.loop.call_later(PATIENCE[reason], self.crowd.expel, self, reason)
+            self._timer = self.loop.call_later(TIMEOUTS[reason], self.crowd.expel, self, reason)
 
     def _rest(self) -> None:
         self.crowd.leave(self)

@@ -12,10 +12,10 @@ from typing import Any
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.library.handle import NoAnswer, RunHandle, RunStatus, runs_here
-from followspot_page.far import FarPreviews
+from followspot_page.remote_previews import RemotePreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 
-_GLANCE = 0.1
+_START_POLL_INTERVAL = 0.1
 """Poll interval, s, until the run has started."""
 _PERIOD = 0.5
 """Poll interval of the status, s."""
@@ -31,7 +31,7 @@ async def found(pid: int) -> RunHandle:
         for run in await asyncio.to_thread(runs_here):
             if run.pid == pid and run.graph:  # a run that does not answer yet has no name
                 return run
-        await asyncio.sleep(_GLANCE)
+        await asyncio.sleep(_START_POLL_INTERVAL)
 
 
 async def plan_of(run: RunHandle) -> Plan:
@@ -39,24 +39,24 @@ async def plan_of(run: RunHandle) -> Plan:
     return await asyncio.to_thread(run.plan)
 
 
-async def far_previews(run: RunHandle, take: Callable[[str, bytes], Any]) -> FarPreviews | None:
+async def remote_previews(run: RunHandle, take: Callable[[str, bytes], Any]) -> RemotePreviews | None:
     """Previews from the run's other hosts; None if it has none. Raises FollowspotError."""
     network = (await asyncio.to_thread(run.surroundings)).network
-    return None if network is None else await FarPreviews.open(network, run.run, take)
+    return None if network is None else await RemotePreviews.open(network, run.run, take)
 
 
 class Sight:
     """The page's taps: one at every port that it can show, on the present host of each stage.
 
-    folder: of the page, where taps of this host send to; rate: pictures per second; far: previews from
+    folder: of the page, where taps of this host send to; rate: pictures per second; remote: previews from
     other hosts, if the run has any.
     """
 
-    def __init__(self, run: RunHandle, folder: Path, rate: float, far: FarPreviews | None) -> None:
+    def __init__(self, run: RunHandle, folder: Path, rate: float, remote: RemotePreviews | None) -> None:
         self._run = run
         self._folder = folder
         self._rate = rate
-        self._far = far
+        self._remote = remote
         self._ports: tuple[ShownPort, ...] = ()
 
     async def turn_to(self, plan: Plan) -> None:
@@ -65,8 +65,8 @@ class Sight:
         if found == self._ports:
             return
         await asyncio.to_thread(self._run.tap, tappings(found, self._folder, self._rate))
-        if self._far is not None:
-            self._far.look(found)
+        if self._remote is not None:
+            self._remote.look(found)
         self._ports = found
 
 

@@ -19,10 +19,10 @@ from followspot_page.address import is_loopback
 from followspot_page.browser import Browser
 from followspot_page.changing import Hold, Record, forms, wish_of, words_of
 from followspot_page.crowd import Crowd
-from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Previews
 from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
+from followspot_page.remote_previews import RemotePreviews
 from followspot_page.scene import scene
 from followspot_page.taps import sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
@@ -41,7 +41,7 @@ class Page:
         self.ask: RunHandle | None = None
         """The run that browsers may change; None if the page only shows it."""
         self.gate = gate
-        self.far: FarPreviews | None = None
+        self.remote: RemotePreviews | None = None
         """Previews from other hosts; None if the run has none."""
         self.feed = Feed()
         self.run = RunMonitor(plan)
@@ -151,5 +151,5 @@ class Page:
         self._browsers += Counter()  # drops addresses with a count of 0
         watched = self.browsers > 0
         self.gate.watched = watched
-        if self.far is not None:
-            self.far.watch(watched=watched)
+        if self.remote is not None:
+            self.remote.watch(watched=watched)

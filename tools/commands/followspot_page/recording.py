@@ -56,11 +56,11 @@ class RecordButton:
             raise FollowspotError("recordings are written on the operator's host; start them there")
         path = around.out / time.strftime("recorded-%Y%m%d-%H%M%S.mcap")
         listen = self._folder / f"recorder-{next(self._numbers)}"
-        far = _far(plan, run.run, names)
+        remote = _remote(plan, run.run, names)
         begun = await self._begin(
-            Order(plan=plan, ports=names, path=path, listen=listen, far=far, network=around.network)
+            Order(plan=plan, ports=names, path=path, listen=listen, remote=remote, network=around.network)
         )
-        taps = [Tapping(name, TAP, _params(name, None if name in far else listen)) for name in names]
+        taps = [Tapping(name, TAP, _params(name, None if name in remote else listen)) for name in names]
         await asyncio.to_thread(run.tap, taps)
         self._tell(begun)
         return f"recording {len(names)} ports to {begun['file']}"
@@ -130,7 +130,7 @@ def recordable(plan: Plan) -> list[str]:
     return list(dict.fromkeys(stage.group for stage in plan.stages if stage.name in sending))
 
 
-def _far(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
+def _remote(plan: Plan, run: str, names: Sequence[str]) -> dict[str, str]:
     """The ports on other hosts, with the Zenoh keys of their taps."""
     there = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in names}
     return {name: tap_key(run, host, name, TAP) for name, host in there.items() if host}

@@ -27,7 +27,7 @@ from followspot_page.access import HEADERS, Doorkeeper
 from followspot_page.address import is_loopback
 from followspot_page.crowd import Rejections
 from followspot_page.feed import Arrivals
-from followspot_page.follow import Sight, far_previews, follow, found, plan_of
+from followspot_page.follow import Sight, follow, found, plan_of, remote_previews
 from followspot_page.page import Page
 
 STATIC = Path(__file__).parent / "static"
@@ -91,8 +91,8 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         run = waiting.result()
         page = Page(await plan_of(run), make_gate(folder), folder)
         receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).hear)
-        page.far = await far_previews(run, page.previews.take_from)
-        sight = Sight(run, folder, rate, page.far)
+        page.remote = await remote_previews(run, page.previews.take_from)
+        sight = Sight(run, folder, rate, page.remote)
         await sight.turn_to(page.plan)
         server = _server(page, host, endpoint.getsockname()[1])
         serving = asyncio.ensure_future(server.serve([endpoint]))
@@ -109,8 +109,8 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         following.cancel()
         await page.button.close()
         receiver.close()
-        if page.far is not None:
-            page.far.close()
+        if page.remote is not None:
+            page.remote.close()
 
 
 def _server(page: Page, host: str, port: int) -> uvicorn.Server:

@@ -18,12 +18,12 @@ def _plan(given: Any) -> Plan:
 class Order(pydantic.BaseModel, frozen=True):
     """plan: of the run; ports: STAGE.PORT each; path: of the file; listen: socket that taps here send to.
 
-    far: keys of Zenoh that taps on other hosts send to, by port; network: leads there.
+    remote: keys of Zenoh that taps on other hosts send to, by port; network: leads there.
     """
 
     plan: Annotated[Plan, pydantic.PlainValidator(_plan), pydantic.PlainSerializer(plan_to_data)]
     ports: tuple[str, ...]
     path: Path
     listen: Path
-    far: Mapping[str, str] = {}
+    remote: Mapping[str, str] = {}
     network: Network | None = None

@@ -93,9 +93,9 @@ class RecorderProcess:
 
 def _remote(order: Order, hear: Hear) -> RemoteReceiver | None:
     """Receives from other hosts if ports there are recorded. Raises FollowspotError."""
-    if order.network is None or not order.far:
+    if order.network is None or not order.remote:
         return None
-    return RemoteReceiver(order.network, order.far, hear)
+    return RemoteReceiver(order.network, order.remote, hear)
 
 
 def _kinds(order: Order) -> Mapping[str, type[Message]]:

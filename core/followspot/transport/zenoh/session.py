@@ -106,6 +106,6 @@ def _tls(folder: Path) -> dict[str, Any]:
     }
 
 
-def log_refusals() -> None:
+def log_rejections() -> None:
     """Let Zenoh log on standard output which peers it refuses, and why; RUST_LOG overrides that."""
     zenoh.init_log_from_env_or("error,zenoh_link_tls=warn,zenoh::net::routing::interceptor=info")

@@ -23,7 +23,7 @@ from followspot_doctor.finding import Finding, fine, wrong
 
 MOST = 32
 """Cameras that are asked at once."""
-PATIENCE = 6.0
+TIMEOUT = 6.0
 """Seconds that a camera has to deliver its first picture."""
 
 
@@ -68,7 +68,7 @@ def _camera(camera: Camera, room: Room) -> Finding:
         return wrong(camera.name, text[:300], "mend its source in the room file")
     if not isinstance(frame, Frame):
         said = "; ".join(dict.fromkeys(warnings)) or ", ".join(f"{k} {v}" for k, v in use.params.items())
-        text = f"{use.uses} gave no picture within {PATIENCE:.0f} s: {said}"
+        text = f"{use.uses} gave no picture within {TIMEOUT:.0f} s: {said}"
         return wrong(camera.name, text, "is it connected, switched on, and free of other programs?")
     return _judged(camera, frame, use.uses)
 
@@ -99,7 +99,7 @@ def _first(source: Stage) -> Any:
 
     thread = threading.Thread(target=take, daemon=True)
     thread.start()
-    thread.join(PATIENCE)
+    thread.join(TIMEOUT)
     if not thread.is_alive():
         source.close()
     found = result[0] if result else None

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from followspot.control.zenoh_rpc import RpcClient
     from followspot.library.handle import ClockStatus
 
-PATIENCE = 3.0
+TIMEOUT = 3.0
 """Seconds to find agents, and to read the clock of each."""
 _REMEDY = "times are corrected while a graph runs; install chrony or ptp4l on both hosts all the same"
 SOON = timedelta(days=30)
@@ -52,7 +52,7 @@ def agents(network: Network) -> Iterator[Finding]:
         yield wrong("agents", str(error), "see the message")
         return
     try:
-        deadline = time.monotonic() + PATIENCE
+        deadline = time.monotonic() + TIMEOUT
         while not (names := in_reach(session)) and time.monotonic() < deadline:
             time.sleep(0.1)
         if not names:
@@ -69,7 +69,7 @@ def _clock(client: RpcClient, host: str) -> Finding:
     from followspot.host.clocks.host import HostClock
 
     clock = HostClock(client)
-    deadline = time.monotonic() + PATIENCE
+    deadline = time.monotonic() + TIMEOUT
     try:
         clock.follow(host)
         while not (found := clock.status()).exchanges and time.monotonic() < deadline:

@@ -11,7 +11,7 @@ from followspot_doctor.finding import Finding, doubtful, fine, wrong
 PORTS = {7447: "a router", 7450: "an agent", 8777: "the page"}
 """Default ports and their servers."""
 GROUP = "239.255.77.7"
-PATIENCE = 2.0
+TIMEOUT = 2.0
 
 
 def loopback() -> Iterator[Finding]:
@@ -73,6 +73,6 @@ def zenoh_session() -> Iterator[Finding]:
 
 def _receiver(address: str) -> socket.socket:
     end = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    end.settimeout(PATIENCE)
+    end.settimeout(TIMEOUT)
     end.bind((address, 0))
     return end

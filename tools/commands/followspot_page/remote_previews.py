@@ -14,7 +14,7 @@ from followspot_page.feed import Arrivals
 from followspot_page.taps import TAP, ShownPort
 
 
-class FarPreviews:
+class RemotePreviews:
     """Hands previews of ports on other hosts to the running event loop. Use `open` and `close`.
 
     take: receives the port of a preview, and its packet.
@@ -27,7 +27,7 @@ class FarPreviews:
         self._watched = False
 
     @classmethod
-    async def open(cls, network: Network, run: str, take: Callable[[str, bytes], Any]) -> FarPreviews:
+    async def open(cls, network: Network, run: str, take: Callable[[str, bytes], Any]) -> RemotePreviews:
         """With a Zenoh session of its own. Raises FollowspotError if the network cannot be reached."""
         return cls(await asyncio.to_thread(RemoteTaps, network, run), take)
 

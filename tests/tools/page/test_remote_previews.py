@@ -19,8 +19,8 @@ from followspot.transport.zenoh.post import ZenohPost
 from followspot.transport.zenoh.session import locators, open_session
 from followspot.wire import pack
 from followspot_dashboard.tap import Tap
-from followspot_page.far import FarPreviews
 from followspot_page.feed import Feed, Previews
+from followspot_page.remote_previews import RemotePreviews
 from followspot_page.taps import TAP, ShownPort
 
 FRAMES = ShownPort("camera/cam0.out", Frame, "pc-left", source=True)
@@ -62,7 +62,7 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
     async def look() -> list[tuple[str, int]]:
         seen: list[tuple[str, bytes]] = []
         network = Network(connect=tuple(locators(worker)))
-        far = await FarPreviews.open(network, "run", lambda port, data: seen.append((port, data)))
+        far = await RemotePreviews.open(network, "run", lambda port, data: seen.append((port, data)))
         posts = {port: post(worker, "run", port) for port in (FRAMES, BLOBS)}
         taps = {p: Tap(Context(post=way), port=p.name, picture_rate=10.0) for p, way in posts.items()}
         for tap in taps.values():
