@@ -30,6 +30,8 @@ standard deviation.
 _FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
 """Path of this checkout; names of files that come with a plugin begin at the plugin."""
 
+_GIVING = {"one": "{}", "several": "Outputs[{}]", "later": "Deferred[{}]"}
+
 
 def reference() -> str:
     """The whole page."""
@@ -51,7 +53,8 @@ def _section(stage: Mapping[str, Any]) -> str:
         f"`{p['name']}: {_marked(p['kind'], p['type'])}`{'' if p['required'] else ' (optional)'}"
         for p in stage["inputs"]
     ]
-    outputs = [f"`{p['name']}: {p['type']}`" for p in stage["outputs"]]
+    several = _GIVING[stage["gives"]]
+    outputs = [f"`{p['name']}: {several.format(p['type'])}`" for p in stage["outputs"]]
     lines = [f"### {stage['name']}", "", stage["description"], ""]
     lines += [f"Takes {', '.join(inputs)}." if inputs else "A source.", ""]
     lines += [f"Gives {', '.join(outputs)}." if outputs else "A sink.", ""]

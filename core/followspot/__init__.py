@@ -2,8 +2,9 @@
 
 In scripts and notebooks: `run`, `connect`, `check`, `Graph` and `open_recording`.
 
-What plugin authors import: stages (`Stage`, `StageParams`, `Field`, `Latest`, `Joined`), messages
-(`Message`, `column`, `at`) and the room. The message types of tracking stand in `followspot.tracking`.
+What plugin authors import: stages (`Stage`, `StageParams`, `Field`, `Latest`, `Joined` and other marks),
+messages (`Message`, `column`, `at`) and the room. The message types of tracking stand in
+`followspot.tracking`.
 Nothing is imported before it is asked for, so that the command line answers at once.
 """
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from followspot.room import Camera, Room, Target
     from followspot.stage import (
         Context,
+        Deferred,
         Field,
         InputAddress,
         InputDevice,
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
         Nearest,
         OutputHost,
         OutputPath,
+        Outputs,
         Source,
         Stage,
         StageParams,
@@ -67,6 +70,7 @@ _HOME = {
     "Room": "room",
     "Target": "room",
     "Context": "stage",
+    "Deferred": "stage",
     "Field": "stage",
     "InputAddress": "stage",
     "InputDevice": "stage",
@@ -76,6 +80,7 @@ _HOME = {
     "Nearest": "stage",
     "OutputHost": "stage",
     "OutputPath": "stage",
+    "Outputs": "stage",
     "Source": "stage",
     "Stage": "stage",
     "StageParams": "stage",
@@ -87,6 +92,7 @@ __all__ = [
     "Camera",
     "ConnectedRun",
     "Context",
+    "Deferred",
     "Field",
     "FollowspotError",
     "Graph",
@@ -103,6 +109,7 @@ __all__ = [
     "Network",
     "OutputHost",
     "OutputPath",
+    "Outputs",
     "OwnRun",
     "Recording",
     "Report",

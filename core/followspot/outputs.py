@@ -47,6 +47,20 @@ def check_yielded(declared: Sequence[OutputSpec], item: Any, *, live: bool) -> H
     return given[0] if given else UNSTAMPED
 
 
+def check_one_of_several(declared: Sequence[OutputSpec], item: Any) -> Header:
+    """Check one of several results; returns the header with its capture time, UNSTAMPED if it has none.
+
+    Raises WrongOutput.
+    """
+    headers = [message.header for message in _messages(declared, item, "gave")]
+    if not headers:
+        raise WrongOutput("gave nothing among several outputs: leave it out")
+    given = [header for header in headers if not untimed(header)]
+    if any(header[1:3] != given[0][1:3] for header in given):
+        raise WrongOutput("gave outputs of several times at once: give all of them the same time and number")
+    return given[0] if given else UNSTAMPED
+
+
 def _messages(declared: Sequence[OutputSpec], output: Any, did: str) -> Iterator[Message]:
     """The messages among the outputs, each of the declared type. Raises WrongOutput."""
     if len(declared) == 1 and declared[0].name == ONE_OUTPUT:

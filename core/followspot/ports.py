@@ -13,7 +13,16 @@ from typing import Any, Literal, get_args, get_origin
 
 from followspot.errors import FollowspotError
 from followspot.messages import Message
-from followspot.stage import JoinedInput, LatestInput, NearestInput, Source, Stage, WindowInput
+from followspot.stage import (
+    DeferredOutput,
+    JoinedInput,
+    LatestInput,
+    NearestInput,
+    SeveralOutputs,
+    Source,
+    Stage,
+    WindowInput,
+)
 
 InputKind = Literal["plain", "latest", "joined", "nearest", "window"]
 _MARKS: dict[type, InputKind] = {
@@ -22,6 +31,9 @@ _MARKS: dict[type, InputKind] = {
     NearestInput: "nearest",
     WindowInput: "window",
 }
+Giving = Literal["one", "several", "later"]
+"""What a stage gives for a firing: one message each, several (`Outputs`) or a later one (`Deferred`)."""
+_GIVING: dict[type, Giving] = {SeveralOutputs: "several", DeferredOutput: "later"}
 SEVERAL = ("joined", "window")
 """Kinds of inputs whose argument is a tuple of messages."""
 ONE_OUTPUT = "out"
@@ -69,6 +81,7 @@ class Ports:
     inputs: tuple[InputSpec, ...]
     outputs: tuple[OutputSpec, ...]
     source: bool
+    gives: Giving = "one"
 
     @property
     def any_name(self) -> bool:
@@ -110,7 +123,10 @@ def _ports(stage: Any) -> Ports:
             f"{stage.__name__}.process has sampled inputs only, so it would never fire;"
             " declare the one for whose messages it is to fire as MessageType or Joined[MessageType]"
         )
-    return Ports(inputs, _outputs(stage, get_args(returned)[0] if source else returned), source)
+    gives, returned = _giving(stage, get_args(returned)[0] if source else returned)
+    if gives != "one" and source:
+        raise SignatureError(f"{stage.__name__}.process yields already: a source returns Source[MessageType]")
+    return Ports(inputs, _outputs(stage, returned), source, gives)
 
 
 def accepts(wanted: type[Message], offered: type[Message]) -> bool:
@@ -151,6 +167,25 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
     return InputSpec(name, found, kind, required, uniform)
 
 
+def _giving(stage: type[Stage], returned: Any) -> tuple[Giving, Any]:
+    """What a stage gives for a firing, and what is within `Outputs` or `Deferred`."""
+    marks = [_GIVING[type(mark)] for mark in getattr(returned, "__metadata__", ()) if type(mark) in _GIVING]
+    if not marks:
+        return "one", returned
+    (gives,) = marks
+    if gives == "later" and stage.state is not Stage.state:
+        raise SignatureError(
+            f"{stage.__name__} answers later and defines state(): what it keeps would depend on when answers"
+            " come; keep nothing, or return the message itself"
+        )
+    if stage.process_together is not None:
+        raise SignatureError(
+            f"{stage.__name__} defines process_together, which needs one message for each firing"
+        )
+    inner = get_args(returned)[0]
+    return gives, get_args(get_args(inner)[0] if gives == "later" else inner)[0]
+
+
 def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
     if returned is types.NoneType:
         return ()
@@ -165,7 +200,7 @@ def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
             return tuple(OutputSpec(name, kind) for name, kind in found if kind is not None)
     raise SignatureError(
         f"{stage.__name__}.process returns {returned!r}: return a message type, a dataclass of message types,"
-        " Source[...] of either, or None"
+        " Source[...], Outputs[...] or Deferred[...] of either, or None"
     )
 
 

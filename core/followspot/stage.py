@@ -21,6 +21,7 @@ import hashlib
 import logging
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -54,6 +55,14 @@ class WindowInput:
     """Marks an input that gives every message since the last firing: it never fires."""
 
 
+class SeveralOutputs:
+    """Marks a result that is several messages for one firing."""
+
+
+class DeferredOutput:
+    """Marks a result that comes later."""
+
+
 class PathIn:
     """Marks a parameter that names an existing file or folder, relative to the file it is written in."""
 
@@ -79,6 +88,13 @@ Nearest = Annotated[T | None, NearestInput()]
 tolerance of the edge or the stage."""
 Window = Annotated[tuple[T, ...], WindowInput()]
 """Every message since the last firing up to the capture time of this one, in the order of capture times."""
+Outputs = Annotated[Iterable[T], SeveralOutputs()]
+"""Return type of a stage that gives any number of messages for one firing. Their capture times rise, from
+that of the firing on: `at(time, message)` says them; the first may leave its time to the runtime."""
+Deferred = Annotated[Future[T | None] | Callable[[], T | None] | None, DeferredOutput()]
+"""Return type of a stage without a state that answers later: a future, or a function that a thread of the
+runtime calls. Answers are sent in the order of the firings, with their capture times; at most as many are
+under way as the graph says (`concurrency`, 1 if it says nothing)."""
 InputPath = Annotated[Path, PathIn()]
 OutputPath = Annotated[Path, PathOut()]
 OutputHost = Annotated[str, NetworkOut()]

@@ -22,13 +22,19 @@ stages:
   windows: {uses: rates.write, in: {readings: gather}, with: {path: windows.csv}}
   nears:   {uses: rates.write, in: {readings: near}, with: {path: nears.csv}}
   meets:   {uses: rates.write, in: {readings: meet}, with: {path: meets.csv}}
+  burst:   {uses: rates.burst, in: {reading: camera}, with: {step_us: 5000}}
+  later:   {uses: rates.later, in: {reading: burst}, concurrency: 4}
+  last:    {uses: rates.mix, in: {frame: later, window: sensor, near: burst, latest: camera}}
+  bursts:  {uses: rates.note, in: {reading: burst}, with: {path: bursts.csv}}
+  laters:  {uses: rates.note, in: {reading: later}, with: {path: laters.csv}}
+  lasts:   {uses: rates.note, in: {reading: last}, with: {path: lasts.csv}}
   mixes:   {uses: rates.note, in: {reading: again}, with: {path: mixes.csv}}
 """
 PLACEMENT = """
 placement: three
 workers:
   sources: {stages: [camera, sensor, slow]}
-  first:   {stages: [mix, meet, gather, near]}
+  first:   {stages: [mix, meet, gather, near, burst]}
 """
 """What is not named runs in a worker of its own."""
 
@@ -43,7 +49,8 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Played]:
 
 def test_it_ran_and_each_stage_fired(once: tuple[Path, Played]) -> None:
     fired = once[1].report["stages"]
-    assert {fired[name] for name in ("gather", "near", "meet", "mix", "again")} == {(60, 0)}
+    assert {fired[name] for name in ("gather", "near", "meet", "mix", "again", "burst")} == {(60, 0)}
+    assert fired["later"] == (180, 0)
 
 
 def again(once: tuple[Path, Played], folder: Path, placement: str, edges: str) -> list[str]:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
 import zlib
+from functools import partial
 from itertools import accumulate
 from typing import TextIO
 
@@ -11,12 +13,14 @@ import numpy as np
 
 from followspot import (
     Array,
+    Deferred,
     Field,
     Joined,
     Latest,
     Message,
     Nearest,
     OutputPath,
+    Outputs,
     Source,
     Stage,
     StageParams,
@@ -130,6 +134,51 @@ class Mix(Stage):
         got = [frame, other, near, latest, *window]
         text = repr([message and (message.header.time, message.value) for message in got])
         return Reading(zlib.crc32(text.encode()))
+
+
+class Burst(Stage):
+    """Several readings for one, each some time after the other."""
+
+    class Params(StageParams):
+        count: int = Field(3, ge=0, description="messages for each", unit="1")
+        step_us: int = Field(100, description="time between two", unit="us")
+
+    params: Params
+
+    def process(self, reading: Reading) -> Outputs[Reading]:
+        begin = reading.header.time
+        for n in range(self.params.count):
+            yield at(begin + 1000 * n * self.params.step_us, Reading(10 * reading.value + n))
+
+
+class Later(Stage):
+    """The same reading, after a while that differs from one to the next."""
+
+    class Params(StageParams):
+        longest_ms: int = Field(3, ge=0, description="longest while", unit="ms")
+
+    params: Params
+
+    def process(self, reading: Reading) -> Deferred[Reading]:
+        return partial(self.answer, reading)
+
+    def answer(self, reading: Reading) -> Reading | None:
+        time.sleep(reading.value * 7 % (self.params.longest_ms + 1) / 1000)
+        return Reading(reading.value + 1) if reading.value % 5 else None
+
+
+class Crowd(Stage):
+    """The same reading, as soon as four are asked for at once."""
+
+    def setup(self) -> None:
+        self.barrier = threading.Barrier(4)
+
+    def process(self, reading: Reading) -> Deferred[Reading]:
+        def answer() -> Reading:
+            self.barrier.wait(60)
+            return reading
+
+        return answer
 
 
 class Write(Stage):

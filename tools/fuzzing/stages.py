@@ -92,7 +92,7 @@ class Stages:
             ask = self._misfits[call.uses, type(message)]
             if ask is not None and (why := ask(message)):
                 raise InvalidMessage(why)
-        return self._instance(call.uses).process(*call.arguments)
+        return self.trials[call.uses].called(self._instance(call.uses), call.arguments)
 
     def _instance(self, uses: str) -> Stage:
         calls = self._calls[uses] = self._calls.get(uses, 0) + 1

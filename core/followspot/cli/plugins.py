@@ -16,6 +16,8 @@ KINDS = {
     "window": " (window: all since the last firing, never fires)",
 }
 """What is said of each kind of input."""
+GIVING = {"one": "", "several": " (several for one firing)", "later": " (deferred: comes later, in order)"}
+"""What is said of outputs."""
 
 
 def _configure(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +76,8 @@ def _page(described: dict[str, Any]) -> str:
     for port in described["inputs"]:
         optional = "" if port["required"] else ", optional"
         lines.append(f"  in   {port['name']}: {port['type']}{KINDS[port['kind']]}{optional}")
-    lines += [f"  out  {port['name']}: {port['type']}" for port in described["outputs"]]
+    gives = GIVING[described["gives"]]
+    lines += [f"  out  {port['name']}: {port['type']}{gives}" for port in described["outputs"]]
     if described["parameters"]:
         rows = [
             (p["name"], "required" if p["required"] else str(p["default"]), p["range"], p["unit"])

@@ -117,6 +117,10 @@ def _check_inputs(
     if declared.depth is not None and not stage.live:
         text = f'stage "{declared.name}" ({instance.uses}) is no live source and has no depth of its own'
         mistakes.append(Mistake(declared.places["depth"], text, "write the depth where an input is fed"))
+    if "concurrency" in declared.places and found.gives != "later":
+        text = f'stage "{declared.name}" ({instance.uses}) answers at once and has no concurrency'
+        use = "remove it, or use a stage that returns Deferred[...]"
+        mistakes.append(Mistake(declared.places["concurrency"], text, use))
     served = stage.serves()
     if served and declared.each is None:
         text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'

@@ -32,6 +32,7 @@ def describe(name: str, stage: type[Stage]) -> dict[str, Any]:
             for p in found.inputs
         ],
         "outputs": [{"name": p.name, "type": p.type.__name__} for p in found.outputs],
+        "gives": found.gives,
         "parameters": [_parameter(key, info) for key, info in stage.Params.model_fields.items()],
         "example": _example(name, stage),
     }

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import inspect
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -21,6 +22,8 @@ from followspot.stage import Context, Stage
 from followspot.testing.samples import BLACK, Content, sample
 from followspot.testing.tiny_room import tiny_room
 
+ANSWER = 60.0
+"""Longest wait for a deferred answer, s."""
 PERIOD = 33_333_333
 """Between two frames, ns."""
 
@@ -91,6 +94,15 @@ class Trial:
             finally:
                 instance.close()
 
+    def called(self, stage: Stage, inputs: Sequence[Any]) -> Any:
+        """What `process` gives: of several results a tuple, of a deferred one the answer."""
+        result = stage.process(*inputs)
+        if self.ports.gives == "several" and result is not None:
+            return tuple(result)
+        if self.ports.gives == "later" and result is not None:
+            return result.result(ANSWER) if isinstance(result, Future) else result()
+        return result
+
     def inputs(
         self, content: Content = "empty", frame: int = 0, pixels: Array = BLACK, camera: str | None = None
     ) -> list[Any]:
@@ -115,7 +127,9 @@ class Trial:
 
 
 def outputs(output: object) -> list[Message]:
-    """The messages that go out of all ports."""
+    """The messages that go out of all ports, of each of several results."""
+    if isinstance(output, tuple):
+        return [message for item in output for message in outputs(item)]
     sent = [output] if isinstance(output, Message) else getattr(output, "__dict__", {}).values()
     return [message for message in sent if isinstance(message, Message)]
 

@@ -11,7 +11,6 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from followspot.worker.source import SourceRunner
 from followspot.worker.stage_runner import Firing, StageRunner
 
 
@@ -57,7 +56,7 @@ def batch_groups(runners: Sequence[StageRunner], mark: Callable[[int], None]) ->
     """The batch groups of a worker: two or more runners of one stage class with equal parameters."""
     alike: dict[tuple[type, str], list[StageRunner]] = defaultdict(list)
     for runner in runners:
-        if runner.stage.process_together is not None and not isinstance(runner, SourceRunner):
+        if runner.stage.process_together is not None and type(runner) is StageRunner:
             alike[type(runner.stage), runner.stage.params.model_dump_json()].append(runner)
     return [BatchGroup(members, mark) for members in alike.values() if len(members) > 1]
 

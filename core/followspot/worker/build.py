@@ -13,14 +13,16 @@ import numpy as np
 from followspot.belonging import misfit
 from followspot.graph.plan import AHEAD, EdgeKind, PlannedEdge, PlannedStage
 from followspot.messages import Array, Message, seal
-from followspot.ports import InputSpec
+from followspot.ports import Giving, InputSpec
 from followspot.stage import Context
 from followspot.transport.edge import PortReader, PortWriter
 from followspot.transport.token import ABSENT
+from followspot.worker.deferred_runner import DeferredRunner
 from followspot.worker.input_queue import UNCHANGED, InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import LOST, Ledger
 from followspot.worker.output_port import OutputPort
+from followspot.worker.outputs_runner import OutputsRunner
 from followspot.worker.pace import Pace
 from followspot.worker.sampled_input import HeldInput, NearestInput, SampledInput, WindowInput
 from followspot.worker.scheduler import Worker
@@ -28,6 +30,11 @@ from followspot.worker.source import LiveSourceRunner, SourceRunner
 from followspot.worker.stage_runner import StageRunner
 from followspot.worker.wiring import RunOptions, Wiring
 
+_RUNNERS: Mapping[Giving, type[StageRunner]] = {
+    "one": StageRunner,
+    "several": OutputsRunner,
+    "later": DeferredRunner,
+}
 _ENDLESS = 1 << 30
 """Depth of an edge that drops messages, and so is never full."""
 
@@ -94,6 +101,8 @@ class _Builder:
             if edge.kind == "reference":
                 queue.reopened = partial(worker.mark, ranks[edge.from_stage])
         for runner in self.runners:
+            if isinstance(runner, DeferredRunner):
+                runner.answered = partial(worker.between_firings, partial(worker.mark, runner.rank))
             for queue in (queue for sampled in runner.join.sampled for queue in sampled.queues):
                 wake = partial(worker.mark_waiting, runner, queue)
                 queue.wake = wake if queue.keep is None else partial(_shed, queue, wake)
@@ -166,7 +175,7 @@ class _Builder:
                 source.depth = stage.depth
             return source
         deadline = self.wiring.deadline[stage.name] if self.wiring.live else None
-        return StageRunner(
+        runner = _RUNNERS[self.wiring.ports[stage.name].gives](
             stage.name,
             rank,
             build,
@@ -177,6 +186,9 @@ class _Builder:
             clock=self.options.clock,
             groups=self.wiring.groups,
         )
+        if isinstance(runner, DeferredRunner):
+            runner.concurrency = stage.concurrency
+        return runner
 
     def _outputs(self, rank: int, stage: PlannedStage) -> dict[str, OutputPort]:
         outputs = {}
@@ -209,8 +221,8 @@ class _Builder:
         for number in self.wiring.into[stage.name]:
             by_port[self.wiring.input_port(self.plan.edges[number]).name].append(number)
         input_ports = [self._input(port, by_port[port.name]) for port in self.wiring.ports[stage.name].inputs]
-        lateness = self.wiring.lateness[stage.name]
-        return Join(input_ports, lateness=lateness, lag=None if self.wiring.live else self.wiring.lag)
+        closing = self.wiring.closing[stage.name]
+        return Join(input_ports, lateness=closing, lag=None if self.wiring.live else self.wiring.lag)
 
     def _input(self, port: InputSpec, numbers: Iterable[int]) -> JoinInput:
         numbers = list(numbers)

@@ -142,14 +142,14 @@ def take_over(worker: Worker, replacements: Sequence[Replacement], *, fresh: boo
     for replacement in replacements:
         old = replacement.runner.stage
         replacement.runner.replace_stage(replacement.stage, replacement.build)
-        _close(old)
+        replacement.runner.retire(old)
     worker.regroup()
 
 
 def discarded(replacements: Sequence[Replacement]) -> None:
     """Close replacements that will not take over."""
     for replacement in replacements:
-        _close(replacement.stage)
+        replacement.runner.retire(replacement.stage)
 
 
 def _restore_checkpoint(replacement: Replacement) -> None:
@@ -164,10 +164,3 @@ def _restore_checkpoint(replacement: Replacement) -> None:
             f"stage {replacement.runner.name} cannot carry on from the state of the one before "
             f"({type(error).__name__}: {error}); --fresh begins without it"
         ) from error
-
-
-def _close(stage: Stage) -> None:
-    try:
-        stage.close()
-    except Exception as error:
-        stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")

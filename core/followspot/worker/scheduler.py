@@ -22,6 +22,7 @@ from followspot.transport.edge import PortWriter
 from followspot.transport.token import END
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.worker.batch_group import batch_groups
+from followspot.worker.deferred_runner import DeferredRunner
 from followspot.worker.edge_ends import EdgeEnds
 from followspot.worker.error_policy import StageError
 from followspot.worker.hold import SourceHold
@@ -219,7 +220,8 @@ class Worker:
         if self.ends.credit_came():
             return
         deadlines = [c.overdue_at for c in self.runners if c.overdue_at is not None and not c.done]
-        if not (deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.order):
+        others = deadlines or self.ends.readers or self.ends.writers or self.live or self.hold.order
+        if not (others or any(runner.asks for runner in self.runners)):
             raise StuckError(self.runners)
         if not deadlines:
             self.ends.receive(_LONGEST_SLEEP_MS)
@@ -241,3 +243,6 @@ class Worker:
         for source in self.sources:
             if not source.done:
                 source.stop()
+        for runner in self.runners:
+            if isinstance(runner, DeferredRunner):
+                runner.hurry()

@@ -197,6 +197,18 @@ class StageRunner:
         self.join = self.join.read_by(found.inputs)
         self.outputs = tuple(named for named in self.outputs if found.output(named[0]) is not None)
 
+    def retire(self, stage: Stage) -> None:
+        """Close the stage that was replaced."""
+        try:
+            stage.close()
+        except Exception as error:
+            stage.context.warn(f"the stage that was replaced did not close: {type(error).__name__}: {error}")
+
+    @property
+    def asks(self) -> bool:
+        """Whether answers of the stage are under way, which will wake the worker."""
+        return False
+
     def _declare(self) -> None:
         """Read the output types that the stage declares."""
         self.declared = ports(type(self.stage)).outputs

@@ -105,7 +105,7 @@ def _state(runner: StageRunner, at_work: str) -> tuple[StageState, tuple[str, ..
         return "absent", tuple(queue.name for queue in runner.join.members)
     if runner.blocked:
         return "sending", tuple(name for _, output in runner.outputs for name in _full(output))
-    if runner.working:
+    if runner.working or runner.asks:
         return "processing", ()
     dry = tuple(i.name for i in runner.join.members if not i.messages and i.watermark != END) or _awaited(
         runner

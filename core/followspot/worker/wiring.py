@@ -51,7 +51,7 @@ class Wiring:
         for number, edge in enumerate(plan.edges):
             self.into[edge.to_stage].append(number)
             self.out_of[edge.from_stage].append(number)
-        self.lateness = self._latenesses()
+        self.closing, self.lateness = self._latenesses()
         self.lag = self._lag()
         self.deadline = self._deadlines()
 
@@ -89,18 +89,21 @@ class Wiring:
         members = [self.tolerance(edge) for edge in edges if not self.sampled(edge)]
         return max(members) if len(members) > 1 else 0
 
-    def _latenesses(self) -> dict[str, int]:
-        """Allowed lateness of each stage, ns: a message announces that nothing else comes within it.
+    def _latenesses(self) -> tuple[dict[str, int], dict[str, int]]:
+        """For each stage the time, ns, for which it does not fire after a firing, and that for which nothing
+        comes after a message: the same, but 0 for a stage that gives several messages for a firing.
 
         A join fires at the earliest time of its members and discards what comes later within its window. A
         feedback edge is therefore certain as soon as its message is there.
         """
+        closing: dict[str, int] = {}
         lateness: dict[str, int] = {}
         for stage in self.plan.stages:
             edges = [self.plan.edges[n] for n in self.into[stage.name]]
             inherited = [lateness[e.from_stage] for e in edges if not self.sampled(e)]
-            lateness[stage.name] = self.window(stage) + max(inherited, default=0)
-        return lateness
+            closing[stage.name] = self.window(stage) + max(inherited, default=0)
+            lateness[stage.name] = 0 if self.ports[stage.name].gives == "several" else closing[stage.name]
+        return closing, lateness
 
     def _lag(self) -> int:
         """Longest time, ns, by which the watermark of a port can trail that of the sources upstream.

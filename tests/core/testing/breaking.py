@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ConfigDict
 
-from followspot import Field, Latest, Source, Stage, StageParams, at
+from followspot import Deferred, Field, Latest, Outputs, Source, Stage, StageParams, Window, at
 from followspot.messages import Array, Message
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
 
@@ -99,6 +99,29 @@ class Timed(Stage):
 
     def process(self, blobs: Blobs) -> Blobs:
         return at(blobs.header.time - 1, blobs)
+
+
+class EarlyOutputs(Stage):
+    """Gives several messages, one before the time of the firing."""
+
+    def process(self, blobs: Blobs) -> Outputs[Blobs]:
+        return blobs, at(blobs.header.time - 1, blobs)
+
+
+class LateAnswer(Stage):
+    """Answers later, with a message of another type."""
+
+    def process(self, blobs: Blobs) -> Deferred[Tracks]:
+        return lambda: blobs  # type: ignore[return-value]
+
+
+class WindowWriter(Stage):
+    """Changes a message of its window."""
+
+    def process(self, blobs: Blobs, window: Window[Blobs] = ()) -> Blobs:
+        for other in window:
+            object.__setattr__(other, "area", other.area + 1)
+        return blobs
 
 
 class WrongShape(Stage):

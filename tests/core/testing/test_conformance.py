@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from tests.core.testing import breaking
+from tests.stages import rates
 
 from followspot import Field, Message, Source, Stage, StageParams
 from followspot.plugins.registry import catalogue, load_stage
@@ -113,6 +114,9 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.NoMessage, "sends what it declares"),
         (breaking.Timed, "sends what it declares"),
         (breaking.WrongShape, "sends what it declares"),
+        (breaking.EarlyOutputs, "sends what it declares"),
+        (breaking.LateAnswer, "sends what it declares"),
+        (breaking.WindowWriter, "leaves its inputs as they were"),
         (breaking.NotANumber, "takes unknown numbers"),
         (breaking.Late, "takes the same frame twice"),
         (breaking.Late, "takes a late frame"),
@@ -132,6 +136,11 @@ def test_the_kit_names_each_broken_promise() -> None:
 )
 def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
     assert promise in {finding.promise for finding in findings(stage, messages=400)}
+
+
+@pytest.mark.parametrize("stage", [rates.Gather, rates.Near, rates.Mix, rates.Burst, rates.Later])
+def test_stages_with_inputs_and_results_of_all_kinds_keep_every_promise(stage: type[Stage]) -> None:
+    check_stage(stage, messages=200)
 
 
 def test_a_stage_that_holds_up_the_end_is_found() -> None:

@@ -101,7 +101,7 @@ def nearest(time: int, readings: list[tuple[int, int]], tolerance: int) -> list[
     return [(value, at)] if abs(at - time) <= tolerance else []
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=30)
 @example(hz=1000, shift=0.0007, tolerance=0.004)
 @example(hz=7, shift=-0.05, tolerance=0.02)
 @given(
@@ -120,14 +120,14 @@ def test_a_nearest_is_the_nearest_of_all_readings(
     assert all(pairs == nearest(time, readings, round(tolerance * 1e9)) for time, pairs in found)
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15)
 @example(hz=1000, shift=0.0037)
 @example(hz=256.4, shift=0.00901)
 @given(hz=st.integers(130, 2000), shift=st.integers(0, 50_000).map(lambda us: us / 1e6))
 def test_a_join_takes_the_reading_nearest_to_the_frame(tmp_path: Path, hz: float, shift: float) -> None:
     """From the second frame on: the first may come before any two readings say that they are frequent."""
-    run(planned(tmp_path, "meet", hz=hz, shift=shift, frames=30, readings=2000), tmp_path)
-    readings = [(n, round(n / hz * 1e9)) for n in range(2000)]
+    run(planned(tmp_path, "meet", hz=hz, shift=shift, frames=30, readings=1200), tmp_path)
+    readings = [(n, round(n / hz * 1e9)) for n in range(1200)]
     found = written(tmp_path)
     assert len(found) == 30
     for _, (frame, reading) in found[1:]:
@@ -183,6 +183,12 @@ def graphs(draw: st.DrawFn) -> Plan:
         if n < sources:
             stages.append(_stage(name, "uneven", {"pauses": draw(PAUSES)}))
             continue
+        if draw(st.integers(0, 3)) == 0:
+            uses = draw(st.sampled_from(["burst", "later"]))
+            before = names[: sources if uses == "burst" else n]
+            stages.append(_stage(name, uses, {}))
+            edges.append(_edge(draw(st.sampled_from(before)), name, "reading"))
+            continue
         stages.append(_stage(name, "mix", {}, tolerance))
         used = {"frame", *draw(st.lists(st.sampled_from(INPUTS), max_size=4))}
         edges += [_edge(draw(st.sampled_from(names[:n])), name, port) for port in INPUTS if port in used]
@@ -193,7 +199,9 @@ def graphs(draw: st.DrawFn) -> Plan:
 
 
 def _stage(name: str, uses: str, params: dict[str, object], tolerance: float = 0.0) -> PlannedStage:
-    return PlannedStage(name, name, f"rates.{uses}", params, None, "main", live=False, tolerance=tolerance)
+    return PlannedStage(
+        name, name, f"rates.{uses}", params, None, "main", live=False, tolerance=tolerance, concurrency=3
+    )
 
 
 def _edge(start: str, end: str, port: str, depth: int = 1) -> PlannedEdge:

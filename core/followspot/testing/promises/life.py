@@ -103,7 +103,7 @@ def carries_on_from_its_state(trial: Trial) -> Iterator[str]:
             second.restore(first.state())
             for n in range(4, 7):
                 inputs = trial.inputs("plausible", n, noise(n))
-                pairs = zip(outputs(first.process(*inputs)), outputs(second.process(*inputs)), strict=True)
+                pairs = zip(*(outputs(trial.called(stage, inputs)) for stage in (first, second)), strict=True)
                 if not all(contents(a) == contents(b) for a, b in pairs):
                     yield f"{n - 3} frames after the hand-over the successor gives something else"
                     return
@@ -122,7 +122,7 @@ def keeps_its_memory(trial: Trial) -> Iterator[str]:
             sizes = []
             for _ in range(2):
                 for n in range(half):
-                    stage.process(*frames[n % len(frames)])
+                    trial.called(stage, frames[n % len(frames)])
                 gc.collect()
                 sizes.append((sys.getallocatedblocks(), _resident()))
     except Exception:
@@ -191,7 +191,7 @@ def _work(trial: Trial, frames: int) -> None:
 
 def _feed(trial: Trial, stage: Stage, frames: range) -> None:
     for n in frames:
-        stage.process(*trial.inputs("plausible", n, noise(n)))
+        trial.called(stage, trial.inputs("plausible", n, noise(n)))
 
 
 def _not_plain(value: Any) -> Any:

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from followspot.errors import FollowspotError
-from followspot.messages import InvalidMessage, Message, identical, seal
-from followspot.outputs import WrongOutput, check_returned
+from followspot.messages import UNSTAMPED, InvalidMessage, Message, identical, seal
+from followspot.outputs import WrongOutput, check_one_of_several, check_returned
 from followspot.testing.samples import BLACK
-from followspot.testing.trial import Trial, noise, outputs, reason
+from followspot.testing.trial import PERIOD, Trial, noise, outputs, reason
 
 ONE_PIXEL = np.full((1, 1, 3), 128, np.uint8)
 WHITE = np.full_like(BLACK, 255)
@@ -86,7 +86,7 @@ def leaves_its_inputs_as_they_were(trial: Trial) -> Iterator[str]:
     inputs, untouched = (trial.inputs("plausible", 0, noise()) for _ in range(2))
     try:
         with trial.at_work() as stage:
-            stage.process(*inputs)
+            trial.called(stage, inputs)
     except Exception:
         return  # takes_plausible_inputs says so
     pairs = zip(_flat(inputs), _flat(untouched), strict=True)
@@ -96,9 +96,11 @@ def leaves_its_inputs_as_they_were(trial: Trial) -> Iterator[str]:
 
 def sends_what_it_declares(trial: Trial) -> Iterator[str]:
     """Outputs have the declared type, dtypes and shapes, and no time of their own."""
-    for result in _returned(trial):
+    for frame, result in enumerate(_returned(trial)):
         try:
-            if result is not None:
+            if trial.ports.gives == "several":
+                _check_several(trial, result or (), frame)
+            elif result is not None:
                 check_returned(trial.ports.outputs, result)
             for message in outputs(result):
                 seal(message)
@@ -114,10 +116,10 @@ def leaves_what_it_sent_alone(trial: Trial) -> Iterator[str]:
         return
     try:
         with trial.at_work() as stage:
-            first = outputs(stage.process(*trial.inputs("plausible", 0, noise(0))))
+            first = outputs(trial.called(stage, trial.inputs("plausible", 0, noise(0))))
             before = [contents(message) for message in first]
             for n in range(1, 4):
-                stage.process(*trial.inputs("plausible", n, noise(n)))
+                trial.called(stage, trial.inputs("plausible", n, noise(n)))
     except Exception:
         return
     if [contents(message) for message in first] != before:
@@ -160,7 +162,7 @@ def does_together_what_it_does_alone(trial: Trial) -> Iterator[str]:
     inputs = [trial.inputs("empty", 0, p, name) for p, name in zip(pictures, names, strict=True)]
     try:
         with trial.at_work(names[0]) as one, trial.at_work(names[1]) as other:
-            alone = [one.process(*inputs[0]), other.process(*inputs[1])]
+            alone = [trial.called(one, inputs[0]), trial.called(other, inputs[1])]
             found = together([one, other], inputs)
         for one_alone, one_together in zip(alone, found, strict=True):
             pairs = zip(outputs(one_alone), outputs(one_together), strict=True)
@@ -177,7 +179,7 @@ def _tried(trial: Trial, what: str, frames: Sequence[list[Any]]) -> Iterator[str
     try:
         with trial.at_work() as stage:
             for inputs in frames:
-                stage.process(*inputs)
+                trial.called(stage, inputs)
     except FollowspotError:
         return
     except Exception as error:
@@ -189,12 +191,23 @@ def _sent(trial: Trial) -> list[Message]:
     return [message for result in _returned(trial) for message in outputs(result)]
 
 
+def _check_several(trial: Trial, items: Sequence[Any], frame: int) -> None:
+    """Check the results of the firing with a frame. Raises WrongOutput."""
+    newest = frame * PERIOD - 1
+    for item in items:
+        given = check_one_of_several(trial.ports.outputs, item)
+        time = frame * PERIOD if given is UNSTAMPED else given.time
+        if time <= newest:
+            raise WrongOutput("gave messages whose times do not rise from that of the firing on")
+        newest = time
+
+
 def _returned(trial: Trial) -> list[Any]:
     """What an instance returns for three frames; nothing where it fails, which other promises tell."""
     returned: list[Any] = []
     if trial.computes:
         with contextlib.suppress(Exception), trial.at_work(seed=1) as stage:
-            returned.extend(stage.process(*trial.inputs("plausible", n, noise(n))) for n in range(3))
+            returned.extend(trial.called(stage, trial.inputs("plausible", n, noise(n))) for n in range(3))
     return returned
 
 
