@@ -27,7 +27,7 @@ from followspot_calibrate.triangulation import triangulate
 ROOT = Path(__file__).parent.parent
 PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 GRAPHS = ROOT / "graphs"
-TRIED_ELSEWHERE = ("README.md", "other_programs.md", "reference.md", "tutorial.md")
+TRIED_ELSEWHERE = ("README.md", "composing.md", "other_programs.md", "reference.md", "tutorial.md")
 """Tests of their own try these pages; in the reference `...` stands where a graph says more."""
 READY = {"distribution.md": "person_panorama.yaml"}
 """The ready graph that a page speaks of, where it is not the demo's."""
@@ -78,6 +78,18 @@ def test_every_part_of_a_graph_shown_fits_a_ready_graph(page: str, tmp_path: Pat
         part.write_text(yaml.safe_dump({**ready, "stages": ready["stages"] | stages}))
         plan = compile_graph(part, room=GRAPHS / ready["room"])
         assert {stage.group for stage in plan.stages} > stages.keys()
+
+
+@pytest.mark.parametrize("block", [b for b in blocks("composing.md", "yaml") if b.startswith("# part of")])
+def test_every_part_of_a_room_shown_fits_the_simulated_room(block: str, tmp_path: Path) -> None:
+    room = yaml.safe_load((GRAPHS / "rooms" / "simulated.yaml").read_text())
+    for section, shown in yaml.safe_load(block).items():
+        for name, entry in shown.items():
+            old = room.setdefault(section, {}).get(name)
+            room[section][name] = {**old, **entry} if old else entry
+    (tmp_path / "room.yaml").write_text(yaml.safe_dump(room))
+    plan = compile_graph(GRAPHS / "glowballs.yaml", room=str(tmp_path / "room.yaml"))
+    assert not [note for note in plan.notes if "tune" in note]
 
 
 def test_no_page_shows_python_that_no_test_runs() -> None:

@@ -13,6 +13,8 @@ from followspot.cli.main import main
 ROOT = Path(__file__).parent.parent
 PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 FENCED = re.compile(r"^```(?P<language>\S*)\n(?P<text>.*?)^```$", re.DOTALL | re.MULTILINE)
+FILE = re.compile(r"# (?P<name>\w+\.yaml)\n")
+"""The first line of a file that a page shows whole."""
 PROGRAM = re.compile(r"followspot|make|python|pip|pytest|cp|cd|\. ")
 
 ELSEWHERE = {
@@ -53,6 +55,14 @@ def shown(page: str) -> list[str]:
     return [line for line in lines if PROGRAM.match(line)]
 
 
+def write_files(page: str, folder: Path) -> None:
+    """Write the files that a page shows whole, for its commands."""
+    for block in FENCED.finditer(PAGES[page]):
+        named = FILE.match(block["text"])
+        if block["language"] == "yaml" and named is not None:
+            (folder / named["name"]).write_text(block["text"])
+
+
 def elsewhere(line: str) -> str | None:
     return next((test for begin, test in ELSEWHERE.items() if re.match(begin, line)), None)
 
@@ -68,6 +78,7 @@ def test_the_commands_of_a_page_work_one_after_the_other(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "graphs").symlink_to(ROOT / "graphs")
+    write_files(page, tmp_path)
     for line in shown(page):
         if elsewhere(line) is None:
             assert main(shortened(line)) == 0, line
