@@ -50,6 +50,8 @@ class Merge(Stage):
         self.seen = np.zeros((0, count, 3))
 
     def process(self, tracks: Joined[Tracks]) -> Tracks:
+        if not tracks:
+            return Tracks.empty()
         time = tracks[0].header.time
         elapsed = max(time - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
         found = gathered(tracks, len(self.known))

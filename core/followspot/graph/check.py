@@ -110,7 +110,7 @@ def _params(instance: Instance, stage: type[Stage], mistakes: list[Mistake]) -> 
 
 
 def _check_inputs(
-    instance: Instance, stage: type[Stage], left_out: Mapping[str, str], mistakes: list[Mistake]
+    instance: Instance, stage: type[Stage], left_out: Mapping[str, Mistake], mistakes: list[Mistake]
 ) -> None:
     """Note each input that the stage lacks, and each required one that nothing feeds."""
     declared, found = instance.declared, ports(stage)
@@ -126,7 +126,8 @@ def _check_inputs(
         text = f'{instance.uses} serves one {SETS[served]}, and stage "{declared.name}" has no each'
         mistakes.append(Mistake(declared.place, text, f"add each: {served}"))
     elif served and instance.member is not None and instance.member.set != served:
-        text = f'{instance.uses} serves a {SETS[served]}, stage "{declared.name}" a {instance.member.noun}'
+        over = declared.each.text if declared.each is not None else ""
+        text = f'{instance.uses} serves one {SETS[served]}, but stage "{declared.name}" fans out over {over}'
         mistakes.append(Mistake(declared.places["each"], text, f"write each: {served}"))
     for entry in declared.inputs:
         port = found.input(entry.port)
@@ -140,10 +141,10 @@ def _check_inputs(
             )
         elif port.required and entry.feeds and all(feed.stage in left_out for feed in entry.feeds):
             text = f'input "{entry.port}" of stage "{declared.name}" needs what is left out'
-            reasons = "; ".join(left_out[feed.stage] for feed in entry.feeds)
-            mistakes.append(
-                Mistake(entry.place, text, f'{reasons}; write optional: true for "{declared.name}", too')
-            )
+            reasons = [left_out[feed.stage] for feed in entry.feeds]
+            told = "; ".join(reason.text for reason in reasons)
+            place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
+            mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{declared.name}", too'))
     named = {port.name for entry in declared.inputs if (port := found.input(entry.port)) is not None}
     for port in found.inputs:
         if port.required and port.name not in named:

@@ -9,7 +9,7 @@ from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.declaration import Feed, InputDeclaration, StageDeclaration
 from followspot.graph.load import Loaded
-from followspot.graph.selector import ranks, related
+from followspot.graph.selector import ranks, related, tag_named
 from followspot.room import SETS, Member, Room, Target
 
 ROOM_SOURCE = "room.source"
@@ -59,8 +59,8 @@ class Expanded:
     seed: int
     instances: Mapping[str, Instance]
     wires: tuple[Wire, ...]
-    left_out: Mapping[str, str]
-    """Optional stages without an instance, each with the reason."""
+    left_out: Mapping[str, Mistake]
+    """Optional stages without an instance, each with the reason, which is a mistake for who needs it."""
     notes: tuple[str, ...] = ()
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
@@ -82,7 +82,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         if name not in left_out
     }
     if loaded.stages and not groups:
-        remedy = "; ".join(list(left_out.values())[:6])
+        remedy = "; ".join([reason.text for reason in left_out.values()][:6])
         return _nothing(
             loaded, "every stage is optional, and the room has nothing for them", remedy, mistakes
         )
@@ -105,7 +105,7 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         instances=instances,
         wires=tuple(wires),
         left_out=left_out,
-        notes=tuple(left_out.values()),
+        notes=tuple(reason.text for reason in left_out.values()),
         offered=loaded.offered,
     )
 
@@ -140,20 +140,22 @@ def _lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
     unknown = stage.each.unknown(room)
     if unknown is not None:
         return unknown
-    text = f'stage "{stage.name}" needs a {SETS.get(wanted, wanted)} that the room "{room.name}" lacks'
-    owners = room.members(wanted).values() if wanted in SETS else room.carriers
-    have = ", ".join(o.name if isinstance(o, Target) else f"{o.name} ({o.kind})" for o in owners)
-    remedy = f"{stage.each.text} matches none of: {have or f'no {wanted}'}; or write optional: true"
+    noun = SETS.get(wanted) or tag_named(wanted, room)
+    text = f'stage "{stage.name}" needs a {noun} that the room "{room.name}" lacks'
+    owners = room.members(wanted).values() if wanted in SETS else ()
+    names = [o.name if isinstance(o, Target) else f"{o.name} ({o.kind})" for o in owners]
+    have = ", ".join([*names, *room.tags.get(noun, ())]) or f"no {wanted}"
+    remedy = f"{stage.each.text} matches none of: {have}; or write optional: true"
     return Mistake(stage.each.place, text, remedy)
 
 
-def _left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, str]:
+def _left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
     """Optional stages that the room has nothing for, and those that nothing else feeds, with the reason."""
-    left_out = {
-        name: f'stage "{name}" is left out: the room has no {loaded.stages[name].each.text}'  # type: ignore[union-attr]
-        for name, found in members.items()
-        if not found
-    }
+    left_out: dict[str, Mistake] = {}
+    for name, stage in loaded.stages.items():
+        if not members[name] and stage.each is not None:
+            text = f'stage "{name}" is left out: the room has no {stage.each.text}'
+            left_out[name] = Mistake(stage.each.place, text)
     before = -1
     while len(left_out) > before:
         before = len(left_out)
@@ -161,7 +163,8 @@ def _left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) ->
             feeds = [feed for entry in stage.inputs for feed in entry.feeds if not feed.delay]
             unfed = bool(feeds) and all(feed.stage in left_out for feed in feeds)
             if stage.optional and unfed and name not in left_out:
-                left_out[name] = f'stage "{name}" is left out: so is all that feeds it'
+                text = f'stage "{name}" is left out: so is all that feeds it'
+                left_out[name] = Mistake(stage.place, text)
     return left_out
 
 

@@ -55,7 +55,7 @@ class Selector:
         if self.set in SETS:
             owners = room.members(self.set).values()
             return tuple(Member(self.set, o.name) for o in owners if _fits(o, self.conditions))
-        tag = _tag(self.set, room)
+        tag = tag_named(self.set, room)
         of_value = tuple(c for c in self.conditions if c.key in ("name", tag))
         carriers = tuple(c for c in self.conditions if c not in of_value)
         values = dict.fromkeys(
@@ -66,7 +66,7 @@ class Selector:
     def unknown(self, room: Room) -> Mistake | None:
         """The mistake of a selector whose set, or the key of a condition, the room does not know."""
         tags = room.tags
-        if self.set not in SETS and not _tag(self.set, room):
+        if self.set not in SETS and not tag_named(self.set, room):
             known = [*SETS, *(f"{tag}s" for tag in tags)]
             text = f'the room "{room.name}" has no {self.set}: no camera and no sensor carries such a tag'
             return Mistake(self.place, text, did_you_mean(self.set, known, "sets"))
@@ -174,7 +174,7 @@ def _values(owner: _Owner, key: str) -> tuple[str, ...]:
     return (getattr(owner, key),) if key in _SINGLE and hasattr(owner, key) else ()
 
 
-def _tag(word: str, room: Room) -> str:
+def tag_named(word: str, room: Room) -> str:
     """The tag that a word names in the singular or plural; "" if the room has none."""
     return next((tag for tag in room.tags if word in _plurals(tag)), "")
 

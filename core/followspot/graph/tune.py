@@ -111,7 +111,8 @@ def _unknown(instance: Instance, tune: _Tune) -> Mistake | None:
     if fields is None or tune.parameter in fields:
         return None
     text = f'{instance.uses} has no parameter "{tune.parameter}"'
-    return Mistake(tune.node.key, text, did_you_mean(tune.parameter, fields, "parameters"))
+    place = tune.node.key.within(instance.uses_place)
+    return Mistake(place, text, did_you_mean(tune.parameter, fields, "parameters"))
 
 
 def _below_set(tune: Node, given: Node | None) -> Node:

@@ -52,6 +52,8 @@ def wrong(text: str, remedy: str, *changes: Change, over: str = "", option: str 
 
 
 ANY = "{uses: toy.any, in: {blobs: hall/inner/pair}}"
+LATE = "{uses: toy.detect, each: 'cameras[name=cam1]', in: {frame: ¦eyes}}"
+ZONED = "{uses: toy.pair, each: zones, in: {blobs: ¦hall/inner/detect}}"
 KNOWING = ("main", "  save:", "  truth: {uses: toy.knowing, with: {path: truth.csv}}\n  save:")
 MISTAKES = {
     # the interface of a sub-graph, from outside
@@ -325,6 +327,102 @@ MISTAKES = {
         "change the selector",
         ("main", "frames: eyes", "frames: {from: ¦eyes, only: 'cameras[name=cam7]'}"),
         ("tracker", "frame: camera", "frame: ‡camera"),
+    ),
+    # the room: members, tags and tunes
+    "an unknown tag": wrong(
+        'cameras of the room "stage" have no property and no tag "zon"',
+        'did you mean "zone"?',
+        ("main", "each: cameras}", "each: ¦'cameras[zon=hall]'}"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
+    "an empty fan-out": wrong(
+        'stage "eyes" needs a sensor that the room "stage" lacks',
+        "sensors matches none of: no sensors; or write optional: true",
+        ("main", "each: cameras}", "each: ¦sensors}"),
+    ),
+    "an empty fan-out over a tag": wrong(
+        'stage "eyes" needs a zone that the room "stage" lacks',
+        "zones[name=attic] matches none of: hall",
+        ("main", "each: cameras}", "each: ¦'zones[name=attic]'}"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
+    "a condition without a value": wrong(
+        '"kind" is no condition',
+        "write PROPERTY=VALUE",
+        ("main", "each: cameras}", "each: ¦'cameras[kind]'}"),
+    ),
+    "members that do not meet": wrong(
+        'stage "late" serves camera cam1, stage "eyes" does not',
+        "give both the same each",
+        ("main", "each: cameras}", "each: 'cameras[name=cam0]'}"),
+        ("main", "hall: {graph: middle.yaml", "hall: {cameras: 'cameras[name=cam0]', graph: middle.yaml"),
+        ("main", "  save:", f"  late: {LATE}\n  save:"),
+    ),
+    "a zone that no camera of the sender carries": wrong(
+        'stage "late" serves zone attic, stage "hall/inner/detect" does not',
+        "give both the same each",
+        ("main", "  save:", f"  late: {ZONED}\n  save:"),
+        ("room", "truth:", "sensors: {imu: {kind: imu, tags: {zone: attic}}}\ntruth:"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
+    "a stage that serves another set": wrong(
+        "toy.imu serves one sensor, but stage \"hand\" fans out over cameras",
+        "write each: sensors",
+        ("main", "  save:", "  hand: {uses: toy.imu, each: ¦cameras}\n  save:"),
+    ),
+    "an optional stage whose reader needs it": wrong(
+        'input "blobs" of stage "needs" needs what is left out',
+        'the room has no cameras[kind=thermal]; write optional: true for "needs", too',
+        ("main", "  save:", "  needs: {uses: toy.any, in: {¦blobs: maybe}}\n  save:"),
+        ("main", "  save:", "  maybe: {uses: toy.detect, each: ‡'cameras[kind=thermal]', optional: true,"
+         " in: {frame: eyes}}\n  save:"),
+    ),
+    "a sensor that is mounted on nothing": wrong(
+        'sensor imu is mounted on target "gren", which the room lacks',
+        'did you mean "green"?',
+        ("room", "truth:", "sensors: {imu: {kind: imu, mount: {target: ¦gren}}}\ntruth:"),
+    ),
+    "a sensor with the name of a camera": wrong(
+        '"cam0" names a sensor and a camera',
+        "rename one",
+        ("room", "truth:", "sensors: {¦cam0: {kind: imu}}\ntruth:"),
+    ),
+    "a sensor without a source": wrong(
+        'sensor "imu" has no source, and stage "hand" needs it',
+        "add source: {uses: STAGE",
+        ("main", "  save:", "  hand: {uses: room.source, each: sensors}\n  save:"),
+        ("room", "truth:", "sensors: {¦imu: {kind: imu}}\ntruth:"),
+    ),
+    "a source for what has none": wrong(
+        'stage "hand" uses room.source but serves no camera and no sensor',
+        "add each: cameras, or each: sensors",
+        ("main", "  save:", "  ¦hand: {uses: room.source, each: targets}\n  save:"),
+    ),
+    "a tag that selectors use for something else": wrong(
+        '"kind" cannot be a tag',
+        "write another word",
+        ("room", "kind: color\n", "kind: color\n    tags: {¦kind: hall}\n"),
+    ),
+    "two tunes of one parameter": wrong(
+        'tune one parameter of "hall/inner/detect/cam0"',
+        "remove one, or write hall/inner/detect/cam0.level",
+        ("room", "truth:", "tune: {‡hall/inner/detect.level: 0.5, ¦toy.detect/cam0.level: 0.25}\ntruth:"),
+    ),
+    "a tune of an unknown parameter": wrong(
+        'toy.detect has no parameter "levle"',
+        'did you mean "level"?',
+        ("room", "truth:", "tune: {¦toy.detect.levle: 0.5}\ntruth:"),
+        ("tracker", "detect: {uses: toy.detect", "detect: {uses: ‡toy.detect"),
+    ),
+    "a tune out of range": wrong(
+        '"level" of stage "hall/inner/detect" (toy.detect) cannot be 7',
+        "least brightness",
+        ("room", "truth:", "tune: {toy.detect.level: ¦7}\ntruth:"),
+    ),
+    "a tune that names no parameter": wrong(
+        '"level" names no parameter',
+        "PLUGIN.STAGE.PARAMETER",
+        ("room", "truth:", "tune: {¦level: 0.5}\ntruth:"),
     ),
     # overlays
     "an overlay that removes what is read": wrong(

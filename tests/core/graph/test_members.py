@@ -138,8 +138,8 @@ def test_an_optional_stage_may_ask_for_a_tag_that_the_room_does_not_know(tmp_pat
 @pytest.mark.parametrize(
     ("stages", "text"),
     [
-        ("  x: {uses: toy.camera, each: sensors}\n", "toy.camera serves a camera, stage"),
-        ("  x: {uses: toy.imu, each: cameras}\n", "toy.imu serves a sensor, stage"),
+        ("  x: {uses: toy.camera, each: sensors}\n", "toy.camera serves one camera, but stage"),
+        ("  x: {uses: toy.imu, each: cameras}\n", "toy.imu serves one sensor, but stage"),
         ("  x: {uses: toy.imu}\n", "toy.imu serves one sensor, and stage"),
         ("  x: {uses: room.source, each: zones}\n", "serves no camera and no sensor"),
         ("  x: {uses: room.source, each: targets}\n", "serves no camera and no sensor"),
