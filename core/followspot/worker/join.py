@@ -125,7 +125,7 @@ class Join:
             if not (port.members or port.joined):
                 arguments.append(None)
                 continue
-            found = [self._taken(queue) for queue in port.members if self._has(queue, time)]
+            found = self._taken(port.members, time)
             fired += found
             arguments.append(tuple(found) if port.joined else found[0])
         return arguments, fired
@@ -205,6 +205,8 @@ class Join:
         The join is where the latest of the first messages is. Only messages that follow each other within
         twice the window can be such; a member whose last two lie further apart is not waited for.
         """
+        if not self._frequent():
+            return None
         heads = [(q.messages[0].header.time, q) for q in self.members if self._has(q, time)]
         pivot = max([head for head, _ in heads])
         for head, queue in heads:
@@ -220,6 +222,16 @@ class Join:
                     return queue
         return None
 
+    def _frequent(self) -> bool:
+        """Whether a member that is asked now sends so often that the choice is open; few do."""
+        reach = self._reach
+        for queue in self.members:
+            if queue.messages:
+                window = queue.window if queue.window > reach else reach
+                if queue.messages[0].header.time - queue.left_at <= 2 * window:
+                    return True
+        return False
+
     def _sampled_ready(self, time: int, overdue: bool) -> int | None:
         for sampled in self.sampled:
             if not sampled.ready(time) and (sampled.patient or not overdue):
@@ -232,8 +244,13 @@ class Join:
             queue.discard_until(time + max(queue.window, self._reach), UNMATCHED)
         self.closed = time + self.lateness
 
-    @staticmethod
-    def _taken(queue: InputQueue) -> Message:
-        message = queue.take()
-        queue.left_at = message.header.time
-        return message
+    def _taken(self, members: Sequence[InputQueue], time: int) -> list[Message]:
+        """The first message of each member that has one in its window from `time`, ns, on."""
+        reach, found = self._reach, []
+        for queue in members:
+            if queue.messages:
+                head, window = queue.messages[0].header.time, queue.window
+                if head <= time + (window if window > reach else reach):
+                    found.append(queue.take())
+                    queue.left_at = head
+        return found

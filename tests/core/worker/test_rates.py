@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 import pytest
@@ -9,11 +10,18 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from tests.core.worker.solo import Solo
 
+from followspot.control.progress import Progress
+from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage, PlannedWorker
+from followspot.operator.coordinator import Coordinator
+from followspot.operator.hot_swap import change_stages
+from followspot.operator.launch import local_run
 from followspot.operator.report import RunReport
+from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import use_plugin_files
 from followspot.room import Room
+from followspot.worker.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
 GRAPH = """
@@ -164,6 +172,68 @@ def test_the_rate_of_a_sensor_stands_in_the_room(tmp_path: Path) -> None:
     )
     (stage,) = compile_graph(tmp_path / "live.yaml", plugin_files=[STAGES]).stages
     assert stage.depth == 200
+
+
+def live(folder: Path, stages: str) -> Coordinator:
+    (folder / "live.yaml").write_text(f"graph: live\nstages:\n{stages}")
+    return local_run(compile_graph(folder / "live.yaml", plugin_files=[STAGES]), RunOptions(folder))
+
+
+@pytest.mark.parametrize(("meet", "port"), [("gather", "readings"), ("near", "reading")])
+def test_a_camera_that_falls_silent_does_not_hold_up_a_sensor(tmp_path: Path, meet: str, port: str) -> None:
+    run = live(
+        tmp_path,
+        "  camera: {uses: rates.device, with: {hz: 0.001}}\n"
+        "  sensor: {uses: rates.device, with: {count: 1000000}}\n"
+        f"  meet: {{uses: rates.{meet}, in: {{frame: camera, {port}: {{from: sensor, depth: 8}}}}}}\n"
+        "  save: {uses: rates.note, in: {reading: sensor}}\n",
+    )
+    looks = iter(range(500))
+
+    def stop(progress: Progress, expected: int | None) -> None:
+        if progress.fired > 50 or next(looks, None) is None:  # the looks only bound a failure
+            run.stop()
+
+    report = run.execute(stop)
+    assert report.ok, report.errors
+    count = next(count for edge, count in report.edges if edge.to_port == port)
+    assert count.sent > 50, "the edge is full with eight"
+    assert count.sent == count.delivered + count.dropped + count.unmatched
+
+
+def test_a_stage_that_answers_later_is_swapped_and_loses_nothing(tmp_path: Path) -> None:
+    run = live(
+        tmp_path,
+        "  sensor: {uses: rates.device, with: {hz: 300, count: 1000000}, depth: 10000}\n"
+        "  later: {uses: rates.later, in: {reading: sensor}, with: {longest_ms: 20}, concurrency: 4}\n"
+        "  save: {uses: rates.note, in: {reading: later}}\n",
+    )
+    begun = threading.Event()
+    problems: list[BaseException] = []
+
+    def meddle() -> None:
+        try:
+            assert begun.wait(60)
+            change_stages(run, ChangeStages(words=("later.longest_ms=5",)))
+            with pytest.raises(FollowspotError, match="in another way"):
+                change_stages(run, ChangeStages(words=("later=rates.burst",)))
+        except BaseException as error:
+            problems.append(error)
+        finally:
+            run.stop()
+
+    meddler = threading.Thread(target=meddle)
+    meddler.start()
+    report = run.execute(lambda progress, _: begun.set() if progress.fired > 10 else None)
+    meddler.join()
+    assert not problems, problems
+    assert report.ok, report.errors
+    assert run.plan.notes == ("while it ran: later: longest_ms = 5",)
+    lines = (tmp_path / "readings.csv").read_text().splitlines()
+    values = [int(line.split()[1]) for line in lines]
+    assert values == [n + 1 for n in range(values[-1]) if n % 5], (
+        "each in order, and every fifth says nothing"
+    )
 
 
 INPUTS = ("frame", "other", "window", "near", "latest")
