@@ -54,6 +54,11 @@ class VerifyPairs(Stage):
             "cameras move with the target; raising it survives jumps",
         )
 
+        color_color: bool = Field(True, description="whether to give pairs of two colour cameras")
+        infrared_infrared: bool = Field(
+            True, description="whether to give pairs of two infrared cameras, which bear no label"
+        )
+
     params: Params
 
     @classmethod
@@ -105,6 +110,10 @@ class VerifyPairs(Stage):
         light = np.zeros(len(view), bool)
         sure = off_plane.min(axis=0, initial=np.inf) < sure_distance
         light[pair[~keep & sure]] = True
+        if not self.params.color_color:
+            keep &= ~color.all(axis=1)
+        if not self.params.infrared_infrared:
+            keep &= color.any(axis=1)
         rows = keep.nonzero()[0]
         pair, color = pair.take(rows, axis=0), color.take(rows, axis=0)
         dark = ~(light.take(pair[:, 0]) | light.take(pair[:, 1]))

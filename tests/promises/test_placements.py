@@ -53,7 +53,6 @@ CASES = {
     "pictures": Case("glowballs.yaml", "pictures", 60, BALLS),
     "recording": Case("glowballs.yaml", "recording", 90, BALLS),
     "recorded": Case("experiments/recorded.yaml", "simulated", 120),
-    "pairs": Case("experiments/pairs.yaml", "simulated", 60, plugin="experiments/pairs.py"),
     "search gate": Case("experiments/search_gate.yaml", "simulated", 120),
     "blind": Case(
         "experiments/persons.yaml",

@@ -15,9 +15,7 @@ import pytest
 from followspot.accuracy import TargetScore, TrackTable
 from followspot.cli.main import build_parser, main
 from followspot.errors import InputError
-from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.testing.tiny_room import tiny_room
-from followspot.tracking import Pairs
 from followspot_compare.columns import COLUMNS
 from followspot_compare.command import plan_scenes
 from followspot_compare.plot import MISSING, draw
@@ -246,38 +244,6 @@ def test_fused_positions_count_only_where_the_target_is_tracked(tmp_path: Path) 
     assert fused.iterations.tolist() == [5]
     assert fused.tracks.xyz.tolist() == [[2.0, 1.0, 0.0]]
     assert read_fused(tmp_path / "elsewhere", tracks, ("red", "blue")) is None
-
-
-@pytest.mark.parametrize(
-    ("params", "kept", "evident"),
-    [
-        ({}, [0, 1, 2], [False, True, False]),
-        ({"infrared_infrared": False}, [0, 1], [False, True]),
-        ({"color_infrared": False, "evident": True}, [0, 2], [True, True]),
-        ({"color_color": False}, [1, 2], [True, False]),
-    ],
-)
-def test_the_stage_of_the_experiments_keeps_kinds_of_pairs(
-    params: dict[str, bool], kept: list[int], evident: list[bool]
-) -> None:
-    use_plugin_files([str(ROOT / "graphs/experiments/pairs.py")])
-    blob = np.repeat(np.arange(3, dtype="i4")[:, None], 2, axis=1)
-    labelled, confirmed = np.array([True, True, False]), np.array([False, True, False])
-    pairs = Pairs(
-        ("a", "b"),
-        np.zeros((3, 2), "i4"),
-        blob,
-        np.zeros((3, 2, 2)),
-        np.ones((3, 2)),
-        np.zeros(3),
-        labelled,
-        confirmed,
-        confirmed,
-        np.ones((3, 1), bool),
-    )
-    chosen = load_stage("pairs.choose")(**params).process(pairs)
-    assert chosen.blob[:, 0].tolist() == kept
-    assert chosen.confirmed.tolist() == chosen.evident.tolist() == evident
 
 
 def commands() -> list[str]:

@@ -70,6 +70,18 @@ def test_pairs_of_one_kind_are_evidence_where_no_other_kind_sends() -> None:
     assert both.confirmed.tolist() == [True, False, True]  # not the pair of cam0 and cam2
 
 
+@pytest.mark.parametrize(
+    ("params", "kinds"),
+    [({}, [0, 1, 2]), ({"color_color": False}, [0, 1]), ({"infrared_infrared": False}, [1, 2])],
+)
+def test_pairs_of_one_kind_can_be_left_out(params: dict[str, bool], kinds: list[int]) -> None:
+    stage = VerifyPairs(Context(room=make_room()), **params)
+    stage.setup()
+    pairs = pairs_of("cam0", "cam1", "cam2", "cam3", stage=stage)
+    color = np.array([camera.kind == "color" for camera in stage.room.cameras.values()])
+    assert sorted(set(color[pairs.view].sum(axis=1).tolist())) == kinds
+
+
 def test_a_camera_that_falls_silent_does_not_weaken_the_evidence() -> None:
     stage = VerifyPairs(Context(room=make_room()))
     stage.setup()
