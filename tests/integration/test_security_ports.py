@@ -90,12 +90,12 @@ def test_only_the_host_of_a_writer_tells_where_its_stream_begins(
         assert wait_for(lambda: own in agent.heard)
         assert not reader.poll()
         assert not reader._arrived
-        assert reader._writer == -1
+        assert reader.position.writer == -1
         desk.put(foreign, START.pack(3, 0, 0, 0))
 
         def told() -> bool:
             reader.poll()
-            return reader._writer == 3
+            return reader.position.writer == 3
 
         assert wait_for(told)
     reader.close()

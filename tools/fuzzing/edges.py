@@ -152,14 +152,17 @@ class Pair:
         Both ends begin again if it was another writer, which never comes, or one that has counted as far as
         numbers go: what follows would be out of range.
         """
-        if self.reader._writer != 0 or self.reader._tokens > MAX_COUNT - _LAST:
+        if self.reader.position.writer != 0 or self.reader.position.tokens > MAX_COUNT - _LAST:
             self.end()
             self.begin(self.kind)
         elif (
-            self.reader._tokens != self.writer._flow.tokens
-            or self.reader._messages != self.writer._flow.messages
+            self.reader.position.tokens != self.writer._flow.tokens
+            or self.reader.position.messages != self.writer._flow.messages
         ):
-            self.writer._flow.tokens, self.writer._flow.messages = self.reader._tokens, self.reader._messages
+            self.writer._flow.tokens, self.writer._flow.messages = (
+                self.reader.position.tokens,
+                self.reader.position.messages,
+            )
             self.reader.consumed(0)
 
     def put(self, hostile: Hostile) -> list[Token]:
@@ -210,7 +213,7 @@ class Pair:
         """Whether the reader knows where the writer is, after each did what a woken worker does."""
         self.writer.drain()
         self._taken(self.reader.poll())
-        return self.writer.matched() and self.reader._joined
+        return self.writer.matched() and self.reader.position.joined
 
     def _taken(self, tokens: list[Token]) -> None:
         self.reader.consumed(sum(not isinstance(token, Watermark) for token in tokens))

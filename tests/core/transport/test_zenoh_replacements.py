@@ -40,7 +40,7 @@ def replacement(pair: Pair, incarnation: int = 1) -> ZenohWriter:
 def test_a_writer_whose_place_was_taken_leaves_without_taking_the_reader_along(pair: Pair) -> None:
     """It was on a host that nobody heard from; the news of its end comes late."""
     new = replacement(pair)
-    until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
+    until(lambda: pair.reader.poll() == [] and pair.reader.position.writer == 1)
     pair.writer.close()
     until(lambda: bool(pair.reader._arrived))
     new.send(frame(7))
@@ -58,7 +58,7 @@ def test_a_writer_that_is_gone_is_lost_though_one_before_it_is_still_there(pair:
 
 def test_a_writer_whose_place_was_taken_is_not_listened_to(pair: Pair) -> None:
     new = replacement(pair)
-    until(lambda: pair.reader.poll() == [] and pair.reader._writer == 1)
+    until(lambda: pair.reader.poll() == [] and pair.reader.position.writer == 1)
     pair.writer._tell_start(pair.writer._flow.readers[0])
     pair.writer.send(frame(1))
     new.send(frame(2))

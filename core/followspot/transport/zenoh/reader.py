@@ -19,6 +19,7 @@ from followspot.transport.keys import reader_key
 from followspot.transport.token import END, Invalid, Token, Watermark
 from followspot.transport.wakeup_event import WakeupEvent
 from followspot.transport.zenoh.codec import unpack_as
+from followspot.transport.zenoh.stream_position import StreamPosition
 from followspot.transport.zenoh.terms import (
     CREDIT,
     NUMBER,
@@ -33,9 +34,6 @@ from followspot.transport.zenoh.terms import (
     publisher,
     undeclare,
 )
-
-_CUTS = 64
-"""Cuts in a row, each with a full edge, that may lie behind a start; a larger count is refused."""
 
 
 class ZenohReader:
@@ -64,18 +62,8 @@ class ZenohReader:
         """Samples in order of arrival; a number is the incarnation of a writer that left."""
         self._before: list[Token] = []
         """Tokens for the first poll: messages that were missing when the writer told the start."""
-        self._writer = -1
-        """Incarnation of the writer that told the start; -1 before the first."""
-        self._tokens = 0
-        self._messages = 0
-        self._got = 0
-        """Messages from this writer, or `Invalid`s in their place."""
-        self._unread = 0
-        """Messages in the queue from a former writer: the present one gets no credit for them."""
-        self._consumed = 0
+        self.position = StreamPosition(self._limit)
         self._reported = 0
-        self._joined = False
-        """Whether the writer knows of this reader: other tokens are not for it."""
         self._ended = False
         self._refused = self._flooded = self._floods_seen = 0
         self._there: set[int] = set()
@@ -106,7 +94,7 @@ class ZenohReader:
     @property
     def strangers(self) -> int:
         """How much came that was malformed or not from the writer; no ledger counts it."""
-        return self._refused + self._flooded
+        return self._refused + self.position.refused + self._flooded
 
     @property
     def broken(self) -> bool:
@@ -116,7 +104,7 @@ class ZenohReader:
     def matched(self) -> bool:
         """Whether the writer is there, has told the start, and would get reports."""
         self._begin()
-        if self._writer < 0 or not has_subscriber(self._report):
+        if self.position.writer < 0 or not has_subscriber(self._report):
             return False
         self._send_report()  # an earlier one may have been lost
         return True
@@ -131,7 +119,7 @@ class ZenohReader:
         tokens, self._before = self._before, []
         for _ in range(len(self._arrived)):
             self._take(self._arrived.popleft(), tokens)
-        if self._tokens - self._reported >= WINDOW // 4:
+        if self.position.tokens - self._reported >= WINDOW // 4:
             self._send_report()
         if self._flooded != self._floods_seen:
             self._floods_seen = self._flooded
@@ -140,9 +128,7 @@ class ZenohReader:
 
     def consumed(self, count: int = 1) -> None:
         """Give credit for messages that left the queue."""
-        former = min(count, self._unread)
-        self._unread -= former
-        self._consumed += count - former
+        self.position.consume(count)
         self._send_report()
 
     def close(self) -> None:
@@ -152,42 +138,25 @@ class ZenohReader:
 
     def _rejoin(self) -> None:
         """Join again, as after a cut: tokens of the writer may be among those that a flood left out."""
-        self._joined = False
+        self.position.joined = False
         undeclare([self._alive])
         with contextlib.suppress(zenoh.ZError):  # the session is closed
             self._alive = self._session.liveliness().declare_token(self._alive_key)
 
     def _begin(self) -> None:
         """Before the first token, take the start if the writer has told it."""
-        while self._writer < 0 and self._arrived:
+        while self.position.writer < 0 and self._arrived:
             self._take(self._arrived.popleft(), self._before)
 
     def _start(self, sample: zenoh.Sample, tokens: list[Token]) -> None:
         """Take the start that a writer tells: of its stream, or of the rest after the link was cut."""
-        start = numbers(START, sample.payload)
-        if start is None or not self._possible(*start):
-            self._refused += 1
+        before = self.position.writer
+        missing = self.position.start(numbers(START, sample.payload), self._newest)
+        if missing is None:
             return
-        writer, number, messages, given = start
-        if writer < max(self._writer, self._newest):
-            return  # a later writer has replaced it
-        if writer > self._writer:
-            self._unread += self._got - self._consumed
-            self._writer, self._got, self._consumed, self._ended = writer, 0, 0, False
-        missing = max(0, given - self._got)
+        self._ended &= self.position.writer == before
         tokens += [Invalid("gap: it was on its way when the link was cut", missing=True)] * missing
-        self._got += missing
-        self._tokens, self._messages, self._joined = number, messages, True
         self._send_report()
-
-    def _possible(self, writer: int, number: int, messages: int, given: int) -> bool:
-        """Whether a start is possible: its counts agree, and those of one writer never decrease."""
-        if not given <= messages <= number:
-            return False
-        if writer != self._writer:
-            return given <= _CUTS * self._limit
-        forward = number >= self._tokens and messages >= self._messages
-        return forward and given - self._got <= _CUTS * self._limit
 
     def _take(self, sample: zenoh.Sample | int, tokens: list[Token]) -> None:
         """Append the sample's token, and before it an `Invalid` for each message that is missing.
@@ -195,30 +164,19 @@ class ZenohReader:
         A sample whose numbers do not follow is not from the writer, and is refused; no ledger counts it.
         """
         if isinstance(sample, int):
-            self._joined &= sample != self._writer
+            self.position.left(sample)
             return
         if str(sample.key_expr) == self._start_key:
             self._start(sample, tokens)
             return
         counted = numbers(NUMBER, sample.attachment)
-        if counted is None:
-            self._refused += 1
+        if not self.position.follows(counted):
             return
-        writer, number, messages = counted
-        skipped = number - self._tokens
-        new = messages - self._messages
-        if not self._joined or writer != self._writer:
-            return
-        if not 0 <= skipped <= self._limit or not 0 <= new <= skipped + 1:
-            self._refused += 1
-            return
+        assert counted is not None
         token = self._token(sample)
-        missing = new - (not isinstance(token, Watermark))
-        if missing < 0:
-            self._refused += 1
+        missing = self.position.advance(counted, message=not isinstance(token, Watermark))
+        if missing is None:
             return
-        self._tokens, self._messages = number + 1, messages
-        self._got += new
         tokens += [Invalid(f"gap: it is one of {missing} messages that never came", missing=True)] * missing
         tokens.append(token)
 
@@ -237,17 +195,18 @@ class ZenohReader:
     def _declare_done(self) -> None:
         """Tell the writer that the end has arrived: by a liveliness token, which precedes that of leaving."""
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            done = self._session.liveliness().declare_token(f"{self._done_key}/{self._writer}")
+            done = self._session.liveliness().declare_token(f"{self._done_key}/{self.position.writer}")
             self._declared.insert(0, done)
 
     def _send_report(self) -> None:
-        """Report in the writer's numbers: messages before this reader joined count as consumed."""
-        self._reported = self._tokens
-        if self._writer < 0:
+        """Report what was consumed and taken, in the writer's numbers."""
+        position = self.position
+        self._reported = position.tokens
+        if position.writer < 0:
             return
-        consumed = self._messages - self._got + self._consumed
+        report = CREDIT.pack(position.writer, self._incarnation, position.consumed, position.tokens)
         with contextlib.suppress(zenoh.ZError):  # the session is closed
-            self._report.put(CREDIT.pack(self._writer, self._incarnation, consumed, self._tokens))
+            self._report.put(report)
 
     def _on_arrival(self, sample: zenoh.Sample) -> None:
         if len(self._arrived) < self._limit:  # else it is a flood; the numbers show what is missing
