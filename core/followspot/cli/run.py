@@ -142,7 +142,7 @@ def placed(plan: Plan, host: str | None) -> Plan:
 
 def media_folder(plan: Plan, asked: str | None) -> Path:
     """The folder `asked`, or that of the room file."""
-    folders = [camera.source.folder for camera in plan.room.cameras.values() if camera.source]
+    folders = [carrier.source.folder for carrier in plan.room.carriers if carrier.source]
     return Path(asked or next(iter(folders), "."))
 
 

@@ -28,7 +28,8 @@ def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:
         return _with_inputs(stage, lambda path: _name_below(path, media, stage.name))
 
     cameras = {name: replace(camera, source=None) for name, camera in plan.room.cameras.items()}
-    room = replace(plan.room, cameras=cameras, truth=None)
+    sensors = {name: replace(sensor, source=None) for name, sensor in plan.room.sensors.items()}
+    room = replace(plan.room, cameras=cameras, sensors=sensors, truth=None, tune={})
     stages = tuple(stage_for(stage) for stage in plan.stages)
     return plan_to_data(replace(plan, room=room, stages=stages, plugin_files=()))
 

@@ -44,7 +44,7 @@ def _entry(name: str, composed: Composed, plan: Plan) -> Any:
 
 def _input_paths(uses: str, plan: Plan) -> set[str]:
     """Names of parameters that are input paths of the stage, or of any source for which it stands."""
-    sources = {camera.source.uses for camera in plan.room.cameras.values() if camera.source}
+    sources = {carrier.source.uses for carrier in plan.room.carriers if carrier.source}
     used = sources if uses == ROOM_SOURCE else {uses}
     return {name for found in used for name in path_parameters(load_stage(found).Params, PathIn)}
 
