@@ -46,6 +46,10 @@ class ActorPicture:
 
     def render(self, frame: int, out: Array) -> None:
         """The picture of a frame into `out`, (H, W, 3) uint8, BGR."""
+        self._sensor.expose(self.light(frame), frame, out)
+
+    def light(self, frame: int) -> Array:
+        """What falls on the sensor, (H, W, 3) uint8, BGR."""
         play = self._stage.play(frame)
         picture = self._empty.copy()
         level = np.array([np.hypot(*(self.camera.center[:2] - (s.x, s.y))) for s in play.stances])
@@ -54,7 +58,7 @@ class ActorPicture:
         for person in np.argsort(-level, kind="stable").tolist():
             self._draw(picture, person, play.surfaces[person], level[person])
         cv2.GaussianBlur(picture, (0, 0), SOFT, dst=picture)
-        self._sensor.expose(picture, frame, out)
+        return picture
 
     def _draw(self, picture: Array, person: int, surface: Array, level: float) -> None:
         """One person, behind the furniture that is nearer; `level`: how far away, m."""

@@ -40,3 +40,26 @@ def test_half_of_the_cameras_move_to_another_worker() -> None:
 def test_another_fusion_is_one_word_on_the_command_line() -> None:
     plan = compile_graph(GRAPHS / "glowballs.yaml", overrides=["fuse.uses=balls.mean"])
     assert next(stage for stage in plan.stages if stage.name == "fuse").uses == "balls.mean"
+
+
+def test_balls_and_people_share_the_cameras_of_a_show() -> None:
+    plan = compile_graph(GRAPHS / "show.yaml")
+    assert [stage.name for stage in plan.stages if "camera" in stage.name] == [
+        "camera/left",
+        "camera/right",
+        "camera/front",
+    ]
+    readers = {edge.to_stage for edge in plan.edges if edge.from_stage == "camera/left"}
+    assert readers == {
+        "balls/color/left",
+        "people/look/left",
+        "people/gradients/left",
+        "people/pose/left",
+    }
+    assert plan.warnings == ()
+
+
+def test_a_show_leaves_infrared_cameras_to_the_balls() -> None:
+    plan = compile_graph(GRAPHS / "show.yaml", room=GRAPHS / "rooms" / "simulated.yaml")
+    assert {s.camera for s in plan.stages if s.group == "people/pose"} == {"cam0", "cam2", "cam5"}
+    assert {s.camera for s in plan.stages if s.group == "balls/infrared"} == {"cam1", "cam3", "cam4"}
