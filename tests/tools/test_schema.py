@@ -84,7 +84,7 @@ def test_a_mistake_in_a_graph_is_seen(schemas: dict[str, dict[str, Any]], text: 
 def test_a_mistake_in_the_source_of_a_camera_is_seen(
     schemas: dict[str, dict[str, Any]], source: dict[str, Any]
 ) -> None:
-    room = yaml.safe_load(ROOMS[0].read_text())
+    room = yaml.safe_load((ROOT / "graphs" / "rooms" / "simulated.yaml").read_text())
     room["cameras"]["cam0"]["source"] = {"uses": "cameras.video", "with": {"path": "a.mkv"}}
     valid(room, schemas["room"])
     room["cameras"]["cam0"]["source"] = source
