@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from followspot.control.dispatch import Handlers
+from followspot.control.stage_status import StageStatus
 from followspot.control.worker_orders import HoldSources
+from followspot.transport.token import END
 from followspot.worker.source import SourceRunner
+from followspot.worker.stage_runner import StageRunner
 
 
 class SourceHold:
@@ -33,6 +37,15 @@ class SourceHold:
             return source.yielded >= self._hold_at
         here = (other.watermark for other in self._sources if other.name == order.source)
         return source.watermark >= max(here, default=order.until)
+
+    def shown(self, runner: StageRunner, status: StageStatus) -> StageStatus:
+        """The status; that of a source with its capture time, and whether it is paused. For any thread."""
+        if not isinstance(runner, SourceRunner):
+            return status
+        order = self.order
+        if runner.done or order is None or not self.holds(runner):
+            return replace(status, time=runner.watermark if runner.watermark < END else -1)
+        return replace(status, state="paused", on=(), time=runner.watermark, hold=order.id)
 
     def release(self) -> None:
         """Let all sources go on."""

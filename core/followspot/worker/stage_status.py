@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 
 from followspot.control.stage_status import EdgeAge, PathStatus, StageState, StageStatus
 from followspot.transport.token import END
@@ -14,7 +13,7 @@ from followspot.worker.input_queue import InputQueue
 from followspot.worker.ledger import COLUMNS, tally
 from followspot.worker.output_port import OutputPort
 from followspot.worker.scheduler import Worker
-from followspot.worker.source import LiveSourceRunner, SourceRunner
+from followspot.worker.source import LiveSourceRunner
 from followspot.worker.stage_runner import StageRunner
 
 
@@ -22,17 +21,7 @@ def stages_now(worker: Worker, errors: Mapping[str, str]) -> tuple[StageStatus, 
     """Status of all stages of a worker; safe from another thread. errors: the last warning of each stage."""
     at_work = next((runner.name for runner in worker.runners if runner.working), "")
     found = (_status(runner, errors.get(runner.name, ""), at_work) for runner in worker.runners)
-    return tuple(map(partial(_with_hold, worker), worker.runners, found))
-
-
-def _with_hold(worker: Worker, runner: StageRunner, status: StageStatus) -> StageStatus:
-    """The status, that of a source with its capture time and whether it is paused."""
-    if not isinstance(runner, SourceRunner):
-        return status
-    order = worker.hold.order
-    if runner.done or order is None or not worker.hold.holds(runner):
-        return replace(status, time=runner.watermark if runner.watermark < END else -1)
-    return replace(status, state="paused", on=(), time=runner.watermark, hold=order.id)
+    return tuple(map(worker.hold.shown, worker.runners, found))
 
 
 class Idleness:
