@@ -5,20 +5,17 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
+from followspot.library.run_taps import RunTaps
 from followspot.library.sink import SINK
 from followspot.library.subscription import Subscription
 from followspot.messages import InvalidMessage, Message
 from followspot.operator.run_handle import RunHandle
 from followspot.taps.framing import Record
-from followspot.taps.receivers import Gaps, LocalReceiver, RemoteReceiver
-from followspot.transport.keys import tap_key
+from followspot.taps.receivers import Gaps
 from followspot.wire import unpack
 
 _PERIOD = 1.0
@@ -64,25 +61,13 @@ class _Feed:
     def __init__(self, run: RunHandle, word: str, failure: Failure) -> None:
         """Raises InputError if there is no such port, FollowspotError if it cannot be reached from here."""
         self._run = run
-        plan, self._around = run.plan(), run.surroundings()
-        ports = output_ports(plan)
+        ports = output_ports(run.plan())
         self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports")}
         self.subscription = Subscription[Any](
             word, self._types.values(), lossless=False, failure=failure, on_close=self._close
         )
-        self._homes: dict[str, str] = {}
-        self._taps: list[Tapping] = []
-        self._folder = TemporaryDirectory(prefix="followspot-tap-")
-        self._path = Path(self._folder.name) / "taps"
-        self._local = LocalReceiver(self._path, self._hear)
-        self._remote: list[RemoteReceiver] = []
         self._over = threading.Event()
-        self._lock = threading.Lock()
-        try:
-            self._follow()
-        except BaseException:
-            self._close()
-            raise
+        self._taps = RunTaps(run, self._types, SINK, self._hear)
         threading.Thread(target=self._watch, name=f"taps of {word}", daemon=True).start()
 
     def end(self) -> None:
@@ -96,33 +81,7 @@ class _Feed:
                 self.end()
                 return
             with suppress(FollowspotError):
-                self._follow()
-
-    def _follow(self) -> None:
-        """Tap the ports on the present hosts of their stages. Raises FollowspotError."""
-        plan = self._run.plan()
-        homes = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in self._types}
-        if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
-            raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
-        moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
-        if moved:
-            self._receive({name: host for name, host in moved.items() if host})
-            taps = [self._tapping(name, host) for name, host in moved.items()]
-            self._run.tap(taps)
-            self._taps += taps
-            self._homes = homes
-
-    def _receive(self, homes: dict[str, str]) -> None:
-        """Subscribe to taps on other hosts, before they are placed."""
-        network = self._around.network
-        keys = {name: tap_key(self._run.run, host, name, SINK) for name, host in homes.items()}
-        with self._lock:
-            if keys and network is not None and not self._over.is_set():
-                self._remote.append(RemoteReceiver(network, keys, self._hear))
-
-    def _tapping(self, name: str, host: str) -> Tapping:
-        place: dict[str, Any] = {} if host else {"socket": str(self._path)}
-        return Tapping(name, SINK, {**place, "port": name})
+                self._taps.follow()
 
     def _hear(self, records: Iterator[Record]) -> None:
         """Pass on the messages of one sender; count malformed messages, end at a malformed stream."""
@@ -139,15 +98,6 @@ class _Feed:
                     self.subscription.put(message, missing)
 
     def _close(self, timeout: float = 0.0) -> bool:
-        """Remove the taps and their receivers; False if that was done before."""
-        with self._lock:
-            if self._over.is_set():
-                return False
-            self._over.set()
-        if self._taps:
-            self._run.untap(self._taps)
-        for receiver in self._remote:
-            receiver.close()
-        self._local.close(timeout)
-        self._folder.cleanup()
-        return True
+        """Remove the taps; False if that was done before."""
+        self._over.set()
+        return self._taps.close(timeout)

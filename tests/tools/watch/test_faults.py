@@ -27,7 +27,6 @@ from followspot_dashboard.meter import Rhythm
 from followspot_watch import hz
 from followspot_watch.echo import Warner
 from followspot_watch.run_monitor import RunMonitor
-from followspot_watch.tap_subscriber import TappedPort
 from followspot_watch.top import report, text
 
 PLAN = compile_graph(Path(__file__).parents[3] / "graphs" / "glowballs.yaml", placement="stage")
@@ -134,7 +133,7 @@ def test_hz_has_no_rate_of_a_port_whose_stage_is_absent_or_that_is_silent(
     now = [0.0]
     monkeypatch.setattr(hz, "time", SimpleNamespace(monotonic=lambda: now[0]))
     status = [WELL]
-    measured = hz.Measured(run(lambda: status[0]), [TappedPort("fuse.out", Rhythm, "")])
+    measured = hz.Measured(run(lambda: status[0]), ["fuse.out"])
     measured.take("fuse.out", Rhythm(100, 20.0, 50.0, 1.0, 60.0, 80.0))
     (pace,) = measured.paces()
     assert (pace.data()["rate"], pace.data()["unheard"]) == (20.0, "")

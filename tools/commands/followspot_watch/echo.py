@@ -6,7 +6,6 @@ import argparse
 import json
 import sys
 from contextlib import suppress
-from dataclasses import replace
 from itertools import islice
 from typing import Any
 
@@ -20,7 +19,7 @@ from followspot.tables import table
 from followspot.tracking import Frame
 from followspot_dashboard.picture import Picture
 from followspot_watch.run_monitor import RunMonitor
-from followspot_watch.tap_subscriber import TapSubscriber, subscribed, tapped_ports
+from followspot_watch.tap_subscriber import TapSubscriber, tapped_ports
 
 SINK = "dashboard.echo"
 _PERIOD = 0.5
@@ -35,11 +34,9 @@ def echo(args: argparse.Namespace) -> int:
     """Print messages as they come, until enough came, the run ends, or Ctrl-C. Returns the exit code."""
     use_plugin_files(args.plugin_files)
     with connected_run(args.run, network_of(args)) as run:
-        ports = [
-            replace(port, type=Picture if port.type is Frame else port.type)
-            for port in tapped_ports(args.port, run)
-        ]
-        with subscribed(run, ports, SINK) as subscriber, suppress(KeyboardInterrupt):
+        known = tapped_ports(args.port, run)
+        sent = {name: Picture if kind is Frame else kind for name, kind in known.items()}
+        with TapSubscriber(run, sent, SINK) as subscriber, suppress(KeyboardInterrupt):
             _print(subscriber, args, Warner(run), run.plan().room)
     return 0
 

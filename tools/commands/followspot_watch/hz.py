@@ -6,9 +6,9 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ from followspot.tables import blocks, grid, is_screen, line, plain
 from followspot_dashboard.meter import Rhythm
 from followspot_watch.run_monitor import RunMonitor
 from followspot_watch.screen import live_screen
-from followspot_watch.tap_subscriber import TappedPort, TapSubscriber, subscribed, tapped_ports
+from followspot_watch.tap_subscriber import TapSubscriber, tapped_ports
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -69,7 +69,7 @@ def hz(args: argparse.Namespace) -> int:
     use_plugin_files(args.plugin_files)
     with connected_run(args.run, network_of(args)) as run:
         measured = Measured(run, tapped_ports(args.port, run))
-        with subscribed(run, measured.ports, SINK, window=args.seconds) as subscriber:
+        with TapSubscriber(run, measured.ports, SINK, window=args.seconds) as subscriber:
             if not args.json and is_screen(sys.stdout):
                 _watch(subscriber, measured)
                 return 0
@@ -83,8 +83,8 @@ def hz(args: argparse.Namespace) -> int:
 class Measured:
     """The measurements of all ports so far."""
 
-    def __init__(self, run: RunHandle, ports: Sequence[TappedPort]) -> None:
-        self.ports = [replace(port, type=Rhythm) for port in ports]
+    def __init__(self, run: RunHandle, ports: Iterable[str]) -> None:
+        self.ports: dict[str, type[Message]] = dict.fromkeys(ports, Rhythm)
         self._run = run
         self._picture = RunMonitor(run.plan())
         self._picture.take(run.status())
@@ -109,9 +109,9 @@ class Measured:
         lost = dropped(self._picture)
         found = []
         for port in self.ports:
-            rhythm, at = self._measurements.get(port.name, (None, self._since))
-            stage = port.name.rpartition(".")[0]
-            found.append(Pace(port.name, rhythm, now - at, lost.get(port.name, 0), unheard.get(stage, "")))
+            rhythm, at = self._measurements.get(port, (None, self._since))
+            stage = port.rpartition(".")[0]
+            found.append(Pace(port, rhythm, now - at, lost.get(port, 0), unheard.get(stage, "")))
         return found
 
     def faults(self) -> Sequence[str]:

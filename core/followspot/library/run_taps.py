@@ -1,0 +1,85 @@
+"""Taps at ports of a run that has begun, which send to this process from every host."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Collection
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from followspot.control.tapping import Tapping
+from followspot.errors import FollowspotError
+from followspot.operator.run_handle import RunHandle
+from followspot.taps.receivers import Hear, LocalReceiver, RemoteReceiver
+from followspot.transport.keys import tap_key
+
+
+class RunTaps:
+    """Taps of one kind at ports (STAGE.PORT) of a run.
+
+    uses: the tap, with the parameters `socket` and `port`; params: its other parameters; hear: consumes the
+    records of one sender in a thread of its own.
+    """
+
+    def __init__(self, run: RunHandle, ports: Collection[str], uses: str, hear: Hear, **params: Any) -> None:
+        """Raises FollowspotError if a port cannot be reached from here."""
+        self._run = run
+        self._ports, self._uses, self._params, self._hear = ports, uses, params, hear
+        self._around = run.surroundings()
+        self._homes: dict[str, str] = {}
+        self._taps: list[Tapping] = []
+        self._folder = TemporaryDirectory(prefix="followspot-tap-")
+        self._path = Path(self._folder.name) / "taps"
+        self._local = LocalReceiver(self._path, hear)
+        self._remote: list[RemoteReceiver] = []
+        self._closed = False
+        self._lock = threading.Lock()
+        try:
+            self.follow()
+        except BaseException:
+            self.close()
+            raise
+
+    def follow(self) -> None:
+        """Tap the ports on the present hosts of their stages. Raises FollowspotError."""
+        plan = self._run.plan()
+        homes = {name: plan.host_of_stage(name.rpartition(".")[0]) for name in self._ports}
+        if (near := [name for name, host in homes.items() if not host]) and self._around.out is None:
+            raise FollowspotError(f"{', '.join(near)}: on the operator's host; subscribe there")
+        moved = {name: host for name, host in homes.items() if self._homes.get(name) != host}
+        if moved:
+            self._receive({name: host for name, host in moved.items() if host})
+            taps = [self._tapping(name, host) for name, host in moved.items()]
+            self._run.tap(taps)
+            self._taps += taps
+            self._homes = homes
+
+    def close(self, timeout: float = 0.0) -> bool:
+        """Remove the taps and their receivers; False if that was done before.
+
+        timeout: seconds for the last messages of this host to arrive.
+        """
+        with self._lock:
+            if self._closed:
+                return False
+            self._closed = True
+        if self._taps:
+            self._run.untap(self._taps)
+        for receiver in self._remote:
+            receiver.close()
+        self._local.close(timeout)
+        self._folder.cleanup()
+        return True
+
+    def _receive(self, homes: dict[str, str]) -> None:
+        """Subscribe to taps on other hosts, before they are placed."""
+        network = self._around.network
+        keys = {name: tap_key(self._run.run, host, name, self._uses) for name, host in homes.items()}
+        with self._lock:
+            if keys and network is not None and not self._closed:
+                self._remote.append(RemoteReceiver(network, keys, self._hear))
+
+    def _tapping(self, name: str, host: str) -> Tapping:
+        place: dict[str, Any] = {} if host else {"socket": str(self._path)}
+        return Tapping(name, self._uses, {**self._params, **place, "port": name})
