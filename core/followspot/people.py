@@ -32,7 +32,7 @@ class Boxes(Message):
     """Upper bodies (head top to waist) that a detector found in one picture."""
 
     camera: str
-    box: Array = column("N", 4, unit="px")
+    box: Array = column("N", 4, unit="px", names="x0 y0 x1 y1", decimals=3)
     """x0, y0, x1, y1; in a panorama x1 may exceed the width, since columns wrap around."""
     score: Array = column("N")
     """Score of the detector; 0 is its threshold, larger is more certain."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation
+from functools import lru_cache
 from pathlib import Path
 from typing import Generic, Literal, TypeVar
 
@@ -142,7 +143,7 @@ def _check_head(given: FrameParams, columns: Collection[str]) -> tuple[bool, boo
 def _times(given: FrameParams) -> Callable[[int], int]:
     """Capture times, ns, of frames by number."""
     rate, start = exact_rate(given.fps or 1.0), round(given.start_time * 1e9)
-    return lambda number: start + capture_time(number, rate)
+    return lru_cache(maxsize=16)(lambda number: start + capture_time(number, rate))
 
 
 def _time(row: Row, given: FrameParams) -> int:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from followspot import Context, InputError
 from followspot.room import Member
@@ -105,6 +108,22 @@ def test_a_file_that_is_wrong_is_refused(tmp_path: Path, text: str, said: str) -
     path = tmp_path / "a.json"
     path.write_text(text)
     with pytest.raises(InputError, match=f"(?s){said}"):
+        read(path)
+
+
+VALUES = st.none() | st.booleans() | st.integers(-5, 10**20) | st.floats() | st.text(max_size=3)
+KEYS = st.sampled_from(["image_id", "keypoints", "annotations", "people", "score"])
+JSON = st.recursive(
+    VALUES, lambda inner: st.lists(inner, max_size=6) | st.dictionaries(KEYS, inner, max_size=3)
+)
+
+
+@settings(max_examples=200, deadline=None)
+@given(JSON)
+def test_any_json_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, data: Any) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.json"
+    path.write_text(json.dumps(data))
+    with suppress(InputError):
         read(path)
 
 

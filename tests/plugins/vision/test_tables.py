@@ -8,9 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from followspot import Context, InputError, Stage
 from followspot.geometry import distort, undistort
+from followspot.messages import seal
 from followspot.plugins.registry import load_stage
 from followspot.room import Member
 from followspot.testing import check_stage, tiny_room
@@ -123,6 +126,44 @@ def test_a_file_that_is_wrong_is_refused_with_its_line_and_a_remedy(tmp_path: Pa
     text, params, said = WRONG[name]
     with pytest.raises(InputError, match=f"(?s){said}"):
         points(tmp_path / "a.csv", text, **params)
+
+
+CELLS = [
+    "0",
+    "1",
+    "7",
+    "-1",
+    "0.5",
+    "nan",
+    "1e308",
+    "-1e-308",
+    "",
+    " 1 ",
+    '"',
+    "cam0",
+    "cam1",
+    "9" * 40,
+    "1_0",
+]
+HEADS = ["frame,camera,x,y", "time,camera,x,y,score", "frame,time,camera,x,y,label", "x,y", "frame,frame,x,y"]
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.sampled_from(HEADS), st.lists(st.lists(st.sampled_from(CELLS), max_size=6), max_size=5), st.booleans()
+)
+def test_any_file_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, head: str, lines: list[list[str]], rate: bool
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "any.csv"
+    text = "\n".join([head, *map(",".join, lines)])
+    try:
+        found = points(path, text, fps=0.001 if rate else None)
+    except InputError:
+        return
+    times = [seal(message).header.time for message in found]
+    assert times == sorted(set(times))
+    assert all(np.isfinite(message.pixel).all() for message in found)
 
 
 def test_a_camera_without_rows_is_told_of(tmp_path: Path) -> None:

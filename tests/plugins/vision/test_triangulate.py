@@ -82,6 +82,22 @@ def test_a_camera_alone_or_a_label_apart_gives_nothing() -> None:
     assert len(triangulated().xyz) == 0
 
 
+def test_a_camera_that_looks_away_does_not_agree() -> None:
+    """A place behind a camera has an image in its equations, but not in its picture."""
+    near = ROOM.cameras["cam2"]
+    place = near.center - 0.5 * near.rotation[2]
+    depth, points = [], []
+    for name, camera in ROOM.cameras.items():
+        image = camera.projection @ [*place, 1.0]
+        depth.append(image[2])
+        points.append(seen(name, red=[[0.0, 0.0]]))
+        points[-1].__dict__["xy"] = (image[:2] / image[2])[None]
+    found = triangulated(*points, maximum_sigma=10.0)
+    np.testing.assert_allclose(found.xyz, place[None], atol=1e-6)
+    assert found.views.tolist() == [sum(each > 0 for each in depth)]
+    assert min(depth) < 0
+
+
 def test_rays_that_are_nearly_parallel_give_nothing() -> None:
     there = images([[0.0, 0.0, 1.0]])
     pair = seen("cam0", red=there["cam0"]), seen("cam1", red=there["cam1"])
