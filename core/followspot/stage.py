@@ -234,6 +234,10 @@ class Stage:
     """True for a sink that other programs may put at a port of a running graph. It sends to observers of the
     run only."""
 
+    table_path: ClassVar[str] = ""
+    """The parameter of a sink that names the CSV file in which it writes the tables of its messages: tracks
+    and poses in it are scored if the room has ground truth."""
+
     advice: ClassVar[str] = ""
     """What helps if the stage gets messages and never gives one with rows; the summary of such a run shows
     it."""

@@ -24,6 +24,8 @@ class CsvFile(LineSink):
     cameras and states have names, no numbers. Equal runs give equal bytes.
     """
 
+    table_path = "path"
+
     class Params(StageParams):
         path: OutputPath = Field("tracks.csv", description="the CSV file, below the output folder")
         columns: tuple[str, ...] = Field(

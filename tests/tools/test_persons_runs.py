@@ -131,10 +131,10 @@ def test_variants_of_a_pose_graph_are_compared(corner: Path, capsys: pytest.Capt
 def test_graph_that_writes_no_poses_says_what_it_needs(
     corner: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    elsewhere = GRAPH.replace("path: poses.csv", "path: other.csv")
+    elsewhere = GRAPH.replace("uses: sinks.csv", "uses: sinks.jsonl")
     (corner / "elsewhere.yaml").write_text(elsewhere)
     assert main(["compare", *arguments(corner, "elsewhere.yaml")]) == 1
-    assert "writes no poses.csv; it needs a stage sinks.csv" in capsys.readouterr().err
+    assert "writes no Poses; it needs a stage sinks.csv" in capsys.readouterr().err
 
 
 def test_several_rooms_share_a_mean_a_sum_or_the_slowest() -> None:

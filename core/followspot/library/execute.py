@@ -5,9 +5,8 @@ from __future__ import annotations
 from followspot.control.progress import OnProgress, Progress
 from followspot.operator.launch import run_plan
 from followspot.operator.report import RunReport
+from followspot.operator.scored import scored_file
 from followspot.operator.truth import (
-    POSES,
-    TRACKS,
     poses_score,
     room_truth,
     run_person_scores,
@@ -16,8 +15,6 @@ from followspot.operator.truth import (
 from followspot.worker.wiring import RunOptions
 
 __all__ = [
-    "POSES",
-    "TRACKS",
     "OnProgress",
     "Progress",
     "RunOptions",
@@ -27,4 +24,5 @@ __all__ = [
     "run_person_scores",
     "run_plan",
     "run_scores",
+    "scored_file",
 ]

@@ -26,17 +26,15 @@ from followspot.accuracy import (
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
 from followspot.messages import Array
-from followspot.people import PoseTruth
+from followspot.operator.scored import scored_file
+from followspot.people import Poses, PoseTruth
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.room import Room
 from followspot.stage import Context
+from followspot.tracking import Tracks
 
 T = TypeVar("T")
-TRACKS = "tracks.csv"
-"""File of the tracks in a run's output folder: the default of `sinks.csv`."""
-POSES = "poses.csv"
-"""File of the persons' poses there."""
 
 
 def room_truth(
@@ -78,30 +76,32 @@ def _within(seconds: float, messages: Iterable[T]) -> Iterator[T]:
 
 
 def run_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> dict[str, TargetScore]:
-    """Scores of the tracks in a run's output folder; empty if there is no truth or there are no tracks.
+    """Scores of the tracks that a run wrote; empty if there is no truth or there are no tracks.
 
     Raises the errors of :func:`room_truth`.
     """
-    if not (out / TRACKS).exists():
+    file = scored_file(plan, Tracks)
+    if file is None or not (out / file).exists():
         return {}
     truth = room_truth(plan, frames, seconds)
-    return score(read_tracks_csv(out / TRACKS), truth, plan.room) if isinstance(truth, TruthTable) else {}
+    return score(read_tracks_csv(out / file), truth, plan.room) if isinstance(truth, TruthTable) else {}
 
 
 def run_person_scores(plan: Plan, out: Path, frames: int, seconds: float = math.inf) -> PersonsScore | None:
-    """Scores of the poses in a run's output folder; None if there is no truth or there are no poses.
+    """Scores of the poses that a run wrote; None if there is no truth or there are no poses.
 
     Raises the errors of :func:`room_truth`.
     """
-    if not (out / POSES).exists():
+    file = scored_file(plan, Poses)
+    if file is None or not (out / file).exists():
         return None
     truth = room_truth(plan, frames, seconds)
-    return poses_score(plan.room, out, truth) if isinstance(truth, PoseTruthTable) else None
+    return poses_score(plan.room, out / file, truth) if isinstance(truth, PoseTruthTable) else None
 
 
-def poses_score(room: Room, out: Path, truth: PoseTruthTable) -> PersonsScore:
-    """Scores of the poses in a run's output folder. Raises InputError."""
-    return score_persons(read_poses_csv(out / POSES, lambda name: room.cameras[name].center[:2]), truth)
+def poses_score(room: Room, file: Path, truth: PoseTruthTable) -> PersonsScore:
+    """Scores of the poses in a file. Raises InputError."""
+    return score_persons(read_poses_csv(file, lambda name: room.cameras[name].center[:2]), truth)
 
 
 def viewpoint(room: Room) -> Array:

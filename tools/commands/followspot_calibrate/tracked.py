@@ -17,11 +17,11 @@ from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError, InputError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan
-from followspot.library.execute import TRACKS, OnProgress, RunOptions, run_plan
+from followspot.library.execute import OnProgress, RunOptions, run_plan, scored_file
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.tracking import TRACKED, Blobs
+from followspot.tracking import TRACKED, Blobs, Tracks
 
 SIGHTINGS = "sightings.csv"
 """Written by the stage that is added to the graph, in the run's output folder."""
@@ -86,10 +86,11 @@ def track(plan: Plan, out: Path, frames: int | None, show: OnProgress | None) ->
         raise KeyboardInterrupt
     if not report.ok:
         raise FollowspotError("\n".join(report.errors) or "messages are unaccounted for")
-    if not (out / TRACKS).exists():
-        raise FollowspotError(f"graph {plan.graph} writes no {TRACKS}; it needs a stage sinks.csv")
+    file = scored_file(plan, Tracks)
+    if file is None:
+        raise FollowspotError(f"graph {plan.graph} writes no tracks; it needs a stage sinks.csv")
     targets = tuple(plan.room.targets)
-    tracks = in_room(read_tracks_csv(out / TRACKS), targets)
+    tracks = in_room(read_tracks_csv(out / file), targets)
     return Tracked(tracks, read_blobs(out / SIGHTINGS, tuple(plan.room.cameras), targets))
 
 

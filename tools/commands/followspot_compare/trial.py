@@ -21,8 +21,17 @@ from followspot.accuracy.targets.figures import jerk_cost
 from followspot.accuracy.targets.scoring import trajectory
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.library.execute import POSES, TRACKS, OnProgress, RunOptions, RunReport, poses_score, run_plan
-from followspot.messages import Array
+from followspot.library.execute import (
+    OnProgress,
+    RunOptions,
+    RunReport,
+    poses_score,
+    run_plan,
+    scored_file,
+)
+from followspot.messages import Array, Message
+from followspot.people import Poses
+from followspot.tracking import Tracks
 from followspot_compare.recorded import detection_errors, read_fused
 
 
@@ -76,8 +85,8 @@ def run_trial(
         raise FollowspotError(f'variant "{variant}" failed in room {room}:\n{reasons}')
     measured = (variant, room, report.frames, report.seconds, tracking_ms(report))
     if isinstance(truth, PoseTruthTable):
-        _require(options.out / POSES, plan, "sinks.csv")
-        return Trial(*measured, {}, (), poses_score(plan.room, options.out, truth))
+        poses = _written(plan, Poses, options.out)
+        return Trial(*measured, {}, (), poses_score(plan.room, poses, truth))
     targets, iterations = _figures(plan, options.out, truth)
     return Trial(*measured, targets, tuple(iterations.tolist()))
 
@@ -93,7 +102,7 @@ def tracking_ms(report: RunReport) -> float:
 def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, TargetFigures], Array]:
     """Figures of each target of the truth or the tracks, and the histogram of iterations."""
     room, objects = plan.room, tuple(plan.room.targets)
-    tracks = read_tracks_csv(_require(out / TRACKS, plan, "sinks.csv"))
+    tracks = read_tracks_csv(_written(plan, Tracks, out))
     scores = score(tracks, truth, room)
     fused = read_fused(out, tracks, objects)
     before = score(fused.tracks, truth, room) if fused else {}
@@ -112,11 +121,12 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
     return figures, np.bincount(fused.iterations) if fused else nothing.astype(int)
 
 
-def _require(path: Path, plan: Plan, stage: str) -> Path:
-    """The path of an output that was written. Raises FollowspotError."""
-    if not path.exists():
-        raise FollowspotError(f"graph {plan.graph} writes no {path.name}; it needs a stage {stage}")
-    return path
+def _written(plan: Plan, kind: type[Message], out: Path) -> Path:
+    """The table of messages of a type that a run wrote. Raises FollowspotError."""
+    file = scored_file(plan, kind)
+    if file is None:
+        raise FollowspotError(f"graph {plan.graph} writes no {kind.__name__}; it needs a stage sinks.csv")
+    return out / file
 
 
 def true_jerk_cost(tracks: TrackTable, truth: TruthTable, name: str) -> float:

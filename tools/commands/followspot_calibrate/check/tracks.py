@@ -11,12 +11,13 @@ from followspot import Room
 from followspot.accuracy import read_tracks_csv
 from followspot.errors import InputError
 from followspot.geometry import Views
-from followspot.library.execute import TRACKS
 from followspot.messages import Array
 from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, in_room, moments_at, read_blobs
 
 REACH = 0.03
 """Largest distance of a blob from its target's image over the longer side of the picture."""
+TRACKS = "tracks.csv"
+"""Name of the file with tracks there."""
 FILES = ("blobs.csv", SIGHTINGS)
 """Names of files with blobs in a run's folder."""
 

@@ -1,0 +1,43 @@
+"""Which file of a run can be scored: the one in which a sink writes messages of a type as a table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from followspot.graph.plan import Plan
+from followspot.messages import Message
+from followspot.plugins.registry import PluginError, load_stage
+from followspot.ports import ports
+from followspot.stage import Stage
+
+
+def scored_file(plan: Plan, kind: type[Message]) -> Path | None:
+    """The table of messages of a type, below the run's output folder; None if no sink writes one.
+
+    Sinks say that they write tables by `Stage.table_path`. Of several, it is that of the sink farthest
+    downstream.
+    """
+    classes = {stage.name: _class(stage.uses) for stage in plan.stages}
+    for stage in reversed(plan.stages):
+        sink = classes[stage.name]
+        if sink is not None and sink.table_path and _receives(plan, stage.name, kind, classes):
+            return Path(stage.params[sink.table_path])
+    return None
+
+
+def _receives(plan: Plan, name: str, kind: type[Message], classes: dict[str, type[Stage] | None]) -> bool:
+    """Whether every edge into a stage brings messages of that type."""
+    edges = [edge for edge in plan.edges if edge.to_stage == name]
+    types = []
+    for edge in edges:
+        source = classes[edge.from_stage]
+        port = ports(source).output(edge.from_port) if source is not None else None
+        types.append(port is not None and issubclass(port.type, kind))
+    return bool(types) and all(types)
+
+
+def _class(uses: str) -> type[Stage] | None:
+    try:
+        return load_stage(uses)
+    except PluginError:  # it runs on another host
+        return None
