@@ -164,6 +164,20 @@ def test_labels_name_targets_and_the_best_point_counts() -> None:
     assert 'did you mean "red"' in told[0]
 
 
+@pytest.mark.thorough
+def test_points_give_the_same_tracks_in_every_placement(tmp_path: Path) -> None:
+    write_points(tmp_path / "points.csv", ROOM, 30)
+    words = ["run", str(ROOT / "graphs/points.yaml"), "--room", str(SIMULATED), "--quiet"]
+    words += ["--set", f"points.path={tmp_path / 'points.csv'}", "--set", f"points.fps={FPS}"]
+    assert main([*words, "--out", str(tmp_path / "one")]) == 0
+    for placement in ("camera", "stage"):
+        assert main([*words, "--out", str(tmp_path / placement), "--placement", placement]) == 0
+        same = (tmp_path / "one/tracks.csv").read_bytes() == (
+            tmp_path / placement / "tracks.csv"
+        ).read_bytes()
+        assert same, placement
+
+
 def test_points_of_the_simulated_room_become_tracks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
