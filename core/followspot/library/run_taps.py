@@ -11,8 +11,7 @@ from typing import Any
 from followspot.control.tapping import Tapping
 from followspot.errors import FollowspotError
 from followspot.operator.run_handle import RunHandle
-from followspot.taps.receivers import Hear, LocalReceiver, RemoteReceiver
-from followspot.transport.keys import tap_key
+from followspot.taps.receivers import Hear, LocalReceiver, RemoteReceiver, tap_key
 
 
 class RunTaps:
@@ -66,7 +65,7 @@ class RunTaps:
             self._closed = True
         if self._taps:
             self._run.untap(self._taps)
-        for receiver in self._remote:
+        for receiver in self._remote:  # also those of hosts that a stage has left: some was under way
             receiver.close()
         self._local.close(timeout)
         self._folder.cleanup()
@@ -74,8 +73,8 @@ class RunTaps:
 
     def _receive(self, homes: dict[str, str]) -> None:
         """Subscribe to taps on other hosts, before they are placed."""
-        network = self._around.network
         keys = {name: tap_key(self._run.run, host, name, self._uses) for name, host in homes.items()}
+        network = self._around.network
         with self._lock:
             if keys and network is not None and not self._closed:
                 self._remote.append(RemoteReceiver(network, keys, self._hear))

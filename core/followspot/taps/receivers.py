@@ -10,11 +10,17 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from followspot.taps.framing import Record, framed_record, framed_records
 from followspot.taps.sender import MAX_WAITING
+from followspot.transport.keys import tap_key
 from followspot.transport.zenoh.network import Network
 
+if TYPE_CHECKING:
+    import zenoh
+
+__all__ = ["Gaps", "Hear", "LocalReceiver", "RemoteReceiver", "tap_key"]
 _BACKLOG = 256
 
 Hear = Callable[[Iterator[Record]], None]
@@ -63,11 +69,10 @@ class LocalReceiver:
 
 
 class RemoteReceiver:
-    """Subscribes to taps of other hosts; one thread hears them all."""
+    """Subscribes to taps of other hosts, with a session of its own; one thread hears them all."""
 
     def __init__(self, network: Network, keys: Mapping[str, str], hear: Hear) -> None:
-        """keys: of Zenoh, by port. Raises FollowspotError if the network cannot be reached."""
-        from followspot.transport.zenoh.post import subscribe
+        """keys: as in `look`. Raises FollowspotError if the network cannot be reached."""
         from followspot.transport.zenoh.session import connected
 
         self._waiting: deque[tuple[str, bytes]] = deque()
@@ -77,8 +82,19 @@ class RemoteReceiver:
         self._session = connected(network)
         self._thread = threading.Thread(target=hear, args=(self._records(),), name="taps", daemon=True)
         self._thread.start()
-        for port, key in keys.items():
-            subscribe(self._session, key, partial(self._arrived, port))
+        self._subscribers: dict[tuple[str, str], zenoh.Subscriber[None]] = {}
+        self.look(keys)
+
+    def look(self, keys: Mapping[str, str]) -> None:
+        """Receive from these ports alone; keys: of their taps, see `tap_key`, by port."""
+        from followspot.transport.zenoh.post import subscribe
+        from followspot.transport.zenoh.terms import undeclare
+
+        wanted = keys.items()
+        undeclare([self._subscribers.pop(known) for known in self._subscribers.keys() - wanted])
+        for port, key in wanted - self._subscribers.keys():
+            taker = partial(self._arrived, port)
+            self._subscribers[port, key] = subscribe(self._session, key, taker)
 
     def close(self) -> None:
         """Hear the rest of the queue, and unsubscribe."""

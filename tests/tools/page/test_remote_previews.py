@@ -11,7 +11,6 @@ import zenoh
 
 from followspot import Context, Network
 from followspot.messages import Header, Message, stamped
-from followspot.room import Room
 from followspot.taps.framing import head_of
 from followspot.tracking import Blobs, Frame
 from followspot.transport.keys import tap_key
@@ -19,7 +18,6 @@ from followspot.transport.zenoh.post import ZenohPost
 from followspot.transport.zenoh.session import locators, open_session
 from followspot.wire import pack
 from followspot_dashboard.tap import Tap
-from followspot_page.feed import Feed, Previews
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.taps import TAP, ShownPort
 
@@ -87,15 +85,22 @@ def test_pictures_travel_only_while_somebody_looks(worker: zenoh.Session) -> Non
     assert all(size < 2000 for _, size in seen)  # a JPEG, and not the 9216 bytes of the frame
 
 
-def test_a_host_speaks_for_its_own_ports_only() -> None:
-    feed = Feed()
-    previews = Previews(feed, Room(), lambda message: None)
-    previews.kinds = {"color/cam0.out": Blobs, "color/cam1.out": Blobs}
-    packed = pack(blobs(40))
-    data = head_of("color/cam0.out", 0, packed) + packed
-    previews.take_from("color/cam1.out", data)
-    previews.take_from("color/cam", data)
-    previews.take_from("color/cam0.out", data[:-1])
-    assert (feed.number, previews.invalid) == (0, 3)
-    previews.take_from("color/cam0.out", data)
-    assert (feed.number, previews.invalid) == (1, 3)
+def test_a_host_speaks_for_its_own_ports_only(worker: zenoh.Session) -> None:
+    async def look() -> list[str]:
+        seen: list[str] = []
+        network = Network(connect=tuple(locators(worker)))
+        far = await RemotePreviews.open(network, "run", lambda port, data: seen.append(port))
+        other = ShownPort("color/cam1.out", Blobs, "pc-left", source=False)
+        far.look([BLOBS, other])
+        posts = [post(worker, "run", port) for port in (BLOBS, other)]
+        await until(lambda: all(way.wanted for way in posts))
+        packed = pack(blobs(40))
+        data = head_of(BLOBS.name, 0, packed) + packed
+        for way, packet in ((posts[1], data), (posts[0], data[:-1]), (posts[0], data[:9]), (posts[0], data)):
+            way.send(packet)
+        await until(lambda: bool(seen))
+        await asyncio.sleep(0.1)
+        far.close()
+        return seen
+
+    assert asyncio.run(look()) == [BLOBS.name]

@@ -12,7 +12,7 @@ from typing import Any
 
 from followspot.messages import InvalidMessage, Message
 from followspot.room import Room
-from followspot.taps.framing import Record, framed_record
+from followspot.taps.framing import Record
 from followspot.wire import unpack
 from followspot_dashboard.picture import Picture
 from followspot_page.views import view
@@ -57,21 +57,12 @@ class Previews:
         self.feed = feed
         self.room = room
         self.watch = watch
-        self.invalid = 0
         self.kinds: Mapping[str, type[Message]] = {}
         """Type of the messages that the tap of each port sends."""
 
-    def take_from(self, sender: str, packet: bytes) -> None:
-        """Show what a port on another host sent; a host may send for its own ports only."""
-        record = framed_record(packet)
-        if record is not None and record[0] == sender:
-            self.take(sender, record[2])
-        else:
-            self.invalid += 1
-
     def take(self, port: str, packed: bytes) -> None:
-        """Show a message; a malformed one is counted and dropped."""
-        try:
+        """Show a message, unless it is malformed: only a foreign sender makes such."""
+        with suppress(InvalidMessage, ValueError, KeyError, IndexError):
             message = unpack(packed, self.kinds[port])
             if isinstance(message, Picture):
                 self.feed.put(f"picture {message.camera}", picture_bytes(message))
@@ -79,8 +70,6 @@ class Previews:
                 self.watch(message)
                 data = {"type": "view", "port": port, **view(message, self.room)}
                 self.feed.put(f"view {port}", json.dumps(data, separators=(",", ":")))
-        except (InvalidMessage, ValueError, KeyError, IndexError):
-            self.invalid += 1
 
 
 def picture_bytes(picture: Picture) -> bytes:
@@ -95,23 +84,18 @@ class Arrivals:
     """Hands what threads receive to the running event loop; what comes while too much waits is dropped."""
 
     def __init__(self, take: Callable[[str, bytes], Any]) -> None:
-        """take: receives a port, and a packet or packed message of it."""
+        """take: receives a port, and a packed message of it."""
         self._take = take
         self._loop = asyncio.get_running_loop()
         self._room = threading.Semaphore(_WAITING)
 
     def hear(self, records: Iterator[Record]) -> None:
-        """Take what one sender of this host brings, until it leaves."""
-        with suppress(ValueError):  # a malformed stream
+        """Take what one sender brings, until it leaves; safe in any thread."""
+        with suppress(ValueError, RuntimeError):  # a malformed stream; the loop has ended
             for port, _, packed in records:
-                self.put(port, packed)
+                if self._room.acquire(blocking=False):
+                    self._loop.call_soon_threadsafe(self._arrived, port, packed)
 
-    def put(self, port: str, data: bytes) -> None:
-        """Take one thing; safe from any thread."""
-        if self._room.acquire(blocking=False):
-            with suppress(RuntimeError):  # the loop has ended
-                self._loop.call_soon_threadsafe(self._arrived, port, data)
-
-    def _arrived(self, port: str, data: bytes) -> None:
+    def _arrived(self, port: str, packed: bytes) -> None:
         self._room.release()
-        self._take(port, data)
+        self._take(port, packed)

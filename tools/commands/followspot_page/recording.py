@@ -17,7 +17,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.output_ports import chosen_ports, output_ports
 from followspot.graph.plan import Plan
 from followspot.library.handle import RunHandle, Tapping
-from followspot.taps.remote import tap_key
+from followspot.taps.receivers import tap_key
 from followspot_record.order import Order
 
 TAP = "recording.tap"

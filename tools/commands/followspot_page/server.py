@@ -91,7 +91,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         run = waiting.result()
         page = Page(await plan_of(run), make_gate(folder), folder)
         receiver = LocalReceiver(folder / SOCKET, Arrivals(page.previews.take).hear)
-        page.remote = await remote_previews(run, page.previews.take_from)
+        page.remote = await remote_previews(run, page.previews.take)
         sight = Sight(run, folder, rate, page.remote)
         await sight.turn_to(page.plan)
         server = _server(page, host, endpoint.getsockname()[1])
