@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar
 
 import pydantic
 
-from followspot.control.dispatch import Request, Role, by_verb
+from followspot.control.dispatch import Request, Role
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.swap import ChangeStatus
 from followspot.control.worker_report import WorkerReport
@@ -79,6 +79,3 @@ class Failed(WorkerMessage):
     """The worker could not be built; error: why."""
 
     error: Annotated[str, pydantic.Field(min_length=1)]
-
-
-MESSAGES = by_verb((Built, Listening, Ready, Progress, Stages, State, Change, Log, Done, Failed))

@@ -16,7 +16,6 @@ from followspot.control.host import WorkerPhase, WorkerStatus
 from followspot.control.pipe import Channel, ChannelClosed
 from followspot.control.stage_status import PathStatus, StageStatus
 from followspot.control.worker_messages import (
-    MESSAGES,
     Built,
     Done,
     Failed,
@@ -82,7 +81,7 @@ class WorkerProcess:
         self.name = name
         self.incarnation = incarnation
         self._dispatcher = Dispatcher("host", {**self._handlers(), **handlers})
-        self.channel = Channel(ours, MESSAGES, takes_descriptors=False)
+        self.channel = Channel(ours, self._dispatcher.kinds, takes_descriptors=False)
         self.open = True
         """True while the control channel is open."""
         self.phase: WorkerPhase = "starting"
