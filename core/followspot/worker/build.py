@@ -121,6 +121,7 @@ class _Builder:
             keep=keep,
             window=self.wiring.tolerance(edge),
         )
+        queue.answers = self.wiring.circular(edge)
         if edge.kind != "reference":
             kind = self.wiring.message_type(edge)
             queue.reader = self.links.reader(number, kind)

@@ -31,6 +31,7 @@ class InputQueue:
     __slots__ = (
         "after_loss",
         "ages",
+        "answers",
         "depth",
         "invalid_reason",
         "keep",
@@ -73,6 +74,8 @@ class InputQueue:
         self.keep = keep
         self.lateness = lateness
         self.window = window
+        self.answers = False
+        """Whether what comes may depend on what the reading stage gives: it must not wait for more."""
         self.left_at = _BEFORE_ALL
         """Capture time, ns, of the newest message that a join took or discarded."""
         self.messages: deque[Message] = deque()

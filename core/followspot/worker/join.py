@@ -46,6 +46,8 @@ class Join:
         self.members = tuple(queue for port in ports for queue in port.members)
         self.sampled = tuple(port.sampled for port in ports if port.sampled is not None)
         self.required = tuple(queue for port in ports if not port.joined for queue in port.members)
+        self.free = tuple(queue for queue in self.members if not queue.answers)
+        """Members that do not depend on what the stage gives."""
         self.dropping = tuple(queue for queue in self.members if queue.keep is not None)
         """Members that keep only their newest messages."""
         self.only = self.members[0] if len(self.members) == len(self.ports) == 1 else None
@@ -203,7 +205,8 @@ class Join:
         """A member whose next message is nearer to the join than its first, or may be; None if there is none.
 
         The join is where the latest of the first messages is. Only messages that follow each other within
-        twice the window can be such; a member whose last two lie further apart is not waited for.
+        twice the window can be such; a member whose last two lie further apart is not waited for, nor is one
+        that depends on the result of this firing.
         """
         if not self._frequent():
             return None
@@ -211,7 +214,7 @@ class Join:
         pivot = max([head for head, _ in heads])
         for head, queue in heads:
             reach = max(queue.window, self._reach)
-            if head == pivot or head - queue.left_at > 2 * reach:
+            if queue.answers or head == pivot or head - queue.left_at > 2 * reach:
                 continue
             if len(queue.messages) == 1:
                 if queue.watermark < 2 * pivot - head:
@@ -225,7 +228,7 @@ class Join:
     def _frequent(self) -> bool:
         """Whether a member that is asked now sends so often that the choice is open; few do."""
         reach = self._reach
-        for queue in self.members:
+        for queue in self.free:
             if queue.messages:
                 window = queue.window if queue.window > reach else reach
                 if queue.messages[0].header.time - queue.left_at <= 2 * window:

@@ -97,7 +97,8 @@ class HeldInput(SampledInput):
         self.queue.clear(UNMATCHED if self.delay else DROPPED)
 
     def _relieve(self, queue: InputQueue, earliest: int, lag: int) -> None:
-        queue.supersede(self._due(earliest))
+        if not self.delay:  # else the ledger would tell whether the edge was full
+            queue.supersede(earliest)
         queue.excuse(earliest + lag)
 
     def _due(self, time: int) -> int:

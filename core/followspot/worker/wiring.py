@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from followspot.errors import InputError
+from followspot.graph.cycles import cyclic
 from followspot.graph.plan import Plan, PlannedEdge, PlannedStage
 from followspot.graph.sampling import plan_sampled_cycles
 from followspot.messages import Message
@@ -51,6 +52,7 @@ class Wiring:
         for number, edge in enumerate(plan.edges):
             self.into[edge.to_stage].append(number)
             self.out_of[edge.from_stage].append(number)
+        self._circular = cyclic([(edge.from_stage, edge.to_stage) for edge in plan.edges])
         self.closing, self.lateness = self._latenesses()
         self.lag = self._lag()
         self.deadline = self._deadlines()
@@ -78,6 +80,10 @@ class Wiring:
         """Largest distance in capture time between a message of the edge and what it is matched with, ns."""
         own = self.stages[edge.to_stage].tolerance if edge.tolerance is None else edge.tolerance
         return round(own * 1e9)
+
+    def circular(self, edge: PlannedEdge) -> bool:
+        """Whether the edge is part of a cycle, feedback included."""
+        return (edge.from_stage, edge.to_stage) in self._circular
 
     def timed(self, edge: PlannedEdge) -> bool:
         """Whether a sampled input goes by capture time; a `Latest` of a live run goes by arrival."""

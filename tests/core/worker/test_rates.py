@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -102,6 +103,20 @@ stages:
 """)
     report = run(compile_graph(tmp_path / "held.yaml", plugin_files=[STAGES]), tmp_path)
     assert counts(report, "latest") == (60, 940, 0)
+
+
+def test_a_join_does_not_wait_for_the_nearest_of_what_waits_for_its_own_result(tmp_path: Path) -> None:
+    (tmp_path / "loop.yaml").write_text("""
+graph: loop
+stages:
+  camera: {uses: rates.sensor, with: {hz: 250, count: 50}}
+  sensor: {uses: rates.sensor, with: {hz: 1000, count: 200}}
+  guided: {uses: rates.mix, in: {frame: sensor, latest: {from: meet, delay: 1}}}
+  meet:   {uses: rates.mix, in: {frame: camera, other: guided}, tolerance: 0.002}
+  save:   {uses: rates.note, in: {reading: meet}}
+""")
+    run(compile_graph(tmp_path / "loop.yaml", plugin_files=[STAGES]), tmp_path)
+    assert len((tmp_path / "readings.csv").read_text().splitlines()) == 50
 
 
 def nearest(time: int, readings: list[tuple[int, int]], tolerance: int) -> list[tuple[int, int]]:
@@ -247,7 +262,7 @@ def graphs(draw: st.DrawFn) -> Plan:
     """A graph of uneven sources and of stages with inputs of all kinds, each from anything before it."""
     sources = draw(st.integers(2, 3))
     names = [f"n{n}" for n in range(sources + draw(st.integers(1, 4)))]
-    stages, edges = [], []
+    stages, edges, back = [], [], []
     for n, name in enumerate(names):
         tolerance = draw(st.sampled_from([0.0, 0.002, 0.01, 0.05]))
         if n < sources:
@@ -260,8 +275,14 @@ def graphs(draw: st.DrawFn) -> Plan:
             edges.append(_edge(draw(st.sampled_from(before)), name, "reading"))
             continue
         stages.append(_stage(name, "mix", {}, tolerance))
+        if draw(st.booleans()):
+            back.append(name)
         used = {"frame", *draw(st.lists(st.sampled_from(INPUTS), max_size=4))}
         edges += [_edge(draw(st.sampled_from(names[:n])), name, port) for port in INPUTS if port in used]
+    for name in back:
+        if not any((edge.to_stage, edge.to_port) == (name, "latest") for edge in edges):
+            sender = draw(st.sampled_from(names[names.index(name) :]))
+            edges.append(replace(_edge(sender, name, "latest"), delay=draw(st.integers(1, 2))))
     for name in names[sources:]:
         stages.append(_stage(f"save_{name}", "note", {"path": f"{name}.csv"}))
         edges.append(_edge(name, f"save_{name}", "reading"))
@@ -284,12 +305,8 @@ def test_no_depth_stops_a_replay_or_changes_what_it_gives(tmp_path: Path, plan: 
     use_plugin_files([str(STAGES)])
     found = []
     for depth in (1, 1000):
-        edges = tuple(
-            PlannedEdge(e.from_stage, e.from_port, e.to_stage, e.to_port, e.kind, depth=depth)
-            for e in plan.edges
-        )
-        deep = Plan(plan.graph, plan.room, plan.stages, edges, plan.workers)
-        report = run(deep, tmp_path)
+        edges = tuple(replace(edge, depth=depth) for edge in plan.edges)
+        report = run(replace(plan, edges=edges), tmp_path)
         ledger = [str(count) for _, count in report.edges]
         found.append((ledger, [path.read_text() for path in sorted(tmp_path.glob("n*.csv"))]))
         for path in tmp_path.glob("n*.csv"):
