@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -138,6 +139,35 @@ def test_a_sink_of_any_message_is_swapped_for_one_of_tracks_and_back() -> None:
     assert back.uses == "sinks.csv"
     with pytest.raises(fs.InputError, match='has no input "tracks"'):
         changed_stages(plan, ["save.uses=sinks.osc_poses"])
+
+
+COUNT = """
+from followspot import Stage
+from followspot.tracking import Tracks
+
+class Count(Stage):
+    def process(self, tracks: Tracks) -> None:
+        with (self.context.out / "count.txt").open("a") as file:
+            file.write(f"{tracks.header.seq}\\n")
+"""
+
+
+def test_sinks_swapped_in_a_run_miss_nothing_whatever_their_inputs_are_called(tmp_path: Path) -> None:
+    """From a join of any messages to one input of tracks, and to another join."""
+    (tmp_path / "count.py").write_text(COUNT)
+    graph, out, frames = Path(__file__).parents[3] / "graphs/glowballs.yaml", tmp_path / "out", 90
+    options: Any = {"frames": frames, "out": out, "plugin_files": [tmp_path / "count.py"]}
+    with fs.run(graph, ports=["track.tracks"], **options) as run:
+        for tracks in run["track.tracks"]:
+            if tracks.header.seq == 1:
+                run.swap("save", "count.count")
+            if tracks.header.seq == 12:
+                run.swap("save", "sinks.jsonl")
+    rows = (out / "tracks.csv").read_text().splitlines()[1:]
+    first = sorted({int(row.split(",")[0]) for row in rows})
+    second = [int(line) for line in (out / "count.txt").read_text().splitlines()]
+    third = [json.loads(line)["seq"] for line in (out / "messages.jsonl").read_text().splitlines()]
+    assert first + second + third == list(range(frames))
 
 
 def test_a_target_that_the_room_does_not_have_has_no_slot() -> None:
