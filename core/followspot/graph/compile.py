@@ -10,6 +10,7 @@ from followspot.errors import FollowspotError, InputError, Mistake, Place
 from followspot.graph.arrange import EdgeChoice, plan
 from followspot.graph.check import Checked, check
 from followspot.graph.expand import expand
+from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
 from followspot.graph.plan import Plan, Recipe
@@ -71,6 +72,7 @@ def checked_graph(
     _use(plugin_files, mistakes)
     loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
     expanded = expand(loaded if change is None else change(loaded), mistakes)
+    check_interface(loaded.promises, expanded, mistakes)
     expanded = tuned(expanded, mistakes)
     checked = check(replace(expanded, offered=expanded.offered | _stages(subscribed)), mistakes)
     mistakes += checked.risks if strict else ()

@@ -11,6 +11,7 @@ from followspot.document import Node, read
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import kind_of
 from followspot.graph.compose.compose import Composed, compose
+from followspot.graph.compose.promises import Promise
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
 from followspot.room import Room
@@ -33,6 +34,8 @@ class Loaded:
     stages: Mapping[str, StageDeclaration]
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
+    promises: tuple[Promise, ...] = ()
+    """What the interface of the graph file names."""
 
 
 def load(
@@ -51,7 +54,8 @@ def load(
         problem = problem if nodes else "the graph has no stages"
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
-    return Loaded(composed.name, found, document, composed.seed, stages, composed.offered)
+    offered, promises = composed.offered, composed.promises
+    return Loaded(composed.name, found, document, composed.seed, stages, offered, promises)
 
 
 def composed_graph(path: str | Path, *, room: str | None = None, overrides: Sequence[str] = ()) -> Composed:

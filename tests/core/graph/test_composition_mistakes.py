@@ -234,6 +234,22 @@ MISTAKES = {
         ("main", "  hall:", "  ‡hall:"),
         ("main", ", with: {level: 0.75}", ""),
     ),
+    "an interface of the graph itself that names a missing port": wrong(
+        'stage "save" has no input "trakcs"',
+        'did you mean "tracks"?',
+        ("main", "room: room.yaml", "room: room.yaml\ninputs: {more: ¦save.trakcs}"),
+    ),
+    "an interface of the graph itself that names a missing parameter": wrong(
+        'stage "save" has no parameter "paht"',
+        'did you mean "path"?',
+        ("main", "room: room.yaml", "room: room.yaml\nparams: {file: ¦save.paht}"),
+    ),
+    "an interface of the graph itself that names what a sub-graph lacks": wrong(
+        'sub-graph "hall" has no output "trakcs"',
+        'did you mean "tracks"?',
+        ("main", "room: room.yaml", "room: room.yaml\noutputs: {tracks: ¦hall.trakcs}"),
+        ("middle", "graph: middle", "‡graph: middle"),
+    ),
     # files that use each other
     "recursion": wrong(
         "files use each other: middle.yaml -> tracker.yaml -> middle.yaml",

@@ -11,6 +11,7 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
+from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.senders import senders
 from followspot.graph.compose.unit import Unit, Units, Wired
 from followspot.graph.names import below
@@ -35,6 +36,8 @@ class Composed:
     files: tuple[Path, ...]
     complete: bool
     offered: frozenset[str] = frozenset()
+    promises: tuple[Promise, ...] = ()
+    """What the interface of the graph file itself names."""
 
 
 def compose(
@@ -65,10 +68,13 @@ def compose(
         known = {*stages, *(found.name for found in _units(unit))}
         text = f'the graph has no stage "{name}"'
         mistakes.append(Mistake(override.stage_place, text, did_you_mean(name, known, "stages")))
+    check_nested(unit, wrong)
     mistakes += wrong
     read = tuple(files.files)
     offered = _offered(unit) if not wrong else frozenset()
-    return Composed(root.name, root.place, root.room, root.seed or 0, stages, read, not wrong, offered)
+    seed = root.seed or 0
+    promises = promises_of(unit)
+    return Composed(root.name, root.place, root.room, seed, stages, read, not wrong, offered, promises)
 
 
 def _offered(unit: Unit) -> frozenset[str]:
