@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 from followspot.errors import FollowspotError
 from followspot.graph.plan import Plan
-from followspot.library.handle import NoAnswer, RunHandle, RunStatus, runs_here
+from followspot.library.handle import NoAnswer, RunHandle, RunStatus, Tapping, runs_here
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.taps import ShownPort, shown_ports, tappings
 
@@ -58,16 +58,27 @@ class Sight:
         self._rate = rate
         self._remote = remote
         self._ports: tuple[ShownPort, ...] = ()
+        self._taps: Sequence[Tapping] = ()
 
     async def turn_to(self, plan: Plan) -> None:
         """Place taps for the plan's present ports. Raises FollowspotError."""
         found = shown_ports(plan)
         if found == self._ports:
             return
-        await asyncio.to_thread(self._run.tap, tappings(found, self._folder, self._rate))
+        taps = tappings(found, self._folder, self._rate)
+        await asyncio.to_thread(self._run.tap, taps)
+        await self._untap([tap for tap in self._taps if tap not in taps])
         if self._remote is not None:
             self._remote.look(found)
-        self._ports = found
+        self._ports, self._taps = found, taps
+
+    async def close(self) -> None:
+        """Remove the taps."""
+        await self._untap(self._taps)
+
+    async def _untap(self, taps: Sequence[Tapping]) -> None:
+        if taps:
+            await asyncio.to_thread(self._run.untap, taps)
 
 
 async def follow(

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,8 @@ class RecordButton:
         self._numbers = count()
         self._process: asyncio.subprocess.Process | None = None
         self._telling: asyncio.Task[None] | None = None
+        self._untap: Callable[[], None] = lambda: None
+        """Removes the taps of the recording."""
 
     async def start(self, run: RunHandle, plan: Plan, words: str) -> str:
         """Record the ports that the words name, or all for ""; a line about it.
@@ -62,6 +65,7 @@ class RecordButton:
         )
         taps = [Tapping(name, TAP, _params(name, None if name in remote else listen)) for name in names]
         await asyncio.to_thread(run.tap, taps)
+        self._untap = partial(run.untap, taps)
         self._tell(begun)
         return f"recording {len(names)} ports to {begun['file']}"
 
@@ -85,6 +89,7 @@ class RecordButton:
             await asyncio.wait_for(telling, _ENDING)
         if process.returncode is None:
             process.kill()
+        await asyncio.to_thread(self._untap)
 
     async def _begin(self, order: Order) -> dict[str, Any]:
         """Start the recorder; its first report. Raises FollowspotError."""

@@ -107,6 +107,7 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
         server.should_exit = True
         await serving
         following.cancel()
+        await sight.close()
         await page.button.close()
         receiver.close()
         if page.remote is not None:
