@@ -142,10 +142,10 @@ class ZenohEdge(ZenohEnds):
 
     @rule(index=st.integers(0, 1), with_host=st.booleans())
     def reader_dies(self, index: int, with_host: bool) -> None:
-        """Alone, or with its host; Zenoh may keep its presence for ever if its link is just coming back."""
+        """Alone, or with its host."""
         reader = self.readers[index]
         if reader is not None:
-            if with_host or self.leaks(index):
+            if with_host:
                 self.hosts.reader_host_dies(index)
             reader.close()
             self.readers[index] = None
