@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from followspot.library.subscription import Subscription
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
-    from followspot.room import Camera, Room, Target
+    from followspot.room import Camera, Member, Room, Sensor, Target
     from followspot.stage import (
         Context,
         Deferred,
@@ -67,7 +67,9 @@ _HOME = {
     "at": "messages",
     "column": "messages",
     "Camera": "room",
+    "Member": "room",
     "Room": "room",
+    "Sensor": "room",
     "Target": "room",
     "Context": "stage",
     "Deferred": "stage",
@@ -103,6 +105,7 @@ __all__ = [
     "InputPath",
     "Joined",
     "Latest",
+    "Member",
     "Message",
     "Mistake",
     "Nearest",
@@ -115,6 +118,7 @@ __all__ = [
     "Report",
     "Room",
     "RunFailed",
+    "Sensor",
     "Source",
     "Stage",
     "StageParams",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -161,6 +162,15 @@ class Form:
             return None
         return found
 
+    def values(self, key: str) -> dict[str, Any]:
+        """The plain values of a mapping, empty if it is missing; numbers must be finite."""
+        entries = self.mapping(key)
+        for node in entries.values():
+            for leaf in _within(node):
+                if isinstance(leaf.value, float) and not math.isfinite(leaf.value):
+                    self.wrong(leaf, f"{key} holds {leaf.value}", "write a finite number")
+        return {name: plain(node) for name, node in entries.items()}
+
     def mapping(self, key: str) -> Mapping[str, Node]:
         """A mapping of names to values, empty if it is missing."""
         node = self.get(key)
@@ -196,11 +206,22 @@ def is_title(text: str) -> bool:
 
 
 def _leaves(node: Node) -> Iterator[Node]:
+    """What is no list, within lists."""
     if not isinstance(node.value, tuple):
         yield node
         return
     for item in node.value:
         yield from _leaves(item)
+
+
+def _within(node: Node) -> Iterator[Node]:
+    """What is neither a list nor a mapping, within both."""
+    for leaf in _leaves(node):
+        if isinstance(leaf.value, Mapping):
+            for inner in leaf.value.values():
+                yield from _within(inner)
+        else:
+            yield leaf
 
 
 def _shape(node: Node) -> Shape | None:

@@ -147,6 +147,18 @@ class Room:
                 values.setdefault(tag, {}).update(dict.fromkeys(words))
         return {tag: tuple(words) for tag, words in values.items()}
 
+    @cached_property
+    def carried(self) -> Mapping[tuple[str, str], Mapping[str, tuple[Member, ...]]]:
+        """(set, tag) -> value of the tag -> the members of the set that carry it."""
+        found: dict[tuple[str, str], dict[str, list[Member]]] = {}
+        for name in SETS:
+            for owner in self.members(name).values():
+                for tag, values in owner.tags.items():
+                    for value in values:
+                        groups = found.setdefault((name, tag), {})
+                        groups.setdefault(value, []).append(Member(name, owner.name))
+        return {key: {v: tuple(m) for v, m in groups.items()} for key, groups in found.items()}
+
     def members(self, name: str) -> Mapping[str, Camera | Sensor | Target]:
         """The members of one of `SETS` by name."""
         sets = {"cameras": self.cameras, "sensors": self.sensors, "targets": self.targets}

@@ -8,7 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from followspot.document import Node, plain
+from followspot.document import Node
 from followspot.errors import InputError, Mistake
 from followspot.form import Form, Shape, is_name
 from followspot.messages import MAX_BYTES, Array
@@ -84,7 +84,7 @@ def _tune(form: Form) -> dict[str, Any]:
         if not _TUNE.fullmatch(key):
             remedy = "write PLUGIN.STAGE.PARAMETER, STAGE.PARAMETER or STAGE/MEMBER.PARAMETER"
             form.mistakes.append(Mistake(node.key, f'"{key}" names no parameter', remedy))
-    return {key: plain(node) for key, node in entries.items()}
+    return form.values("tune")
 
 
 def _named(form: Form, key: str, most: int) -> Mapping[str, Node]:

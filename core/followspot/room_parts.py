@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from followspot.document import Node, plain
+from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.form import Form, is_name, kind_of
 from followspot.room import SETS, StageUse, Tags
@@ -56,7 +56,7 @@ def stage_use(node: Node, noun: str, folder: str | None, mistakes: list[Mistake]
     """A stage that a room names, with its parameters; folder: see `room_form.room_of`."""
     form = Form(node, noun, ("uses", "with") if folder is not None else ("uses", "with", "folder"), mistakes)
     uses = form.text("uses", required=True)
-    params = {name: plain(value) for name, value in form.mapping("with").items()}
+    params = form.values("with")
     if folder is None:
         folder = form.text("folder") or "."
     return None if uses is None else StageUse(uses, params, folder)

@@ -133,7 +133,7 @@ def _graph_way(tree: Tree, rng: random.Random) -> None:
         uses = stage.get("uses")
         _parameter(stage, uses if uses != "room.source" else "sim.camera", rng)
     elif way == 3:
-        key = rng.choice(("uses", "each", "tolerance", "deadline", "on_error", "in", "with"))
+        key = rng.choice(("uses", "each", "optional", "tolerance", "deadline", "on_error", "in", "with"))
         stage[key] = rng.choice((*_SWAPS, "room.source")) if key == "uses" else extreme(rng)
     elif way == 4 and stage.get("in"):
         option = rng.choice(("delay", "depth", "codec", "policy", "from"))
@@ -145,10 +145,10 @@ def _graph_way(tree: Tree, rng: random.Random) -> None:
 
 
 def _room_way(tree: Tree, rng: random.Random) -> None:
-    """A number of a camera, a plane or a target, or a parameter of a source gets an extreme value."""
+    """A camera, a sensor, a plane, a target, a tag, a tune or a parameter gets an extreme value."""
     cameras = tree["cameras"]
     camera = cameras[rng.choice(list(cameras))]
-    way = rng.randrange(5)
+    way = rng.randrange(7)
     if way <= 1:
         key = rng.choice((*camera, "host", "clock_offset", "model"))
         camera[key] = extreme_like(camera.get(key), rng)
@@ -158,6 +158,15 @@ def _room_way(tree: Tree, rng: random.Random) -> None:
         if alike is not None and rng.random() < 0.7:  # the same for all cameras, as a room requires
             for other in (*(camera["source"] for camera in cameras.values()), tree["truth"]):
                 other.setdefault("with", {}).update([alike])
+    elif way == 4:
+        holder = rng.choice((camera, rng.choice(list(tree.get("targets", cameras).values()))))
+        holder["tags"] = rng.choice(({"zone": extreme(rng)}, {"zone": ["a", extreme(rng)]}, extreme(rng)))
+        mount = rng.choice(({"camera": extreme(rng)}, {"target": extreme(rng)}, extreme(rng)))
+        imu = {"kind": "imu", "rate": 1000, "mount": mount, "source": camera["source"], "tags": {"zone": "a"}}
+        tree["sensors"] = rng.choice(({"imu": imu}, {"imu": {**imu, "rate": extreme(rng)}}, extreme(rng)))
+    elif way == 5:
+        key = rng.choice(("balls.color_blobs.similarity", "track.fade_time", "color/cam0.x", extreme(rng)))
+        tree["tune"] = rng.choice(({str(key): extreme(rng)}, {str(key): 0.5}, extreme(rng)))
     else:
         section = tree[rng.choice(("planes", "targets"))]
         holder, name = section, rng.choice(list(section))

@@ -120,7 +120,16 @@ _TEXTS: tuple[Tree, ...] = (
     *("0", "1e5", "1e400", "nan", "inf", "-1", "9" * 30, "true", "null", "None", "[1, 2]", "{a: 1}"),
     *("sim.camera", "balls.kalman", "sinks.csv", "cameras.video", "cameras.device"),
     *("room.source", "sinks.osc", "recording.port[sim.camera.out]", "recording.port["),
-    *("cameras", "cameras[kind=color]", "cameras[", "latest"),
+    *(
+        "cameras",
+        "cameras[kind=color]",
+        "cameras[",
+        "latest",
+        "sensors",
+        "targets",
+        "zones",
+        "zone[name=a|b]",
+    ),
 )
 _ODD: tuple[Tree, ...] = (
     *(None, True, False, [], [[]], [None], [1_000_000, 1_000_000], [0] * 1000, ["x"] * 100, {}),

@@ -127,18 +127,20 @@ def within(selector: Selector, member: Member) -> Selector:
 def related(room: Room, member: Member, other_set: str) -> tuple[Member, ...] | None:
     """The members of another set that are wired to this one; None if all of them are.
 
-    A member of a tag belongs to the members that carry its value.
+    A member of a tag belongs to the members that carry its value, unless none of that set carries the tag.
     """
     if member.set == other_set:
         return (member,)
-    if member.set not in SETS and other_set in SETS:
-        owners = room.members(other_set).values()
-        return tuple(Member(other_set, o.name) for o in owners if member.name in o.tags.get(member.set, ()))
-    if member.set in SETS and other_set not in SETS:
-        return tuple(
-            Member(other_set, v) for v in room.members(member.set)[member.name].tags.get(other_set, ())
-        )
-    return None
+    if (member.set in SETS) == (other_set in SETS):
+        return None
+    group, tag = (member.set, other_set) if member.set in SETS else (other_set, member.set)
+    carried = room.carried.get((group, tag))
+    if carried is None:
+        return None
+    if group == other_set:
+        return carried.get(member.name, ())
+    values = room.members(group)[member.name].tags.get(tag, ())
+    return tuple(Member(tag, value) for value in values)
 
 
 def ranks(room: Room) -> dict[Member, int]:
@@ -176,8 +178,8 @@ def _values(owner: _Owner, key: str) -> tuple[str, ...]:
 
 def tag_named(word: str, room: Room) -> str:
     """The tag that a word names in the singular or plural; "" if the room has none."""
-    return next((tag for tag in room.tags if word in _plurals(tag)), "")
+    return word if word in room.tags else next((tag for tag in room.tags if word in _plurals(tag)), "")
 
 
 def _plurals(tag: str) -> tuple[str, ...]:
-    return (tag, f"{tag[:-1]}ies" if tag.endswith("y") else f"{tag}s", f"{tag}es")
+    return (f"{tag[:-1]}ies" if tag.endswith("y") else f"{tag}s", f"{tag}es")

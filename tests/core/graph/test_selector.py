@@ -126,6 +126,10 @@ def test_members_are_related_by_tags() -> None:
     assert related(made, hall, "zone") == (hall,)
     assert related(made, Member("cameras", "d"), "zone") == ()
     assert related(made, Member("sensors", "imu"), "cameras") is None
+    assert related(made, hall, "targets") is None, "no target carries a zone, so all belong to each"
+    assert related(made, Member("targets", "ball"), "zone") is None
+    assert related(made, Member("body", "left"), "cameras") is None
+    assert related(made, Member("body", "left"), "zone") is None
     assert list(ranks(made))[:6] == [
         *(Member("cameras", name) for name in "abcd"),
         Member("sensors", "imu"),

@@ -99,6 +99,7 @@ def test_a_tune_that_matches_nothing_is_a_note(tmp_path: Path, tune: str, guess:
         ("{level: 0.9}", '"level" names no parameter'),
         ("{detect.level: 9}", "cannot be 9"),
         ("7", "tune is a mapping"),
+        ("{zzz.level: {a: [1, .inf]}}", "tune holds inf"),
     ],
 )
 def test_a_wrong_tune_is_one_mistake_in_the_room_file(tmp_path: Path, tune: str, text: str) -> None:
