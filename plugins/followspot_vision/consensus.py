@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -63,10 +62,8 @@ def places(seen: Seen, gate: float, views: int) -> Iterator[Place]:
 
 def _agreed(seen: Seen, gate: float, views: int) -> tuple[Array, Array] | None:
     """The best hypothesis, (3,) m, and the rows that agree with it; None if too few do."""
-    pairs = [(i, j) for i, j in combinations(range(len(seen.xy)), 2) if seen.camera[i] != seen.camera[j]]
-    if not pairs:
-        return None
-    ends = np.array(pairs)
+    ends = np.stack(np.triu_indices(len(seen.xy), 1), axis=1)
+    ends = ends[seen.camera[ends[:, 0]] != seen.camera[ends[:, 1]]]
     xyz = triangulate_pairs(seen.center[ends], seen.ray[ends])
     xyz = xyz[np.isfinite(xyz).all(axis=1)]
     error = _errors(seen, xyz)
