@@ -10,7 +10,6 @@ shift) and with it (as from `balls.bundle`); over all frames, and over those wit
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -26,6 +25,7 @@ from followspot.geometry import ray, triangulate_views
 from followspot.messages import Array, seal
 from followspot.plugins.registry import load_stage
 from followspot.tracking import Positions
+from scripting import options_of
 
 VIEWS = ("side", "oblique", "back")
 NOISE = 2.0
@@ -162,12 +162,9 @@ def _columns(path: Path, *names: str) -> Array:
 
 def main() -> None:
     """Measure and print a table, RMSE in mm."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("folder", type=Path, help="with 3D_gt, side, oblique, back")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=NUMBER", help="of balls.kalman")
-    parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     params = {key: float(value) for key, value in (option.split("=") for option in args.set)}
     result = measure(args.folder, **params)

@@ -35,6 +35,7 @@ from followspot.graph.compile import compile_graph
 from followspot.room import Camera, Room, StageUse, Target
 from followspot.room_file import load, save
 from followspot.tables import table
+from scripting import options_of
 
 ROOT = Path(__file__).parent.parent
 CAMERAS, TARGETS = (2, 4, 6, 12, 24), (1, 3, 6, 12, 24)
@@ -67,9 +68,7 @@ class Row:
 
 def main() -> None:
     """Measure and print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--cameras", help="numbers of cameras, default " + ",".join(map(str, CAMERAS)))
     parser.add_argument("--targets", help="numbers of targets, default " + ",".join(map(str, TARGETS)))
     parser.add_argument("--sizes", help="image sizes, default " + ",".join(f"{w}x{h}" for w, h in SIZES))
@@ -77,7 +76,6 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=40, help="frame sets that are measured")
     parser.add_argument("--warm-up", type=int, default=10, help="frame sets before them")
     parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     cv2.setNumThreads(1)
     rows = []

@@ -40,6 +40,7 @@ from followspot.graph.compile import compile_graph
 from followspot.operator.launch import run_plan
 from followspot.worker.wiring import RunOptions
 from followspot_page.showing import PageOrder, shown
+from scripting import options_of
 
 ROOT = Path(__file__).parent.parent
 Setting = Literal["without", "unwatched", "watched", "stalled"]
@@ -95,15 +96,12 @@ class Meter:
 
 def main() -> None:
     """Measure and print the table."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
     parser.add_argument("--room", help="room file instead of the graph's own")
     parser.add_argument("--frames", type=int, default=1200, help="frame sets of each run (default 1200)")
     parser.add_argument("--rounds", type=int, default=4)
     parser.add_argument("--rate", type=float, default=10.0, help="pictures a second (default 10)")
-    parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     rows = measure(args)
     if args.json:

@@ -1,5 +1,7 @@
 """Latency and throughput of frames between two processes: the ring, with and without a copy, and Zenoh.
 
+    python tools/bench_edges.py --rounds 5
+
 Every round runs every case once, one after the other, so that a busy machine slows all of them alike;
 the median over the rounds is printed, and how many times slower each edge is than the ring in place.
 The clock of a message starts when its array is complete, and stops when the reader has it.
@@ -29,6 +31,7 @@ from followspot.transport.ring.reader import RingReader
 from followspot.transport.ring.writer import RingWriter
 from followspot.transport.token import END, Watermark
 from followspot.transport.zenoh.edge import ZenohReader, ZenohWriter, locators, open_session
+from scripting import options_of
 
 SIZES = {"640x480": (480, 640, 3), "1920x1080": (1080, 1920, 3)}
 EDGES = ("ring in place", "ring one copy", "zenoh")
@@ -68,15 +71,12 @@ def main() -> None:
 
 def arguments() -> argparse.Namespace:
     """The command line."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, epilog="example: python tools/bench_edges.py --rounds 5"
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--rounds", type=int, default=3, help="interleaved rounds (default %(default)s)")
     parser.add_argument(
         "--messages", type=int, default=100, help="frames per round and phase (default %(default)s)"
     )
     parser.add_argument("--rate", type=float, default=60, help="frames per second while latency is measured")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--writer", help=argparse.SUPPRESS)
     return parser.parse_args()
 

@@ -9,7 +9,6 @@ other side of the ratio.
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import time
@@ -22,6 +21,7 @@ from followspot.operator.launch import local_run
 from followspot.plugins.registry import load_stage, use_plugin_files
 from followspot.room import Room
 from followspot.worker.wiring import RunOptions
+from scripting import options_of
 
 STAGES = """
 import numpy as np
@@ -78,13 +78,10 @@ def call_seconds(hops: int, messages: int) -> float:
 
 def main() -> None:
     """Measure in interleaved rounds and print medians."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--hops", type=int, default=20)
     parser.add_argument("--messages", type=int, default=5000)
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     hop, call = [], []
     with TemporaryDirectory() as folder:

@@ -13,7 +13,6 @@ Faults are those of tools/soak.py, each kind once a round.
 
 from __future__ import annotations
 
-import argparse
 import json
 import statistics
 import subprocess
@@ -23,6 +22,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benching.hosts_cases import CASES, FAR, HOPS, STAGES, STARTS, THROUGHPUTS, Hosts, play
+from scripting import options_of
 from soaking.show import FAULTS as KINDS
 
 FAULTS = "faults"
@@ -99,12 +99,10 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def main() -> int:
     """Entry."""
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=raw)
+    parser = options_of(__doc__)
     parser.add_argument("--rounds", type=int, default=3)
     names = [*CASES, FAULTS]
     parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="CASE")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
     args = parser.parse_args()
     found = played([name for name in args.only if name != FAULTS], args.rounds)
     faults = inflicted(args.rounds) if FAULTS in args.only else {}

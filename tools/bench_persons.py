@@ -13,7 +13,6 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import argparse
 import json
 import time
 from dataclasses import dataclass
@@ -30,6 +29,7 @@ from followspot.plugins.registry import load_stage
 from followspot.room_file import load
 from followspot.stage import Context
 from followspot.tracking import Frame
+from scripting import options_of
 
 
 @dataclass(frozen=True)
@@ -43,14 +43,11 @@ class Shot:
 
 def main() -> None:
     """Measure; print one line, or JSON."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--room", required=True, help="room file whose first camera plays a video")
     parser.add_argument("--frames", type=int, default=100)
     parser.add_argument("--particles", type=int, default=300, help="for each person")
     parser.add_argument("--every", type=int, default=4, help="frames between two of the slow instance")
-    parser.add_argument("--json", action="store_true", help="print the figures as one JSON object")
     given = parser.parse_args()
     cv2.setNumThreads(1)
     room = load(given.room)

@@ -13,9 +13,7 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import argparse
 import json
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -27,6 +25,7 @@ import numpy as np
 from followspot import Field, Source, Stage, StageParams, at
 from followspot.tracking import Frame
 from followspot.worker.ledger import COUNTS
+from scripting import followspot, options_of
 
 _WIDTH, _HEIGHT = 320, 240
 
@@ -66,12 +65,8 @@ def measure(cameras: int, fps: float, seconds: float, pictures: str) -> dict[str
         uses = f"uses: {Path(__file__).stem}.paced_camera, each: cameras"
         given = f"with: {{fps: {fps}, seconds: {seconds}}}"
         graph.write_text(f"graph: bench\nroom: room.yaml\nstages:\n  camera: {{{uses}, {given}}}\n")
-        command = [sys.executable, "-m", "followspot.cli.main", "run", str(graph), "--plugin", __file__]
-        command += ["--record", str(file), "--record-pictures", pictures, "--out", folder]
-        done = subprocess.run([*command, "--quiet", "--json"], capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise SystemExit(done.stderr)
-        report = json.loads(done.stdout)
+        record = ["--record", str(file), "--record-pictures", pictures, "--out", folder]
+        report = followspot("run", str(graph), "--plugin", __file__, *record)
         size = file.stat().st_size
     stages = [stage for worker in report["workers"] for stage in worker["stages"]]
     busy = sum(stage["busy_ms"] for stage in stages if stage["stage"].startswith("record"))
@@ -82,14 +77,11 @@ def measure(cameras: int, fps: float, seconds: float, pictures: str) -> dict[str
 
 def main() -> int:
     """Measure, print; 1 if messages were lost."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--cameras", type=int, default=6, help="how many (default 6)")
     parser.add_argument("--fps", type=float, default=60.0, help="frames per second of each (default 60)")
     parser.add_argument("--seconds", type=float, default=10.0, help="how long they film (default 10)")
     parser.add_argument("--pictures", choices=("jpeg", "png", "raw", "none"), default="jpeg")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
     args = parser.parse_args()
     found = measure(args.cameras, args.fps, args.seconds, args.pictures)
     if args.json:

@@ -13,10 +13,8 @@ import os
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-import argparse
 import json
 import resource
-import subprocess
 import sys
 import time
 from collections.abc import Mapping
@@ -25,6 +23,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import yaml
+
+from scripting import followspot, options_of
 
 GRAPHS = Path(__file__).parent.parent / "graphs"
 CAMERAS = ("cam0", "cam1", "cam2")
@@ -63,9 +63,9 @@ def measure(minutes: float) -> dict[str, Any]:
         graph = str(GRAPHS / "glowballs.yaml")
         began = time.monotonic()
         record = ["run", graph, "--room", str(room), "--record", str(file), "--record-pictures", "none"]
-        _followspot(*record, "--out", folder)
+        followspot(*record, "--out", folder)
         recorded, cpu = time.monotonic(), _cpu()
-        told = _followspot("verify", str(file))
+        told = followspot("verify", str(file))
         verified = time.monotonic()
         return {
             "minutes": minutes,
@@ -81,16 +81,6 @@ def measure(minutes: float) -> dict[str, Any]:
         }
 
 
-def _followspot(*words: str) -> dict[str, Any]:
-    """The JSON that a command ends with; exits if there is none."""
-    command = [sys.executable, "-m", "followspot.cli.main", *words, "--quiet", "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if not done.stdout:
-        raise SystemExit(done.stderr)
-    told: dict[str, Any] = json.loads(done.stdout)
-    return told
-
-
 def _cpu() -> float:
     """CPU time of all processes started so far, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -99,11 +89,8 @@ def _cpu() -> float:
 
 def main() -> int:
     """Measure, print; 1 if something differs."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the recording (default 10)")
-    parser.add_argument("--json", action="store_true", help="one JSON object")
     args = parser.parse_args()
     found = measure(args.minutes)
     if args.json:

@@ -38,6 +38,7 @@ from followspot.operator.launch import run_plan
 from followspot.plugins.registry import use_plugin_files
 from followspot.tables import table
 from followspot.worker.wiring import RunOptions
+from scripting import options_of
 
 ROOT = Path(__file__).parent.parent
 SIDES = ("tracked", "searching")
@@ -77,9 +78,7 @@ class Preloaded(Stage):
 
 def main() -> None:
     """Measure in interleaved rounds; print medians, ratios and the cost of each stage."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--room", required=True, help="room file whose cameras play videos")
     parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
     parser.add_argument(
@@ -88,7 +87,6 @@ def main() -> None:
     parser.add_argument("--targets", help="track only these, for example red,green; default: all")
     parser.add_argument("--frames", type=int, default=150)
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--json", action="store_true")
     args = parser.parse_args()
     if args.frames <= LEAD:
         parser.error(f"--frames: the first {LEAD} are not measured, so there must be more")

@@ -12,7 +12,6 @@ Exit code 1 if an input did anything but pass or be rejected.
 
 from __future__ import annotations
 
-import argparse
 import faulthandler
 import json
 import mmap
@@ -30,6 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from fuzzing.target import MORE_MB, Outcome, Target
+from scripting import options_of
 
 TARGETS = {
     "fuzzing.wire": {"zenoh": 80_000, "ring": 20_000},
@@ -167,14 +167,11 @@ def main() -> int:
     """Entry of the script."""
     if sys.argv[1:2] == ["--child"]:
         return _child(sys.argv[2:])
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    parser = options_of(__doc__)
     parser.add_argument("--only", nargs="+", choices=COUNTS, default=list(COUNTS), help="targets")
     parser.add_argument("--share", type=float, default=1.0, help="of the usual number of inputs")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--at", type=int, metavar="NUMBER", help="this input alone")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
     args = parser.parse_args()
     outcomes = {}
     for name in args.only:

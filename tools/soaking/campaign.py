@@ -30,6 +30,7 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from scripting import options_of
 from soaking.room import CAMERAS
 from soaking.show import (
     FAULTS,
@@ -218,8 +219,7 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
 
 def main() -> int:
     """Entry."""
-    raw = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=raw)
+    parser = options_of(__doc__)
     parser.add_argument("--faults", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--within", type=float, default=5.0, help="seconds that a recovery may take")
@@ -231,7 +231,6 @@ def main() -> int:
         help="projected spots for each ball: a ball that was missed for a while may be sought in one of them",
     )
     parser.add_argument("--only", nargs="+", choices=list(FAULTS), default=list(FAULTS), metavar="FAULT")
-    parser.add_argument("--json", action="store_true", help="print one JSON object")
     args = parser.parse_args()
     found = played(args)
     print(json.dumps(found) if args.json else json.dumps(found, indent=1))
