@@ -10,7 +10,7 @@ from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
 from followspot.graph.placement import Placed
 from followspot.graph.plan import (
-    WINDOW_DEPTH,
+    DEPTHS,
     EdgeKind,
     Plan,
     PlannedEdge,
@@ -122,7 +122,7 @@ def _edge(edge: CheckedEdge, placed: Placed, choice: EdgeChoice) -> PlannedEdge:
 def _depth(edge: CheckedEdge) -> int:
     """The written depth, else one for the kind of input."""
     written = edge.wire.feed.depth
-    return WINDOW_DEPTH if edge.kind == "window" and "depth" not in edge.wire.feed.places else written
+    return written if "depth" in edge.wire.feed.places else DEPTHS.get(edge.kind, written)
 
 
 def _kind(source: str, target: str, placed: Placed, choice: EdgeChoice) -> EdgeKind:

@@ -22,8 +22,9 @@ MAX_DELAY = 1000
 MAX_DEPTH = 10_000
 MAX_CONCURRENCY = 64
 MAX_SEED = (1 << 63) - 1
-WINDOW_DEPTH = 1024
-"""Depth of an edge to a `Window`, if none is written: a second of a fast sensor."""
+DEPTHS: Mapping[str, int] = {"window": 1024, "nearest": 256}
+"""Depths of edges to inputs of these kinds, if none is written: a second of a fast sensor, and as long as a
+stage may lag behind one in a live run."""
 LIVE_DEPTH = 2
 """Messages of a live source that wait for the graph, if nothing else is known: one to take, and the next."""
 _FAST = 100.0

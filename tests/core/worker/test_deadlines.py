@@ -22,6 +22,24 @@ stages:
 """
 
 
+SAMPLED = """
+graph: g
+stages:
+  a:    {uses: rates.device}
+  b:    {uses: rates.device}
+  near: {uses: rates.near, in: {frame: a, reading: b}, deadline: 0.2}
+  all:  {uses: rates.gather, in: {frame: a, readings: b}, deadline: 0.3}
+  held: {uses: rates.mix, in: {frame: a, latest: b}, deadline: 0.4}
+"""
+
+
+def test_a_stage_waits_for_the_messages_of_a_nearest_or_a_window_but_not_of_a_latest(tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text(SAMPLED)
+    rates = TICKS.with_name("rates.py")
+    wiring = Wiring(compile_graph(tmp_path / "g.yaml", plugin_files=[rates]))
+    assert [wiring.deadline[name] for name in ("near", "all", "held")] == [0.2, 0.3, 0.0]
+
+
 def test_a_join_waits_for_what_a_join_upstream_makes_without_those_missing(tmp_path: Path) -> None:
     (tmp_path / "g.yaml").write_text(JOINS)
     use_plugin_files([str(TICKS)])

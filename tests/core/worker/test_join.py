@@ -240,6 +240,8 @@ def test_a_live_window_fires_at_the_deadline_and_what_is_late_comes_in_the_next_
     bench.put(1, tick(12, 12))
     bench.put(0, tick(20))
     assert join.ready() is None
+    bench.queues[1].advance(20)
+    assert join.ready() is None, "one of 20 may still come"
     bench.queues[1].advance(21)
     assert join.ready() == 20
     assert values(join.take(20)[0][1]) == [9, 12]
@@ -266,6 +268,21 @@ def test_a_nearest_is_certain_as_soon_as_nothing_can_be_nearer() -> None:
     assert join.ready() is None
     bench.queues[1].advance(13)
     assert join.ready() == 10, "13 would be no nearer than 7"
+
+
+def test_nothing_is_near_only_when_nothing_can_come_within_the_tolerance() -> None:
+    bench = Bench(2)
+    join = windowed(bench, NearestInput(bench.queues[1], tolerance=5))
+    bench.put(1, tick(4, 4))
+    bench.put(0, tick(10))
+    bench.queues[1].advance(15)
+    assert join.ready() is None, "15 would be near enough"
+    bench.put(1, tick(15, 15))
+    assert join.take(10)[0][1].value == 15  # type: ignore[attr-defined]
+    bench.put(0, tick(30))
+    bench.queues[1].advance(36)
+    assert join.ready() == 30
+    assert join.take(30)[0][1] is None
 
 
 def test_feedback_is_waited_for_beyond_a_deadline() -> None:

@@ -178,6 +178,23 @@ def test_a_live_source_is_as_deep_as_its_rate_asks_for(
     assert stage.depth == found
 
 
+@pytest.mark.parametrize(
+    ("meet", "port", "feed", "depth"),
+    [
+        ("gather", "readings", "sensor", 1024),
+        ("near", "reading", "sensor", 256),
+        ("meet", "reading", "sensor", 8),
+        ("gather", "readings", "{from: sensor, depth: 3}", 3),
+        ("near", "reading", "{from: sensor, tolerance: 1}", 256),
+    ],
+)
+def test_an_edge_is_as_deep_as_its_input_needs_in_a_live_run(
+    tmp_path: Path, meet: str, port: str, feed: str, depth: int
+) -> None:
+    plan = planned(tmp_path, meet, port=port, feed=feed)
+    assert [edge.depth for edge in plan.edges if (edge.to_stage, edge.to_port) == ("meet", port)] == [depth]
+
+
 def test_the_rate_of_a_sensor_stands_in_the_room(tmp_path: Path) -> None:
     (tmp_path / "room.yaml").write_text(
         "room: r\nsensors:\n  imu: {kind: imu, rate: 400, source: {uses: rates.device, with: {hz: 60}}}\n"
