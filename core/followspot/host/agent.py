@@ -171,7 +171,7 @@ class Agent:
         return self.agent_runs.agent_run(request.run).run.ask(request)
 
     def prepare(self, order: RunOrder) -> None:
-        """Start the workers of a run. Raises FollowspotError if the agent refuses it, ValueError."""
+        """Start the workers of a run. Raises FollowspotError if the agent refuses it, ValueError, OSError."""
         name = self.options.name
         if not _RUN.fullmatch(order.run):
             raise FollowspotError(f"{order.run[:80]!r} cannot be the name of a run")
@@ -182,9 +182,13 @@ class Agent:
         hub = (*self.locators, *self.options.network.connect)
         clock = HostClock(RpcClient(self.session, self.options.network.own), self.options.clock_offset)
         run = LocalHost(name, self.options.network, hub, clock)
-        self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
         run.log.on_log = LogFile(out, again=True).write
-        run.prepare(order.here(plan, str(out)), out / ".ledger")
+        self.agent_runs.add(AgentRun(graph, order, run, self.options.operator_timeout))
+        try:
+            run.prepare(order.here(plan, str(out)), out / ".ledger")
+        except BaseException:  # a full disk, for example: the other runs here go on
+            self.agent_runs.close(order.run)
+            raise
         self.tell(f"run {order.run[:8]} of {graph}: {len(run.workers)} workers, outputs in {out}")
 
     def _folder(self, run: str) -> Path:

@@ -1,0 +1,52 @@
+"""An agent whose host is in trouble refuses a run, and goes on."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from followspot.control.host import HostRefused
+from followspot.control.lifecycle import ListRuns, PrepareRun
+from followspot.control.plan_transfer import packed
+from followspot.control.zenoh_rpc import RpcClient
+from followspot.graph.compile import compile_graph
+from followspot.host.agent import Agent, AgentOptions
+from followspot.operator.coordinator import order_of
+from followspot.transport.zenoh.edge import open_session
+from followspot.transport.zenoh.network import LOOPBACK, UNPROVEN, Network
+from followspot.worker.wiring import RunOptions
+
+TICKS = Path(__file__).parents[2] / "stages" / "ticks.py"
+
+
+@pytest.fixture
+def agent(tmp_path: Path) -> Iterator[Agent]:
+    network = Network(listen=LOOPBACK)
+    made = Agent(AgentOptions("left", network, runs=tmp_path / "runs", plugin_files=(str(TICKS),)))
+    serving = threading.Thread(target=made.serve)
+    serving.start()
+    yield made
+    made.stop()
+    serving.join()
+
+
+def test_a_run_that_cannot_be_prepared_does_not_end_the_agent(agent: Agent, tmp_path: Path) -> None:
+    (tmp_path / "g.yaml").write_text("graph: g\nstages:\n  a: {uses: ticks.count}\n")
+    plan = compile_graph(tmp_path / "g.yaml", plugin_files=[TICKS])
+    plan = replace(plan, workers=tuple(replace(worker, host="left") for worker in plan.workers))
+    order = order_of(plan, RunOptions(tmp_path), restart=False)
+    order = replace(order, plan=packed(plan, "left", tmp_path), out=None)
+    blocked = tmp_path / "runs" / f"19700101-000000-{order.run}-left" / ".ledger"
+    blocked.mkdir(parents=True)
+    with open_session(connect=agent.locators) as session:
+        client = RpcClient(session, UNPROVEN)
+        with pytest.raises(HostRefused, match="Is a directory"):
+            client.ask("left", PrepareRun(order=order), 30.0)
+        assert client.ask("left", ListRuns(), 30.0) == []
+        blocked.rmdir()
+        client.ask("left", PrepareRun(order=order), 30.0)
+        assert [run.run for run in client.ask("left", ListRuns(), 30.0)] == [order.run]
