@@ -105,4 +105,7 @@ def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
         at: Place | None = mistake.place
         return (-1, 0, 0) if at is None else (rank[at.file], at.line, at.column)
 
-    return sorted(dict.fromkeys(mistakes), key=position)
+    once: dict[tuple[Place | None, str], Mistake] = {}
+    for mistake in mistakes:
+        once.setdefault((mistake.place, mistake.text), mistake)
+    return sorted(once.values(), key=position)

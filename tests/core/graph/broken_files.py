@@ -312,6 +312,7 @@ ROOM = [
         'has no key "knd"',
     ),
     Broken("room", "  cam0:\n    kind: color\n", "  ¦cam0:\n", 'camera cam0 lacks "kind"'),
+    Broken("room", "[0, 0, 3]", "[0, 0, ¦{a: 1}]", "holds a mapping", ""),
     Broken("room", "kind: color", "kind: ¦a b", 'kind cannot be "a b"', "one word"),
     Broken(
         "room", "kind: color", "kind: color\n    model: ¦pinhol", 'model cannot be "pinhol"', '"pinhole"?'

@@ -160,6 +160,18 @@ def test_a_wrong_fan_out_is_one_mistake(tmp_path: Path, stages: str, text: str) 
     assert text in told[0]
 
 
+def test_a_mistake_of_many_instances_is_told_once(tmp_path: Path) -> None:
+    told = refused(
+        tmp_path,
+        "  detect: {uses: toy.detect, each: cameras, in: {frame: camera}}\n"
+        "  pair: {uses: toy.pair, each: 'zones[name=hall|stage]', in: {blobs: detect}}\n"
+        "  own: {uses: toy.any, each: cameras, in: {blobs: pair}}\n",
+        ZONES.replace("zone: hall}", "zone: [hall, stage]}"),
+    )
+    assert len(told) == 1
+    assert 'input "blobs" of stage "own" takes one message, 2 come' in told[0]
+
+
 def test_a_stage_outside_its_set_says_what_to_write() -> None:
     stage = Stage(Context("imu", member=Member("zone", "hall")))
     with pytest.raises(LookupError, match='serves no sensor: give it one with "each: sensors"'):
