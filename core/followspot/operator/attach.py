@@ -103,16 +103,14 @@ class Attachment:
 def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) -> Iterator[Attachment]:
     """Watch a run under agents; it goes on after the block.
 
-    wanted: see `connected_run`; here: runs of this machine, for the error message. Raises FollowspotError if
+    wanted: see `connected_run`; here: runs of this machine that have other names. Raises FollowspotError if
     there is no such run, or several.
     """
     with operator_session(network) as session:
         await_named(session, network)
         client = RpcClient(session, network.own)
-        runs = find_runs(client)
-        going = [run for run in runs if not run.over]
-        present = going if any(names(run, wanted) for run in going) else runs
-        run = chosen(present, wanted, "in reach", here)
+        run = chosen(_listing(here, find_runs(client), wanted), wanted, "in reach")
+        assert isinstance(run, FoundRun)  # no run of this machine has the name
         orders = {name: _order(client, name, run.run) for name in run.hosts}
         # without restart, because an observer must not resume the run
         watched = {name: replace(order, restart=False) for name, order in orders.items()}
@@ -130,6 +128,14 @@ def attached(network: Network, wanted: str | None, here: Sequence[Listed] = ()) 
                     member.close()
         finally:
             _stop_polling(coordinator)
+
+
+def _listing(here: Sequence[Listed], runs: Sequence[FoundRun], wanted: str | None) -> Sequence[Listed]:
+    """All runs, each once; those that have ended only if `wanted` names none that goes on."""
+    going = [run for run in runs if not run.over]
+    known = {run.run for run in here}
+    present = going if any(names(run, wanted) for run in going) else runs
+    return [*here, *(run for run in present if run.run not in known)]
 
 
 def handle_of(attachment: Attachment, network: Network) -> RunHandle:

@@ -201,21 +201,17 @@ def names(run: Listed, wanted: str | None) -> bool:
     return wanted is None or wanted in (run.graph, str(run.pid)) or run.run.startswith(wanted)
 
 
-def chosen(runs: Sequence[Run], wanted: str | None, where: str, others: Sequence[Listed] = ()) -> Run:
+def chosen(runs: Sequence[Run], wanted: str | None, where: str) -> Run:
     """The run that `wanted` names: the one rule for the run that is meant, here and under agents.
 
-    where: these runs are; others: runs of this machine that have other names; both for the error message.
-    Raises FollowspotError if there is no such run, or several.
+    where: these runs are, for the error message. Raises FollowspotError if there is no such run, or several.
     """
     fitting = [run for run in runs if names(run, wanted)]
     if len(fitting) == 1:
         return fitting[0]
     if fitting:
         raise FollowspotError(f"there are several runs: {_text(fitting)}; name one by the word in brackets")
-    elsewhere = f"; on this machine: {_text(others)}" if others else ""
-    raise FollowspotError(
-        f"there is no run {wanted or ''}".rstrip() + f"; runs {where}: {_text(runs)}{elsewhere}"
-    )
+    raise FollowspotError(f"there is no run {wanted or ''}".rstrip() + f"; runs {where}: {_text(runs)}")
 
 
 def _text(runs: Sequence[Listed]) -> str:
