@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 import zlib
+from concurrent.futures import Future
 from functools import partial
 from itertools import accumulate
 from typing import TextIO
@@ -165,6 +166,13 @@ class Later(Stage):
     def answer(self, reading: Reading) -> Reading | None:
         time.sleep(reading.value * 7 % (self.params.longest_ms + 1) / 1000)
         return Reading(reading.value + 1) if reading.value % 5 else None
+
+
+class Silent(Stage):
+    """Never answers."""
+
+    def process(self, reading: Reading) -> Deferred[Reading]:
+        return Future()
 
 
 class Crowd(Stage):

@@ -219,6 +219,26 @@ def test_latest_forward_input_is_sampled_by_capture_time_not_by_arrival() -> Non
     assert bench.ledger.count(1).dropped == 1
 
 
+def test_of_a_fast_stream_the_nearest_is_taken_as_soon_as_it_is_known() -> None:
+    bench = Bench(2)
+    join = bench.plain()
+    for time in (0, 3, 6):
+        bench.put(1, tick(time * MS, time))
+    bench.put(0, tick(7 * MS))
+    assert join.ready() is None, "8 would be nearer than 6"
+    bench.queues[1].advance(8 * MS)
+    assert [message.value for message in fire(join)] == [0, 6]  # type: ignore[union-attr,attr-defined]
+    assert bench.ledger.count(1).unmatched == 2
+
+
+def test_the_nearest_of_a_fast_stream_does_not_break_up_a_join_that_is_complete() -> None:
+    bench = Bench(3)
+    join = bench.plain()
+    for edge, time in ((2, -40), (0, 0), (1, 39), (2, 0), (2, 41)):
+        bench.put(edge, tick(time * MS // 10, time))
+    assert [message.value for message in fire(join)] == [0, 39, 0]  # type: ignore[union-attr,attr-defined]
+
+
 def windowed(bench: Bench, sampled: SampledInput) -> Join:
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
     return Join([main, JoinInput("readings", joined=False, sampled=sampled)], lateness=0)
@@ -292,6 +312,23 @@ def test_feedback_is_waited_for_beyond_a_deadline() -> None:
     bench.put(0, tick(10))
     assert fire(join) is not None
     assert join.ready(overdue=True) is None
+
+
+def test_a_full_feedback_edge_keeps_the_message_of_the_firing_before() -> None:
+    bench = Bench(2)
+    bench.queues[1].depth = 2
+    back = HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
+    main = JoinInput("in", joined=False, members=(bench.queues[0],))
+    join = Join([main, JoinInput("back", joined=False, sampled=back)], lateness=0, lag=0)
+    bench.put(0, tick(10))
+    assert fire(join) is not None
+    for time in (10, 11, 12):
+        bench.put(1, tick(time, time))
+    bench.queues[0].advance(20)
+    join.relieve()
+    assert len(bench.queues[1].messages) == 3 < bench.queues[1].depth
+    bench.put(0, tick(20))
+    assert fire(join)[1].value == 10  # type: ignore[index,attr-defined]
 
 
 def test_a_full_edge_lets_its_sender_go_on_where_another_input_is_awaited() -> None:

@@ -22,6 +22,7 @@ from followspot.operator.report import RunReport
 from followspot.operator.run_requests import ChangeStages
 from followspot.plugins.registry import use_plugin_files
 from followspot.room import Room
+from followspot.worker import deferred_runner
 from followspot.worker.wiring import RunOptions
 
 STAGES = Path(__file__).parents[2] / "stages" / "rates.py"
@@ -266,6 +267,22 @@ def test_a_stage_that_answers_later_is_swapped_and_loses_nothing(tmp_path: Path)
     assert values == [n + 1 for n in range(values[-1]) if n % 5], (
         "each in order, and every fifth says nothing"
     )
+
+
+def test_a_stopped_run_ends_though_answers_never_come(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(deferred_runner, "_PATIENCE", 0.05)
+    run = live(
+        tmp_path,
+        "  sensor: {uses: rates.device, with: {count: 1000000}}\n"
+        "  silent: {uses: rates.silent, in: {reading: sensor}, concurrency: 2}\n"
+        "  save: {uses: rates.note, in: {reading: silent}}\n"
+        "  seen: {uses: rates.note, in: {reading: sensor}, with: {path: seen.csv}}\n",
+    )
+    report = run.execute(lambda progress, _: run.stop() if progress.time > 0 else None)
+    assert report.ok, report.errors
+    assert sum("did not come within" in text for text in report.warnings) >= 2
 
 
 INPUTS = ("frame", "other", "window", "near", "latest")
