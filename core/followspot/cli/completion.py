@@ -74,7 +74,13 @@ def _plans(args: argparse.Namespace) -> Iterator[Plan]:
 
 
 def _stages_of_plan(prefix: str, args: argparse.Namespace) -> Words:
-    return ((stage.name, stage.uses) for plan in _plans(args) for stage in plan.stages)
+    """Instances, and the sub-graphs that hold them."""
+    from followspot.graph.names import enclosing
+
+    for plan in _plans(args):
+        groups = [enclosing(stage.group)[:-1] for stage in plan.stages]
+        yield from ((name, "sub-graph") for name in dict.fromkeys(name for found in groups for name in found))
+        yield from ((stage.name, stage.uses) for stage in plan.stages)
 
 
 def _ports(prefix: str, args: argparse.Namespace) -> Words:

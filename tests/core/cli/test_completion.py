@@ -55,6 +55,8 @@ def offered(line: str, folder: Path) -> set[str]:
         ("followspot run graphs/glowballs.yaml --set color.sim", {"color.similarity="}),
         ("followspot compare graphs/glowballs.yaml --set color.u", {"color.uses="}),
         ("followspot run graphs/glowballs.yaml --set color/cam0.u", {"color/cam0.uses="}),
+        ("followspot run graphs/show.yaml --set balls/color.sim", {"balls/color.similarity="}),
+        ("followspot run graphs/show.yaml --record-ports balls/track.t", {"balls/track.tracks"}),
         (
             "followspot run graphs/glowballs.yaml --record-ports color,track.t",
             {"color,track.tracks"},
