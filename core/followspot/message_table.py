@@ -112,12 +112,14 @@ def _declared(message: Message, room: Room) -> Table:
     for column, heads in layout.columns:
         array: Array = getattr(message, column.name)
         if not heads:
-            table.append(Cells(column.name, _rows(message, column, count, room), extra=column.extra))
+            table.append(
+                Cells(column.name, _rows(message, column, count, room), column.unit, extra=column.extra)
+            )
             continue
         names = _known(message, column.refers, room)
         for head, values in zip(heads, array.reshape(count, len(heads)).T, strict=True):
             named = values if names is None else _named(values, names)
-            table.append(Cells(head, named, column.decimals, column.extra))
+            table.append(Cells(head, named, column.unit, column.decimals, column.extra))
     return table
 
 

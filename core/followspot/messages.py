@@ -71,12 +71,13 @@ class Column(NamedTuple):
 class Cells(NamedTuple):
     """One column of a table that a message is written as; see `followspot.message_table`.
 
-    values: (R,) numbers, truth values or texts, or a list of one JSON value for each row; decimals, extra: as
-    of a `Column`.
+    values: (R,) numbers, truth values or texts, or a list of one JSON value for each row; unit, decimals,
+    extra: as of a `Column`.
     """
 
     name: str
     values: Array | list[Any]
+    unit: str = "1"
     decimals: int | None = None
     extra: bool = False
 

@@ -87,17 +87,24 @@ class Poses(Message):
         """
         phi, r, torso = as_seen(room.cameras.get(self.camera), self.xy, self.heading)
         x, y = self.xy.T
-        numbers = {"x": x, "y": y, "z_head_top": self.height, "phi": phi, "r": r, "torso_heading": torso}
-        more = {"head_pan": self.pan, "head_tilt": self.tilt, "confidence": self.confidence}
-        sigma = [f"sigma_{name}" for name in ("x", "y", "height", "heading", "pan", "tilt")]
-        spread = zip(sigma, self.sigma.T, strict=True)
+        metres = {"x": x, "y": y, "z_head_top": self.height}
+        angles = {"torso_heading": torso, "head_pan": self.pan, "head_tilt": self.tilt}
+        parts = ("x", "y", "height", "heading", "pan", "tilt")
+        units = ("m", "m", "m", "rad", "rad", "rad")
         return [
             Cells("person", self.person),
-            *(Cells(name, values, 4) for name, values in (numbers | more).items()),
+            *(Cells(name, values, "m", 4) for name, values in metres.items()),
+            Cells("phi", phi, "rad", 4),
+            Cells("r", r, "m", 4),
+            *(Cells(name, values, "rad", 4) for name, values in angles.items()),
+            Cells("confidence", self.confidence, decimals=4),
             Cells("camera", [self.camera] * len(x)),
             Cells("state", np.array(STATES, object)[np.minimum(self.state, len(STATES) - 1)], extra=True),
-            Cells("heading", self.heading, extra=True),
-            *(Cells(name, values, extra=True) for name, values in spread),
+            Cells("heading", self.heading, "rad", extra=True),
+            *(
+                Cells(f"sigma_{part}", values, unit, extra=True)
+                for part, unit, values in zip(parts, units, self.sigma.T, strict=True)
+            ),
         ]
 
 

@@ -65,13 +65,13 @@ class Blobs(Message):
         return [
             Cells("camera", [self.camera] * len(blob)),
             Cells("target", np.array([*known[: self.targets.shape[1]], ""], object)[target]),
-            Cells("u", u, 3),
-            Cells("v", v, 3),
-            Cells("area", self.area[blob], 0),
-            Cells("similarity", self.similarity[blob], 4),
+            Cells("u", u, "px", 3),
+            Cells("v", v, "px", 3),
+            Cells("area", self.area[blob], "px", 0),
+            Cells("similarity", self.similarity[blob], decimals=4),
             Cells("blob", blob, extra=True),
-            Cells("x", x, 3, extra=True),
-            Cells("y", y, 3, extra=True),
+            Cells("x", x, "px", 3, extra=True),
+            Cells("y", y, "px", 3, extra=True),
         ]
 
 
@@ -181,9 +181,9 @@ class Truth(Message):
     def as_table(self, room: Room) -> list[Cells]:
         """The columns of a file of ground truth (`cameras.truth_csv`)."""
         flags = (Cells(name, getattr(self, name).astype("u1")) for name in ("hidden", "trackable", "pair"))
-        x, y, z = self.xyz.T
-        names = [*self.objects, *[""] * len(x)][: len(x)]
-        return [Cells("object", names), Cells("x", x), Cells("y", y), Cells("z", z), *flags]
+        place = (Cells(axis, values, "m") for axis, values in zip("xyz", self.xyz.T, strict=True))
+        names = [*self.objects, *[""] * len(self.xyz)][: len(self.xyz)]
+        return [Cells("object", names), *place, *flags]
 
 
 class ImageTracks(Message):

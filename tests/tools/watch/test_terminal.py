@@ -163,6 +163,14 @@ def test_echo_prints_messages_until_the_run_ends(run: str, capsys: pytest.Captur
     assert [row[name] for name in ("object", "state", "x", "y", "z")] == ["green", "tracked", 1.0, None, 0.5]
 
 
+def test_echo_shows_a_table_with_names_and_units(run: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert said("echo", "track.tracks", "--run", run, "-n", "1") == 0
+    head, columns, row = capsys.readouterr().out.splitlines()
+    assert head.startswith("track.tracks  Tracks  camera/cam0#0")
+    assert columns.split()[:6] == ["object", "state", "x", "[m]", "y", "[m]"]
+    assert row.split()[:5] == ["green", "tracked", "1.0000", "None", "0.5000"]
+
+
 def test_echo_ends_after_so_many_and_takes_all_cameras(run: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert said("echo", "camera.out", "--run", run, "-n", "7") == 0
     text = capsys.readouterr().out

@@ -13,7 +13,7 @@ from followspot import Room
 from followspot.cli.agent_options import network_of
 from followspot.library.handle import RunHandle, connected_run
 from followspot.message_table import as_json, rows_of, table_of
-from followspot.messages import Message, stamped
+from followspot.messages import Cells, Message, stamped
 from followspot.plugins.registry import use_plugin_files
 from followspot.tables import table
 from followspot.tracking import Frame
@@ -93,8 +93,12 @@ def text(port: str, message: Message, room: Room) -> str:
     rows = list(islice(rows_of(cells), _ROWS + 1))
     if rows:
         texts = [[_cell(value) for value in row] for row in rows[:_ROWS]]
-        lines += [table([one.name for one in cells], texts), *["  ..."] * (len(rows) > _ROWS)]
+        lines += [table([_head(one) for one in cells], texts), *["  ..."] * (len(rows) > _ROWS)]
     return "\n".join(lines)
+
+
+def _head(cells: Cells) -> str:
+    return cells.name if cells.unit == "1" else f"{cells.name} [{cells.unit}]"
 
 
 def _cell(value: Any) -> str:
