@@ -249,5 +249,5 @@ def test_the_last_report_stays_whole_when_the_screen_ends(monkeypatch: pytest.Mo
 def test_a_port_or_run_that_is_not_there_is_told_with_what_is(run: str) -> None:
     with pytest.raises(FollowspotError, match='did you mean "track"'):
         said("echo", "trak", "--run", run)
-    with pytest.raises(FollowspotError, match=r"on this machine: .*glowballs"):
+    with pytest.raises(FollowspotError, match=r"runs in reach: .*glowballs"):
         said("echo", "track", "--run", "nobody")
