@@ -30,7 +30,7 @@ from followspot_balls.verify_pairs import VerifyPairs as PlainVerifyPairs
 from followspot_sim.camera import SimCamera
 from followspot_sim.parameters import CameraParams, SimParams
 from followspot_sim.truth import SimTruth
-from followspot_sinks.csv_file import CsvFile
+from followspot_sinks.csv_file import CsvFile as PlainCsvFile
 
 _files: dict[str, int] = {}
 _seen: dict[str, Message] = {}
@@ -127,7 +127,7 @@ Triangulate = journaled(PlainTriangulate)
 MeanShift = journaled(PlainMeanShift)
 Bridge = journaled(PlainBridge)
 Kalman = journaled(PlainKalman)
-CsvTracks = journaled(CsvFile)
+CsvFile = journaled(PlainCsvFile)
 
 
 @journaled

@@ -27,7 +27,7 @@ JOURNALED = {
     "balls.mean_shift": "journaled.mean_shift",
     "balls.bridge": "journaled.bridge",
     "balls.kalman": "journaled.kalman",
-    "sinks.csv": "journaled.csv_tracks",
+    "sinks.csv": "journaled.csv_file",
 }
 PLACEMENT = f"""
 placement: soak
@@ -48,7 +48,7 @@ def write_files(folder: Path, opened: float, projections: int) -> None:
     graph["room"] = "room.yaml"
     for stage in graph["stages"].values():  # stages with journals
         stage["uses"] = JOURNALED.get(stage["uses"], stage["uses"])
-    graph["stages"]["save"]["on_error"] = "skip"
+    graph["stages"]["save"] |= {"in": {"messages": "track.tracks"}, "on_error": "skip"}  # as journals name it
     graph["stages"]["track"]["with"] = {"maximum_missed_frames": _MISSING}
     judge = {"uses": "journaled.judge", "in": {"tracks": "track"}, "with": PERFORMANCE, "on_error": "skip"}
     graph["stages"]["judge"] = judge

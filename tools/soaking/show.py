@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -113,13 +114,13 @@ class Show:
         hosts = [self.run.pid, *(agent.process.pid for agent in self.agents.values())]
         return [pid for host in hosts for pid in children(host) if alive(pid)]
 
-    def kill_worker(self) -> None:
-        """SIGKILL."""
-        self._signal_worker(signal.SIGKILL)
-
-    def stop_worker(self) -> None:
-        """SIGSTOP: it hangs until its host kills it."""
-        self._signal_worker(signal.SIGSTOP)
+    def signal_worker(self, number: signal.Signals) -> None:
+        """SIGKILL; or SIGSTOP: it hangs until its host kills it."""
+        pids = self.workers()
+        if pids:
+            pid = self.chance.choice(pids)
+            self.killed.add(pid)
+            os.kill(pid, number)
 
     def kill_agent(self) -> None:
         """Kill the agent and start it again, as a service manager does."""
@@ -135,18 +136,11 @@ class Show:
         time.sleep(CUT_S)
         agent.signal(signal.SIGCONT)
 
-    def cut_link(self) -> None:
+    def cut_link(self, seconds: float) -> None:
         """The cable of a host is pulled and plugged in again."""
         name = self.chance.choice(SIDES)
         self.hosts.link(name, "down")
-        time.sleep(CUT_S)
-        self.hosts.link(name, "up")
-
-    def cut_link_for_long(self) -> None:
-        """The same for longer."""
-        name = self.chance.choice(SIDES)
-        self.hosts.link(name, "down")
-        time.sleep(LONG_S)
+        time.sleep(seconds)
         self.hosts.link(name, "up")
 
     def cut_one_way(self) -> None:
@@ -162,17 +156,11 @@ class Show:
         time.sleep(LONG_S)
         self.run.send_signal(signal.SIGCONT)
 
-    def keep_router_away(self) -> None:
+    def restart_router(self, seconds: float) -> None:
         """The router dies and is started again later."""
         self.router.kill()
         self.router.communicate()
-        time.sleep(LONG_S)
-        self.router = self._router()
-
-    def restart_router(self) -> None:
-        """The router dies and is started again."""
-        self.router.kill()
-        self.router.communicate()
+        time.sleep(seconds)
         self.router = self._router()
 
     def fill_disk(self) -> None:
@@ -197,13 +185,6 @@ class Show:
         with path.open("r+b") as file:  # its size must stay, because processes have it mapped
             file.write(struct.pack("<q", error))
 
-    def _signal_worker(self, number: signal.Signals) -> None:
-        pids = self.workers()
-        if pids:
-            pid = self.chance.choice(pids)
-            self.killed.add(pid)
-            os.kill(pid, number)
-
     def _router(self) -> subprocess.Popen[str]:
         router: subprocess.Popen[str] = self.hosts.start(
             "middle", "router", "--listen", self.endpoint, "--insecure"
@@ -220,16 +201,16 @@ class Show:
 
 
 FAULTS: dict[str, Callable[[Show], None]] = {
-    "worker killed": Show.kill_worker,
-    "worker hangs": Show.stop_worker,
+    "worker killed": partial(Show.signal_worker, number=signal.SIGKILL),
+    "worker hangs": partial(Show.signal_worker, number=signal.SIGSTOP),
     "agent killed": Show.kill_agent,
     "agent hangs": Show.stop_agent,
-    "link down": Show.cut_link,
-    "link down for long": Show.cut_link_for_long,
+    "link down": partial(Show.cut_link, seconds=CUT_S),
+    "link down for long": partial(Show.cut_link, seconds=LONG_S),
     "cut one way": Show.cut_one_way,
     "operator suspended": Show.stop_operator,
-    "router restarted": Show.restart_router,
-    "router away": Show.keep_router_away,
+    "router restarted": partial(Show.restart_router, seconds=0.0),
+    "router away": partial(Show.restart_router, seconds=LONG_S),
     "disk full": Show.fill_disk,
     "clock steps": Show.step_clock,
 }
