@@ -55,7 +55,7 @@ class RemoveTaps(_TapOrder):
     """Remove taps that `PlaceTaps` has placed, from workers that start later as well."""
 
     def check(self, plan: Plan, *, remote: bool) -> None:
-        """A tap that is not there is removed already."""
+        """Accept all: a tap that does not exist counts as removed."""
 
     def standing(self, before: Sequence[Relayed]) -> list[Relayed]:
         """The earlier orders without these taps."""
@@ -67,7 +67,7 @@ def _tap_class(tapping: Tapping) -> type[Stage]:
     kind = load_stage(tapping.uses)
     if not kind.tap or ports(kind).outputs:
         raise FollowspotError(
-            f"{tapping.uses} cannot look at {tapping.port} while the graph runs: it is no tap; "
-            "a sink that other programs need stands in the graph"
+            f"{tapping.uses} cannot be placed at {tapping.port} while the graph runs: it is no tap; "
+            "a sink that other programs need belongs in the graph"
         )
     return kind

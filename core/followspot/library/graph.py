@@ -31,11 +31,11 @@ class PortOf:
     policy: Literal["block", "drop_oldest", "latest"] | None = None
 
     def delayed(self, firings: int) -> PortOf:
-        """Feedback: the message of so many firings ago."""
+        """Feedback: the message of `firings` firings ago."""
         return replace(self, delay=firings)
 
     def queued(self, depth: int, policy: Literal["block", "drop_oldest", "latest"] | None = None) -> PortOf:
-        """With a capacity of so many messages, and the policy of a live run if the edge is full."""
+        """The port with an edge of this depth, messages, and what a live run does if it is full."""
         return replace(self, depth=depth, policy=policy)
 
     def to_data(self) -> Any:

@@ -19,7 +19,7 @@ from followspot.taps.receivers import Gaps
 from followspot.wire import unpack
 
 _PERIOD = 1.0
-"""Seconds between two looks whether the run has ended, or has moved a tapped stage to another host."""
+"""Seconds between two checks whether the run has ended, or has moved a tapped stage to another host."""
 _LEAVING = 3.0
 """Seconds for the last messages of a run to arrive."""
 
