@@ -7,7 +7,8 @@ each number of a row. A type whose table is another one overrides `Message.as_ta
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Sequence
 from functools import lru_cache
 from itertools import product
 from typing import Any, NamedTuple
@@ -20,6 +21,8 @@ from followspot.room import Room
 from followspot.tracking import STATES
 
 Table = Sequence[Cells]
+RESERVED = frozenset({"type", "source", "seq", "frame", "time", "time_ns", "rows"})
+"""Names that files and JSON use beside the table; a field with such a name becomes `message_time`."""
 
 
 def table_of(message: Message, room: Room) -> Table:
@@ -48,7 +51,7 @@ def head_of(kind: type[Message], room: Room) -> Table:
 def as_json(message: Message, room: Room) -> dict[str, Any]:
     """The message in JSON types: type, source, seq, time (ns), single values, and an object for each row."""
     source, seq, time, _ = message.header
-    fields = {name: _finite(getattr(message, name)) for name, _ in message.scalars}
+    fields = {_free(name): _finite(getattr(message, name)) for name, _ in message.scalars}
     found = {"type": type(message).__name__, "source": source, "seq": seq, "time": time} | fields
     if message.columns:
         table = [cells for cells in table_of(message, room) if cells.name not in fields]
@@ -85,7 +88,23 @@ def _layout(kind: type[Message]) -> _Layout:
     referred = {column.refers for column in kind.columns}
     single = tuple(name for name, _ in kind.scalars if name not in referred)
     by_target = kind.columns[:1] != () and kind.columns[0].shape[0] == "T" and "targets" not in referred
-    return _Layout(single, by_target, tuple((column, _heads(kind, column)) for column in kind.columns))
+    heads = {column: _heads(kind, column) for column in kind.columns}
+    count = Counter(head for each in (single, *heads.values()) for head in each)
+    taken = RESERVED | {head for head, times in count.items() if times > 1}
+    return _Layout(
+        single, by_target, tuple((column, _apart(column, each, taken)) for column, each in heads.items())
+    )
+
+
+def _apart(column: Column, heads: tuple[str, ...], taken: Collection[str]) -> tuple[str, ...]:
+    """Names that no other column has: xy_x for x, message_time for time. What the type says itself stays."""
+    if column.names or not any(head in taken for head in heads):
+        return heads
+    return tuple(_free(head) if head == column.name else f"{column.name}_{head}" for head in heads)
+
+
+def _free(name: str) -> str:
+    return f"message_{name}" if name in RESERVED else name
 
 
 def _heads(kind: type[Message], column: Column) -> tuple[str, ...]:
@@ -106,14 +125,16 @@ def _declared(message: Message, room: Room) -> Table:
     """The table that the declaration of the type says."""
     layout = _layout(type(message))  # type: ignore[arg-type]  # classes can be hashed
     count = len(getattr(message, message.columns[0].name)) if message.columns else 1
-    table = [Cells(name, [_finite(getattr(message, name))] * count) for name in layout.single]
+    table = [Cells(_free(name), [_finite(getattr(message, name))] * count) for name in layout.single]
     if layout.by_target:
         table.append(Cells("object", _named(np.arange(count), tuple(room.targets))))
     for column, heads in layout.columns:
         array: Array = getattr(message, column.name)
         if not heads:
             table.append(
-                Cells(column.name, _rows(message, column, count, room), column.unit, extra=column.extra)
+                Cells(
+                    _free(column.name), _rows(message, column, count, room), column.unit, extra=column.extra
+                )
             )
             continue
         names = _known(message, column.refers, room)

@@ -13,6 +13,7 @@ from followspot.people import Poses
 from followspot.tracking import Blobs, Candidates, Forecast, Positions, Tracks, Truth
 
 ROOM = Room(targets={name: Target(name, 0.1) for name in ("green", "red")})
+HEADER = Header("find/cam0", 3, 100_000_000)
 POSES = "person x y z_head_top phi r torso_heading head_pan head_tilt confidence camera"
 
 
@@ -42,7 +43,7 @@ def marks(*label: int) -> Marks:
         code=np.ones((n, 3), "u1"),
         size=np.array([64, 48], "i4"),
     )
-    return stamped(message, Header("find/cam0", 3, 100_000_000))
+    return stamped(message, HEADER)
 
 
 def names(kind: type[Message]) -> str:
@@ -110,10 +111,25 @@ def test_a_blob_that_may_be_no_target_keeps_its_row() -> None:
     assert [row[1] for row in rows_of(table_of(blobs, ROOM))] == ["green", "red", ""]
 
 
-def test_two_columns_of_one_name_are_refused() -> None:
-    class Twice(Message):
+def test_no_column_is_named_like_another_or_like_what_stands_before_it() -> None:
+    class Sample(Message):
+        time: float
         xy: Array = column("N", 2)
         x: Array = column("N")
+        frame: Array = column("N", dtype="i4")
+        rows: Array = column("N", "B")
+
+    assert names(Sample) == "message_time xy_x xy_y x message_frame message_rows"
+    message = stamped(Sample(0.5, np.ones((1, 2)), np.zeros(1), np.ones(1, "i4"), np.ones((1, 1))), HEADER)
+    found = as_json(message, ROOM)
+    assert (found["time"], found["message_time"]) == (HEADER.time, 0.5)
+    assert found["rows"] == [{"xy_x": 1.0, "xy_y": 1.0, "x": 0.0, "message_frame": 1, "message_rows": [1.0]}]
+
+
+def test_two_columns_that_a_type_names_alike_are_refused() -> None:
+    class Twice(Message):
+        xy: Array = column("N", 2, names="x y")
+        other: Array = column("N", names="x")
 
     with pytest.raises(FollowspotError, match=r"Twice has two columns x; give them names"):
         head_of(Twice, ROOM)

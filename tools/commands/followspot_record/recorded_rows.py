@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from followspot import Room
-from followspot.errors import FollowspotError
 from followspot.message_table import head_of, rows_of, table_of
 from followspot.messages import Message
 
@@ -28,10 +27,6 @@ def headings(kind: type[Message], room: Room) -> dict[str, str]:
     for name, values, *_ in head_of(kind, room):
         code = values.dtype.str if isinstance(values, np.ndarray) and values.dtype != object else TEXT
         columns[name] = code or scalars.get(name, TEXT)
-    if twice := _HEAD.keys() & columns.keys():
-        raise FollowspotError(
-            f"{kind.__name__} has a field named {min(twice)} like another column; export it to jsonl"
-        )
     return _HEAD | columns
 
 
