@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
-from followspot.accuracy import read_pose_truth_csv
 from followspot.errors import InputError, Mistake
 from followspot.people import PoseTruth
+from followspot_accuracy import read_pose_truth_csv
 from followspot_cameras.recordings import POSE_TRUTH
 
 

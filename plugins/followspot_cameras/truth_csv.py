@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from followspot import Field, InputPath, Source, Stage, StageParams, at
-from followspot.accuracy import read_truth_csv
 from followspot.tracking import Truth
+from followspot_accuracy import read_truth_csv
 
 
 class TruthCsv(Stage):

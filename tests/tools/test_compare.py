@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from followspot.accuracy import TargetScore, TrackTable
 from followspot.cli.main import build_parser, main
 from followspot.errors import InputError
 from followspot.testing.tiny_room import tiny_room
+from followspot_accuracy import TargetScore, TrackTable
 from followspot_compare.columns import COLUMNS
 from followspot_compare.command import plan_scenes
 from followspot_compare.plot import MISSING, draw

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 import pytest
 
-from followspot.accuracy import PersonsScore, PoseTable, PoseTruthTable, score_persons
 from followspot.cli.main import main
+from followspot_accuracy import PersonsScore, PoseTable, PoseTruthTable, score_persons
 from followspot_compare.persons import PERSON_COLUMNS, persons_means, persons_text
 from followspot_compare.report import Comparison, data, text
 from followspot_compare.trial import Trial

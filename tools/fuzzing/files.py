@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from followspot import accuracy, room_file
-from followspot.accuracy.persons.tables import POSE_COLUMNS, TRUTH_COLUMNS
+import followspot_accuracy as accuracy
+from followspot import room_file
 from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
+from followspot_accuracy.persons.tables import POSE_COLUMNS, TRUTH_COLUMNS
 from followspot_calibrate.points_file.reading import read_points
 from followspot_room.calibration import read_calibration
 from fuzzing.mutation import broken_bytes, broken_text

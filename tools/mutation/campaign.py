@@ -38,7 +38,7 @@ MODULES = (
     "core/followspot/operator",
     "core/followspot/control",
     "core/followspot/security",
-    "core/followspot/accuracy",
+    "plugins/followspot_accuracy",
     "tools/commands/followspot_calibrate",
 )
 SLOWER, AT_LEAST_S = 5.0, 30.0

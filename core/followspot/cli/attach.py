@@ -47,7 +47,7 @@ def _run(args: argparse.Namespace) -> int:
     if attachment.stopped:
         print("the run goes on; come back with followspot attach", file=sys.stderr)
         return 0
-    whole = Report(report, Path(), {}, None)
+    whole = Report(report, Path(), {})
     print(json.dumps(whole.to_json()) if args.json else whole)
     for host, folder in report.outs.items():
         print(f"outputs on {host}: {folder}", file=sys.stderr)

@@ -76,7 +76,7 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
     """Run a plan with the given options and print the summary. Returns the exit code."""
     from followspot.cli.progress import ProgressBar
     from followspot.cli.run_log import ShownLog
-    from followspot.library.execute import RunOptions, run_person_scores, run_plan, run_scores
+    from followspot.library.execute import RunOptions, run_plan, run_scores
     from followspot.library.report import Report
 
     plan = placed(plan, args.host)
@@ -107,12 +107,11 @@ def execute(plan: Plan, args: argparse.Namespace) -> int:
         )
     try:
         seconds = _SOON if report.stopped else math.inf
-        targets = run_scores(plan, out, report.frames, seconds)
-        persons = run_person_scores(plan, out, report.frames, seconds)
+        scores = run_scores(plan, out, report.frames, seconds)
     except FollowspotError as error:  # the run has ended; print its summary all the same
         print(f"followspot: cannot score the run: {error}", file=sys.stderr)
-        targets, persons = {}, None
-    whole = Report(report, out, targets, persons)
+        scores = {}
+    whole = Report(report, out, scores)
     if args.json:
         print(json.dumps(whole.to_json()))
     else:

@@ -15,12 +15,11 @@ from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
 from followspot.graph.warnings import warnings
-from followspot.people import PoseTruth
+from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.room import SETS, Room, StageUse
 from followspot.stage import Stage
-from followspot.tracking import Truth
 
 
 @dataclass(frozen=True)
@@ -184,8 +183,10 @@ def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
     if stage is None:
         return expanded.room
     found = ports(stage)
-    if not found.source or [output.type for output in found.outputs] not in ([Truth], [PoseTruth]):
-        text = f"the truth of a room is a source of Truth or PoseTruth, and {truth.uses} is none"
+    known = [scorer.load().truth for scorer in load_scorers()]
+    if not found.source or [output.type for output in found.outputs] not in [[kind] for kind in known]:
+        names = " or ".join(kind.__name__ for kind in known)
+        text = f"the truth of a room is a source of {names}, and {truth.uses} is none"
         mistakes.append(Mistake(uses.place, text, "for example cameras.truth_csv"))
         return expanded.room
     params = child(node, "with")

@@ -7,9 +7,7 @@ from followspot.operator.launch import run_plan
 from followspot.operator.report import RunReport
 from followspot.operator.scored import scored_file
 from followspot.operator.truth import (
-    poses_score,
     room_truth,
-    run_person_scores,
     run_scores,
 )
 from followspot.worker.wiring import RunOptions
@@ -19,9 +17,7 @@ __all__ = [
     "Progress",
     "RunOptions",
     "RunReport",
-    "poses_score",
     "room_truth",
-    "run_person_scores",
     "run_plan",
     "run_scores",
     "scored_file",

@@ -8,31 +8,24 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from followspot.accuracy import PersonsScore, TargetScore, persons_table, persons_to_json, table, to_json
 from followspot.library.table import Table
 from followspot.operator import summary
 from followspot.operator.report import RunReport
 from followspot.operator.silence import Silence
+from followspot.scoring import Score
 from followspot.worker.ledger import COUNTS
 
 
 class Report:
     """Report of a run that has ended: ledger, latency and accuracy as tables, warnings and errors.
 
-    out: the folder of its outputs; targets, persons: scores of each, if the room has ground truth.
+    out: the folder of its outputs; scores: of targets or persons, if the room has ground truth.
     """
 
-    def __init__(
-        self,
-        run: RunReport,
-        out: Path,
-        targets: Mapping[str, TargetScore],
-        persons: PersonsScore | None,
-    ) -> None:
+    def __init__(self, run: RunReport, out: Path, scores: Mapping[str, Score]) -> None:
         self.run = run
         self.out = out
-        self.targets = dict(targets)
-        self.persons = persons
+        self.scores = dict(scores)
 
     @property
     def frames(self) -> int:
@@ -92,20 +85,20 @@ class Report:
 
     @cached_property
     def accuracy(self) -> Table:
-        """A row for each target; empty if the room has no ground truth."""
-        found = to_json(self.targets)
-        columns = list(next(iter(found.values()), {}))
-        return Table(("target", *columns), [(name, *row.values()) for name, row in found.items()])
+        """A row for each target or person; empty if the room has no ground truth."""
+        for score in self.scores.values():
+            found = score.to_data()
+            columns = list(next(iter(found.values()), {}))
+            rows = [(name, *(row.get(column) for column in columns)) for name, row in found.items()]
+            return Table((score.noun, *columns), rows)
+        return Table(("target",), [])
 
     def to_json(self) -> dict[str, Any]:
         """The whole report in JSON types, as ``followspot run --json`` prints it."""
-        persons = persons_to_json(self.persons) if self.persons is not None else {}
-        return summary.data(self.run, to_json(self.targets), persons)
+        return summary.data(self.run, {name: score.to_data() for name, score in self.scores.items()})
 
     def __repr__(self) -> str:
-        tables = [table(self.targets)] * bool(self.targets)
-        tables += [persons_table(self.persons)] if self.persons is not None else []
-        return summary.text(self.run, "\n\n".join(tables))
+        return summary.text(self.run, "\n\n".join(map(str, self.scores.values())))
 
     def _repr_html_(self) -> str:
         return f"<pre>{escape(repr(self))}</pre>"

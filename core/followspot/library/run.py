@@ -26,7 +26,7 @@ from followspot.operator.launch import prepared
 from followspot.operator.report import RunReport
 from followspot.operator.run_dispatcher import run_dispatcher
 from followspot.operator.run_requests import Surroundings
-from followspot.operator.truth import run_person_scores, run_scores
+from followspot.operator.truth import run_scores
 from followspot.transport.zenoh.network import Network
 from followspot.worker.wiring import RunOptions
 
@@ -194,8 +194,7 @@ class OwnRun(ScriptHandle):
         if self._report is None:
             raise RunFailed(str(self._error)) from self._error
         plan, frames = self._subscribed.plan, self._report.frames
-        targets, persons = run_scores(plan, self.out, frames), run_person_scores(plan, self.out, frames)
-        self._whole = Report(self._report, self.out, targets, persons)
+        self._whole = Report(self._report, self.out, run_scores(plan, self.out, frames))
         return self._whole
 
     def _live(self, ready: AbstractContextManager[Ready]) -> None:

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from followspot.operator.report import RunReport
+from followspot.plugins.hooks import load_scorers
 from followspot.tables import table
 from followspot.worker.ledger import COUNTS, EdgeCount
 
@@ -41,8 +42,8 @@ def text(report: RunReport, accuracy: str) -> str:
     return "\n\n".join(parts)
 
 
-def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, Any]) -> dict[str, Any]:
-    """The summary in JSON types. targets, persons: figures of each, empty if the truth is unknown."""
+def data(report: RunReport, scores: Mapping[str, Any]) -> dict[str, Any]:
+    """The summary in JSON types. scores: figures by scorer, empty if the truth is unknown."""
     return {
         "graph": report.plan.graph,
         "room": report.plan.room.name,
@@ -50,8 +51,7 @@ def data(report: RunReport, targets: Mapping[str, Any], persons: Mapping[str, An
         "seconds": round(report.seconds, 6),
         "stopped": report.stopped,
         "ok": report.ok,
-        "targets": dict(targets),
-        "persons": dict(persons),
+        **{scorer.name: scores.get(scorer.name, {}) for scorer in load_scorers()},
         "paths": [
             {
                 "from": path.origin,

@@ -82,6 +82,17 @@ class RecordingReader:
     open: Callable[[Path], Any]
 
 
+@dataclass(frozen=True)
+class Scorer:
+    """Scores runs against one kind of ground truth. name: of its scores in summaries, for example "targets".
+
+    load: gives the `followspot.scoring.Scoring`; it is called when there is something to score.
+    """
+
+    name: str
+    load: Callable[[], Any]
+
+
 class Hooks:
     """Specifications of the hooks."""
 
@@ -97,6 +108,10 @@ class Hooks:
     def followspot_recording_readers(self) -> Sequence[RecordingReader]:  # type: ignore[empty-body]
         """Formats of recordings that scripts can open."""
 
+    @hookspec
+    def followspot_scorers(self) -> Sequence[Scorer]:  # type: ignore[empty-body]
+        """Scores of runs against ground truth."""
+
 
 @dataclass(frozen=True)
 class HookModule:
@@ -110,22 +125,24 @@ class HookModule:
 
 @dataclass(frozen=True)
 class LoadedHooks:
-    """All hook modules with their commands, options and readers."""
+    """All hook modules with their commands, options, readers and scorers."""
 
     modules: tuple[HookModule, ...]
     commands: tuple[Command, ...]
     plan_options: tuple[PlanOptions, ...]
     readers: tuple[RecordingReader, ...] = ()
+    scorers: tuple[Scorer, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Offer:
-    """Commands, options and readers of one module; problem: why some are missing."""
+    """Commands, options, readers and scorers of one module; problem: why some are missing."""
 
     problem: str = ""
     commands: list[Command] = field(default_factory=list)
     plan_options: list[PlanOptions] = field(default_factory=list)
     readers: list[RecordingReader] = field(default_factory=list)
+    scorers: list[Scorer] = field(default_factory=list)
 
 
 @cache
@@ -135,12 +152,14 @@ def load_hooks() -> LoadedHooks:
     commands: list[Command] = []
     plan_options: list[PlanOptions] = []
     readers: list[RecordingReader] = []
+    scorers: list[Scorer] = []
     taken = dict.fromkeys(RESERVED, "followspot")
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
         offer = _load(entry)
         problem = offer.problem
         plan_options += offer.plan_options
         readers += offer.readers
+        scorers += offer.scorers
         for command in offer.commands:
             other = taken.get(command.title) or taken.get(command.parent or "")
             if other:
@@ -150,12 +169,17 @@ def load_hooks() -> LoadedHooks:
                 commands.append(command)
         distribution = entry.dist.name if entry.dist is not None else "?"
         modules.append(HookModule(entry.name, entry.value, distribution, problem))
-    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options), tuple(readers))
+    return LoadedHooks(tuple(modules), tuple(commands), tuple(plan_options), tuple(readers), tuple(scorers))
 
 
 def load_commands() -> Sequence[Command]:
     """The commands of all hook modules that are well."""
     return load_hooks().commands
+
+
+def load_scorers() -> Sequence[Scorer]:
+    """The scorers of all hook modules that are well."""
+    return load_hooks().scorers
 
 
 def load_plan_options() -> Sequence[PlanOptions]:
@@ -175,6 +199,7 @@ def _load(entry: EntryPoint) -> _Offer:
         commands = [command for offered in manager.hook.followspot_commands() for command in offered]
         options = [option for offered in manager.hook.followspot_plan_options() for option in offered]
         readers = [reader for offered in manager.hook.followspot_recording_readers() for reader in offered]
+        scorers = [scorer for offered in manager.hook.followspot_scorers() for scorer in offered]
     except (Exception, SystemExit) as error:
         return _Offer(" ".join(f"{type(error).__name__}: {error}".split()))
     if not all(isinstance(command, Command) for command in commands):
@@ -183,7 +208,9 @@ def _load(entry: EntryPoint) -> _Offer:
         return _Offer("followspot_plan_options returns something that is no PlanOptions")
     if not all(isinstance(reader, RecordingReader) for reader in readers):
         return _Offer("followspot_recording_readers returns something that is no RecordingReader")
-    return _Offer(problem, commands, options, readers)
+    if not all(isinstance(scorer, Scorer) for scorer in scorers):
+        return _Offer("followspot_scorers returns something that is no Scorer")
+    return _Offer(problem, commands, options, readers, scorers)
 
 
 def _silent(module: object) -> str:

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from followspot import Camera, Context, Room, room_file
-from followspot.accuracy import read_pose_truth_csv
 from followspot.cli.main import main
 from followspot.geometry import project
 from followspot.messages import Header, seal
+from followspot_accuracy import read_pose_truth_csv
 from followspot_sim.actor.body import SKULL
 from followspot_sim.actor.camera import PersonCamera
 from followspot_sim.actor.cast import cast_of

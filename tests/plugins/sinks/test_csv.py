@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from followspot import Context, FollowspotError, Header, InputError, Room, Target
-from followspot.accuracy import read_tracks_csv
 from followspot.messages import stamped
 from followspot.tracking import Blobs, Tracks
+from followspot_accuracy import read_tracks_csv
 from followspot_sinks.csv_file import CsvFile
 
 ROOM = Room(targets={"green": Target("green", 0.1), "red": Target("red", 0.1)})

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from followspot import Camera, Context, Header, Room
-from followspot.accuracy import read_pose_truth_csv, read_poses_csv
 from followspot.messages import stamped
 from followspot.people import Poses, as_seen
 from followspot.testing import check_stage
+from followspot_accuracy import read_pose_truth_csv, read_poses_csv
 from followspot_sinks.csv_file import CsvFile
 
 PERSONS = Path(__file__).parents[3] / "../shared/data/persons-dev"

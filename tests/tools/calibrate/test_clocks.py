@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot import Room, room_file
-from followspot.accuracy import TrackTable
 from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.tracking import MISSING, TRACKED
+from followspot_accuracy import TrackTable
 from followspot_calibrate.clocks.command import check, with_offsets
 from followspot_calibrate.clocks.estimation import Offsets, estimated
 from followspot_calibrate.clocks.moments import moments, velocities

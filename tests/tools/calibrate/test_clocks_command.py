@@ -52,7 +52,8 @@ def errors(room: Path, offset: Array | None, out: Path) -> Array:
     if offset is not None:
         plan = replace(plan, room=with_offsets(plan.room, offset))
     report = run_plan(plan, RunOptions(out, frames=30))
-    return np.array([score.rmse_mm for score in run_scores(plan, out, report.frames).values()])
+    scores = run_scores(plan, out, report.frames)["targets"].to_data()
+    return np.array([one["rmse_mm"] for one in scores.values()])
 
 
 def test_offsets_are_found_and_track_as_well_as_if_they_were_known(

@@ -11,7 +11,6 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from followspot.accuracy import TrackTable, read_tracks_csv
 from followspot.cli.progress import ProgressBar
 from followspot.csv_rows import read_rows
 from followspot.errors import FollowspotError, InputError
@@ -22,6 +21,7 @@ from followspot.messages import Array
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
 from followspot.tracking import TRACKED, Blobs, Tracks
+from followspot_accuracy import TrackTable, read_tracks_csv
 
 SIGHTINGS = "sightings.csv"
 """Written by the stage that is added to the graph, in the run's output folder."""

@@ -10,13 +10,13 @@ from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot.accuracy import PoseTruthTable, TruthTable
 from followspot.cli.graph_options import output_folder
 from followspot.cli.progress import ProgressBar
 from followspot.cli.trial_options import check_rooms, planned
 from followspot.errors import InputError, Mistake
 from followspot.graph.plan import Plan
 from followspot.library.execute import RunOptions, room_truth
+from followspot_accuracy import PoseTruthTable, TruthTable
 from followspot_compare.plot import draw
 from followspot_compare.report import Comparison, data, text
 from followspot_compare.trial import Trial, run_trial

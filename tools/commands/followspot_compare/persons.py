@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from followspot.accuracy import PersonsScore
 from followspot.tables import table
+from followspot_accuracy import PersonsScore
 from followspot_compare.columns import Column, finite, mean
 
 Scores = Sequence[PersonsScore]

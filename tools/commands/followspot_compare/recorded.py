@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from followspot.accuracy import TrackTable
 from followspot.files import open_text
 from followspot.messages import Array
 from followspot.room import Camera
 from followspot.tracking import TRACKED
+from followspot_accuracy import TrackTable
 
 POSITIONS = "positions.jsonl"
 """Messages `Positions` in a run's output folder."""

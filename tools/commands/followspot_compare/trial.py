@@ -8,7 +8,19 @@ from pathlib import Path
 
 import numpy as np
 
-from followspot.accuracy import (
+from followspot.errors import FollowspotError
+from followspot.graph.plan import Plan
+from followspot.library.execute import (
+    OnProgress,
+    RunOptions,
+    RunReport,
+    run_plan,
+    scored_file,
+)
+from followspot.messages import Array, Message
+from followspot.people import Poses
+from followspot.tracking import Tracks
+from followspot_accuracy import (
     PersonsScore,
     PoseTruthTable,
     TargetScore,
@@ -17,21 +29,9 @@ from followspot.accuracy import (
     read_tracks_csv,
     score,
 )
-from followspot.accuracy.targets.figures import jerk_cost
-from followspot.accuracy.targets.scoring import trajectory
-from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
-from followspot.library.execute import (
-    OnProgress,
-    RunOptions,
-    RunReport,
-    poses_score,
-    run_plan,
-    scored_file,
-)
-from followspot.messages import Array, Message
-from followspot.people import Poses
-from followspot.tracking import Tracks
+from followspot_accuracy.scorings import PosesScoring
+from followspot_accuracy.targets.figures import jerk_cost
+from followspot_accuracy.targets.scoring import trajectory
 from followspot_compare.recorded import detection_errors, read_fused
 
 
@@ -86,7 +86,7 @@ def run_trial(
     measured = (variant, room, report.frames, report.seconds, tracking_ms(report))
     if isinstance(truth, PoseTruthTable):
         poses = _written(plan, Poses, options.out)
-        return Trial(*measured, {}, (), poses_score(plan.room, poses, truth))
+        return Trial(*measured, {}, (), PosesScoring().score(poses, truth, plan.room).persons)
     targets, iterations = _figures(plan, options.out, truth)
     return Trial(*measured, targets, tuple(iterations.tolist()))
 

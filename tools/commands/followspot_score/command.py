@@ -6,7 +6,11 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.accuracy import (
+from followspot.csv_rows import header_of
+from followspot.errors import InputError
+from followspot.messages import Array
+from followspot.room_file import load
+from followspot_accuracy import (
     persons_table,
     persons_to_json,
     read_pose_truth_csv,
@@ -18,10 +22,6 @@ from followspot.accuracy import (
     table,
     to_json,
 )
-from followspot.csv_rows import header_of
-from followspot.errors import InputError
-from followspot.messages import Array
-from followspot.room_file import load
 from followspot_score.plot import draw
 
 

@@ -6,13 +6,30 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from followspot.plugins.hooks import Command, hookimpl
+from followspot.plugins.hooks import Command, Scorer, hookimpl
 
 
 @hookimpl
 def followspot_commands() -> Sequence[Command]:
     """The command `score`."""
     return [Command("score", configure, run)]
+
+
+@hookimpl
+def followspot_scorers() -> Sequence[Scorer]:
+    """Scores of tracks of targets, and of poses of persons."""
+
+    def targets() -> object:
+        from followspot_accuracy.scorings import TracksScoring
+
+        return TracksScoring()
+
+    def persons() -> object:
+        from followspot_accuracy.scorings import PosesScoring
+
+        return PosesScoring()
+
+    return [Scorer("targets", targets), Scorer("persons", persons)]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

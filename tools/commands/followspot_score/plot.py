@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from followspot.accuracy.persons.errors import PoseErrors, together
-from followspot.accuracy.persons.matching import UNMATCHED, match
-from followspot.accuracy.persons.scoring import errors_of
-from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot.errors import writing
+from followspot_accuracy.persons.errors import PoseErrors, together
+from followspot_accuracy.persons.matching import UNMATCHED, match
+from followspot_accuracy.persons.scoring import errors_of
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

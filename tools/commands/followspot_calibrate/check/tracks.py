@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from followspot import Room
-from followspot.accuracy import read_tracks_csv
 from followspot.errors import InputError
 from followspot.geometry import Views
 from followspot.messages import Array
+from followspot_accuracy import read_tracks_csv
 from followspot_calibrate.tracked import SIGHTINGS, Tracked, in_order, in_room, moments_at, read_blobs
 
 REACH = 0.03

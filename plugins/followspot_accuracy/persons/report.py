@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from textwrap import dedent
 from typing import Any
 
-from followspot.accuracy.persons.scoring import PersonScore, PersonsScore, Spread
 from followspot.tables import table
+from followspot_accuracy.persons.scoring import PersonScore, PersonsScore, Spread
 
 ALL = "all"
 """Stands for all persons together."""

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.persons.matching import UNMATCHED, Matches
-from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
 from followspot.messages import Array
+from followspot_accuracy.persons.matching import UNMATCHED, Matches
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
 
 SEEN = 0.5
 """Visible share of the upper body from which a person has to be tracked."""

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from followspot.accuracy.statistics import statistic
 from followspot.geometry import project
 from followspot.messages import Array
 from followspot.room import Camera
+from followspot_accuracy.statistics import statistic
 
 PAPER_UNIT = 4.572
 """15 ft, the unit of length of Jin & Qian 2008, m."""

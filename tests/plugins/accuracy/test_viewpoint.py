@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from followspot.operator.truth import viewpoint
 from followspot.testing import tiny_room
+from followspot_accuracy.scorings import viewpoint
 
 
 def test_the_only_camera_is_the_viewpoint_and_several_have_the_origin() -> None:

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.persons.errors import PoseErrors, pose_errors, together
-from followspot.accuracy.persons.matching import REACH, UNMATCHED, Matches, match
-from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
-from followspot.accuracy.persons.visits import SEEN, Coming, coming, switches
-from followspot.accuracy.statistics import share, statistic
 from followspot.messages import Array
+from followspot_accuracy.persons.errors import PoseErrors, pose_errors, together
+from followspot_accuracy.persons.matching import REACH, UNMATCHED, Matches, match
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
+from followspot_accuracy.persons.visits import SEEN, Coming, coming, switches
+from followspot_accuracy.statistics import share, statistic
 
 NEAR, WIDE, FLIPPED = 22.5, 45.0, 135.0
 """Errors of the torso's heading up to which it is right, roughly right, and from which it is flipped, deg."""

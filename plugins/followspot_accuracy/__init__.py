@@ -6,18 +6,18 @@ result with `table` or `to_json`. Of persons: likewise `read_poses_csv`, `read_p
 of the tracker.
 """
 
-from followspot.accuracy.persons.report import persons_table, persons_to_json
-from followspot.accuracy.persons.scoring import PersonScore, PersonsScore, score_persons
-from followspot.accuracy.persons.tables import (
+from followspot_accuracy.persons.report import persons_table, persons_to_json
+from followspot_accuracy.persons.scoring import PersonScore, PersonsScore, score_persons
+from followspot_accuracy.persons.tables import (
     PoseTable,
     PoseTruthTable,
     pose_truth_of,
     read_pose_truth_csv,
     read_poses_csv,
 )
-from followspot.accuracy.targets.report import table, to_json
-from followspot.accuracy.targets.scoring import TargetScore, score
-from followspot.accuracy.targets.tables import (
+from followspot_accuracy.targets.report import table, to_json
+from followspot_accuracy.targets.scoring import TargetScore, score
+from followspot_accuracy.targets.tables import (
     TrackTable,
     TruthTable,
     read_tracks_csv,

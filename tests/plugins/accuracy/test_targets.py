@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot import Camera, InputError, Room, at
-from followspot.accuracy import (
+from followspot.tracking import MISSING, TRACKED, Truth
+from followspot_accuracy import (
     TargetScore,
     TrackTable,
     TruthTable,
@@ -21,9 +22,8 @@ from followspot.accuracy import (
     to_json,
     truth_of,
 )
-from followspot.accuracy.statistics import nearest
-from followspot.accuracy.targets.figures import PAPER_UNIT, jerk_cost, recoveries
-from followspot.tracking import MISSING, TRACKED, Truth
+from followspot_accuracy.statistics import nearest
+from followspot_accuracy.targets.figures import PAPER_UNIT, jerk_cost, recoveries
 
 GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"
 needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")

@@ -11,7 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot import InputError, at
-from followspot.accuracy import (
+from followspot.geometry import wrap
+from followspot.people import PoseTruth
+from followspot_accuracy import (
     PersonsScore,
     PoseTable,
     PoseTruthTable,
@@ -22,9 +24,7 @@ from followspot.accuracy import (
     read_poses_csv,
     score_persons,
 )
-from followspot.accuracy.persons.visits import switches
-from followspot.geometry import wrap
-from followspot.people import PoseTruth
+from followspot_accuracy.persons.visits import switches
 
 PERSONS = Path(__file__).parents[2] / "../shared/data/persons-dev"
 needs_shared = pytest.mark.skipif(not PERSONS.parents[1].exists(), reason="needs ../shared")

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.persons.tables import PoseTable, PoseTruthTable
-from followspot.accuracy.statistics import half_interval, nearest
 from followspot.messages import Array
+from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
+from followspot_accuracy.statistics import half_interval, nearest
 
 REACH = 0.5
 """Largest distance on the floor at which a pose covers a person, m; farther from everybody it is false."""

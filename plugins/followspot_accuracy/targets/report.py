@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from textwrap import dedent
 from typing import Any
 
-from followspot.accuracy.targets.scoring import TargetScore
 from followspot.tables import table as drawn
+from followspot_accuracy.targets.scoring import TargetScore
 
 HEADINGS = (
     "target",

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from followspot.accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
-from followspot.accuracy.targets.figures import jerk_cost, recoveries, reprojection, switches
-from followspot.accuracy.targets.tables import TrackTable, TruthTable
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.tracking import TRACKED
+from followspot_accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
+from followspot_accuracy.targets.figures import jerk_cost, recoveries, reprojection, switches
+from followspot_accuracy.targets.tables import TrackTable, TruthTable
 
 REACH = 0.15
 """Largest distance at which a position counts as that of the target, m: one ball diameter."""
