@@ -33,14 +33,16 @@ ROOT = Path(__file__).parent.parent
 
 
 class Mix(NamedTuple):
-    """So many colour and infrared cameras, and the number of targets; 0: all of the room."""
+    """So many colour, infrared and depth cameras, and the number of targets; 0: all of the room."""
 
     color: int
     infrared: int
     targets: int = 0
+    depth: int = 0
 
     def __str__(self) -> str:
-        kinds = [f"{n} {kind}" for n, kind in ((self.color, "colour"), (self.infrared, "infrared")) if n]
+        counts = (self.color, "colour"), (self.infrared, "infrared"), (self.depth, "depth")
+        kinds = [f"{n} {kind}" for n, kind in counts if n]
         return " + ".join(kinds) + (", one target" if self.targets == 1 else "")
 
 
@@ -60,8 +62,12 @@ MIXES = (
 
 def part(room: Room, mix: Mix, seed: int, frames: int) -> Room:
     """The cameras and targets of a mix, in another performance."""
-    names = [n for n, c in room.cameras.items() if c.kind == "color"][: mix.color]
-    names += [n for n, c in room.cameras.items() if c.kind == "infrared"][: mix.infrared]
+    counts = {"color": mix.color, "infrared": mix.infrared, "depth": mix.depth}
+    names = [
+        name
+        for kind, count in counts.items()
+        for name in [n for n, c in room.cameras.items() if c.kind == kind][:count]
+    ]
     targets = list(room.targets)[: mix.targets or None]
     change = {"seed": seed, "frames": frames}
     return replace(
@@ -133,7 +139,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, nargs="+", default=[101, 102, 103, 104])
     parser.add_argument("--frames", type=int, default=600)
     parser.add_argument("--set", action="append", default=[], metavar="STAGE.KEY=VALUE")
-    parser.add_argument("--mix", nargs="+", help="only these: 3+3, 0+3:1 (one target)")
+    parser.add_argument("--mix", nargs="+", help="only these: 3+3, 0+3:1 (one target), 0+0+2 (depth)")
     args = parser.parse_args()
     room = room_file.load(args.room)
     settings = dict(text.split("=", 1) for text in args.set)
@@ -150,10 +156,10 @@ def main() -> None:
 
 
 def parsed(text: str) -> Mix:
-    """A mix as it is written: 2+1, or 0+3:1 for one target."""
+    """A mix as it is written: 2+1, 0+3:1 for one target, or 1+1+2 with two depth cameras."""
     cameras, _, targets = text.partition(":")
-    color, infrared = map(int, cameras.split("+"))
-    return Mix(color, infrared, int(targets or 0))
+    color, infrared, *depth = map(int, cameras.split("+"))
+    return Mix(color, infrared, int(targets or 0), *depth)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,6 @@ from followspot_balls.search import (
     lost_targets,
     search_spheres,
     target_radii,
-    tracked_targets,
 )
 from followspot_balls.spheres import Lens, Spheres, spheres
 
@@ -34,7 +33,8 @@ forecast over its radius."""
 class DepthBlobs(Stage):
     """Find spheres of the targets' radii near the forecasts, in the whole image for lost targets.
 
-    A depth image shows no colour: targets of one radius are told apart by their forecasts alone.
+    A depth image shows no colour: a sphere may be any target of its radius that is lost, until
+    `balls.gather` says which.
     """
 
     per_camera = True
@@ -178,7 +178,7 @@ class DepthBlobs(Stage):
         unlabelled = np.zeros(len(evident), bool)
         targets = in_search_spheres(found.xyz, unlabelled, forecast, self.radii, self.reach)
         targets &= found.radius[:, None] == self.radii
-        targets &= ~lost | (evident[:, None] & self.known_by_exclusion(forecast))
+        targets &= ~lost | evident[:, None]
         if forecast is None or lost.all():
             return targets
         offset = found.xyz[:, None] - forecast.xyz
@@ -187,12 +187,6 @@ class DepthBlobs(Stage):
             found.one_sided >= FOLLOWED_ONE_SIDED
         )
         return np.asarray(targets & (evident[:, None] | (near & ball[:, None])))
-
-    def known_by_exclusion(self, forecast: Forecast | None) -> Array:
-        """Which targets are the only one of their radius that is not tracked: (T,) bool."""
-        absent = ~tracked_targets(forecast, len(self.radii))
-        alike = self.radii[:, None] == self.radii
-        return np.asarray(absent & (alike @ absent.astype(int) == 1))
 
     def state(self) -> Any:
         return {"frames": self.frames, "background": self.background} if self.params.learning_frames else None

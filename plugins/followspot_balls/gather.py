@@ -1,29 +1,59 @@
-"""Candidates of several stages in one message."""
+"""Candidates of several stages in one message, and whose they are."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from followspot import Joined, Stage
-from followspot.tracking import Candidates
+from followspot import Array, Field, Joined, Latest, Stage, StageParams
+from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.search import lost_targets, target_radii, tracked_targets
+from followspot_balls.single_view import images
 
 
 class Gather(Stage):
-    """Put the candidates of several depth cameras, and of pairs of other cameras, into one message."""
+    """Put the candidates of depth cameras, and of pairs of other cameras, into one message.
+
+    What a depth camera found has no name. A blob of a colour camera at the same place gives it one. Without a
+    name it may be a lost target only if all others of that radius are tracked.
+    """
+
+    class Params(StageParams):
+        label_radius: float = Field(
+            1.0,
+            gt=0,
+            unit="1",
+            description="distance of a colour blob from a candidate's image up to which it names it, over "
+            "the ball's radius; raising it tolerates bad calibration",
+        )
+
+    params: Params
 
     def setup(self) -> None:
+        cameras = self.room.cameras.values()
         self.cameras = tuple(self.room.cameras)
-        targets = np.zeros((0, len(self.room.targets)), bool)
+        self.color = {name for name, camera in self.room.cameras.items() if camera.kind == "color"}
+        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.focal = np.array([c.matrix[0, 0] for c in cameras])
+        self.radii = target_radii(self.room)
+        targets = np.zeros((0, len(self.radii)), bool)
         self.nothing = replace(Candidates.empty(), cameras=self.cameras, targets=targets)
 
-    def process(self, candidates: Joined[Candidates]) -> Candidates:
+    def process(
+        self,
+        candidates: Joined[Candidates],
+        blobs: Joined[Blobs] = (),
+        forecast: Latest[Forecast] = None,
+    ) -> Candidates:
         parts = [self.numbered(part) for part in candidates if len(part.xyz)]
-        if len(parts) < 2:
-            return parts[0] if parts else self.nothing
+        if not parts:
+            return self.nothing
+        if len(parts) == 1:
+            return self.named(parts[0], blobs, forecast)
         columns = {name: np.concatenate([getattr(p, name) for p in parts]) for name in Candidates.array_names}
-        return Candidates(cameras=self.cameras, **columns)
+        return self.named(Candidates(cameras=self.cameras, **columns), blobs, forecast)
 
     def numbered(self, part: Candidates) -> Candidates:
         """The candidates with views that are numbers of the room's cameras. Raises ValueError."""
@@ -31,3 +61,40 @@ class Gather(Stage):
             return part
         number = np.array([self.cameras.index(name) for name in part.cameras], np.int32)
         return replace(part, cameras=self.cameras, view=number[part.view])
+
+    def named(self, found: Candidates, blobs: Sequence[Blobs], forecast: Forecast | None) -> Candidates:
+        """The candidates; those of depth cameras with the names that colour gives them, or none."""
+        alone = (found.view[:, 0] == found.view[:, 1]) & ~found.labelled
+        if not alone.any():
+            return found
+        targets = found.targets & self.colored(found.xyz, blobs)
+        labelled = alone & targets.any(axis=1)
+        unnamed = found.targets & (
+            ~lost_targets(forecast, len(self.radii)) | self.known_by_exclusion(forecast)
+        )
+        targets = np.where(labelled[:, None], targets, np.where(alone[:, None], unnamed, found.targets))
+        found = replace(found, targets=targets, labelled=found.labelled | labelled)
+        rows = np.flatnonzero(targets.any(axis=1))
+        return found if len(rows) == len(targets) else found.where(rows)
+
+    def colored(self, xyz: Array, blobs: Sequence[Blobs]) -> Array:
+        """Which points colour blobs show as which targets: (N, T) bool. xyz: (N, 3) m."""
+        shown = np.zeros((len(xyz), len(self.radii)), bool)
+        for one in blobs:
+            if one.camera not in self.color or not len(one.xy):
+                continue
+            number = self.cameras.index(one.camera)
+            pixel = images(self.P[number : number + 1], xyz[None])[0][0]
+            depth = xyz @ self.P[number, 2, :3] + self.P[number, 2, 3]
+            reach = (
+                self.params.label_radius * self.focal[number] * self.radii / np.maximum(depth, 1e-9)[:, None]
+            )
+            apart = np.hypot(*(pixel[:, None] - one.xy).transpose(2, 0, 1))
+            shown |= ((apart[..., None] <= reach[:, None]) & one.targets).any(axis=1)
+        return shown
+
+    def known_by_exclusion(self, forecast: Forecast | None) -> Array:
+        """Which targets are the only one of their radius that is not tracked: (T,) bool."""
+        absent = ~tracked_targets(forecast, len(self.radii))
+        alike = self.radii[:, None] == self.radii
+        return np.asarray(absent & (alike @ absent.astype(int) == 1))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterator
 from typing import ClassVar
 
 import cv2
@@ -49,6 +51,12 @@ def marker_pose(marker: int, markers: int, time: float) -> tuple[Array, Array]:
     return about_up @ about_side, middle
 
 
+def schedule(params: MarkerSimParams) -> Iterator[tuple[int, int]]:
+    """Frame numbers with their capture times, ns."""
+    for frame in range(params.frames) if params.frames else itertools.count():
+        yield frame, round(frame * 1e9 / params.fps)
+
+
 class MarkerCamera(Stage):
     """Render square markers as this camera sees them: every pixel along its own lines of sight."""
 
@@ -74,14 +82,12 @@ class MarkerCamera(Stage):
 
     def process(self) -> Source[Frame]:
         """Pictures, frame k at k / fps seconds."""
-        frame = 0
-        while not self.params.frames or frame < self.params.frames:
+        for frame, time in schedule(self.params):
             light = self.picture(frame / self.params.fps)
             light += self._rng.normal(0, self.params.noise_sigma, light.shape)
             gray = light.clip(0, 255).round().astype(np.uint8)[..., None]
             pixels = gray if self.camera.kind == "infrared" else np.repeat(gray, 3, axis=2)
-            yield at(round(frame * 1e9 / self.params.fps), Frame(self.camera.name, pixels), seq=frame)
-            frame += 1
+            yield at(time, Frame(self.camera.name, pixels), seq=frame)
 
     def picture(self, time: float) -> Array:
         """The picture at a time (s) without noise, (H, W) grey levels; near markers hide far ones."""

@@ -10,6 +10,7 @@ import numpy as np
 from followspot import Array, Field, Stage, StageParams
 from followspot.geometry import undistort
 from followspot.tracking import Frame
+from followspot_vision.edge_corners import edge_corners
 from followspot_vision.marker_messages import Markers
 
 Dictionary = Literal[
@@ -20,12 +21,6 @@ Dictionary = Literal[
     "DICT_ARUCO_ORIGINAL", "DICT_ARUCO_MIP_36h12",
     "DICT_APRILTAG_16h5", "DICT_APRILTAG_25h9", "DICT_APRILTAG_36h10", "DICT_APRILTAG_36h11",
 ]  # fmt: skip
-REFINEMENT = {
-    "none": cv2.aruco.CORNER_REFINE_NONE,
-    "subpixel": cv2.aruco.CORNER_REFINE_SUBPIX,
-    "contour": cv2.aruco.CORNER_REFINE_CONTOUR,
-    "apriltag": cv2.aruco.CORNER_REFINE_APRILTAG,
-}
 SMALLEST = 16
 """Shortest side of a picture in which markers are looked for, px."""
 
@@ -41,9 +36,10 @@ class Aruco(Stage):
             [], description="numbers of the markers to find; empty: all; fewer avoid mistakes"
         )
         names: dict[int, str] = Field({}, description="names of markers by number, instead of their numbers")
-        refinement: Literal["none", "subpixel", "contour", "apriltag"] = Field(
-            "subpixel",
-            description="how corners are refined; apriltag is slow, and better for blurred pictures",
+        refinement: Literal["edges", "subpixel", "none"] = Field(
+            "edges",
+            description="how corners are refined: as intersections of the sides, each in its own "
+            "surroundings, which is rougher and pulls them inwards, or not at all",
         )
         minimum_perimeter: float = Field(
             0.03,
@@ -59,7 +55,8 @@ class Aruco(Stage):
     def setup(self) -> None:
         p = self.params
         asked = cv2.aruco.DetectorParameters()
-        asked.cornerRefinementMethod = REFINEMENT[p.refinement]
+        if p.refinement == "subpixel":
+            asked.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
         asked.minMarkerPerimeterRate = p.minimum_perimeter
         dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, p.dictionary))
         self.detector = cv2.aruco.ArucoDetector(dictionary, asked)
@@ -83,7 +80,7 @@ class Aruco(Stage):
         """Numbers, (N,), and corners, (N, 4, 2) px, of the markers that are asked for."""
         if min(pixels.shape[:2]) < SMALLEST:
             return np.empty(0, np.int32), np.empty((0, 4, 2))
-        gray = pixels if pixels.shape[2] == 1 else cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
+        gray = pixels[..., 0] if pixels.shape[2] == 1 else cv2.cvtColor(pixels, cv2.COLOR_BGR2GRAY)
         corners, ids, _ = self.detector.detectMarkers(gray)
         if not len(corners):
             return np.empty(0, np.int32), np.empty((0, 4, 2))
@@ -91,6 +88,9 @@ class Aruco(Stage):
         rows = np.isin(number, self.params.ids) if self.params.ids else np.ones(len(number), bool)
         rows = np.flatnonzero(rows)
         order = rows[np.lexsort((corner[rows, 0, 0], number[rows]))]
+        if self.params.refinement == "edges":
+            for row in order.tolist():
+                corner[row] = edge_corners(self.camera, gray, corner[row])
         return number[order], corner[order]
 
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
+from followspot.points import Points3D
 from followspot_vision.marker_messages import MarkerPoses, Markers
 from followspot_vision.square_pose import Pose, poses, quaternion
 
@@ -26,6 +28,14 @@ class Sides(NamedTuple):
     """(K,) log-likelihood of each, 0 of the best."""
     time: int
     """ns."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The poses, and the middles of the markers as points with the markers' names."""
+
+    poses: MarkerPoses
+    points: Points3D
 
 
 class FindMarkerPoses(Stage):
@@ -48,7 +58,7 @@ class FindMarkerPoses(Stage):
             "calibration",
         )
         corner_sigma: float = Field(
-            0.5, gt=0, unit="px", description="sigma of a corner; raising it avoids flips to the other pose"
+            0.2, gt=0, unit="px", description="sigma of a corner; raising it avoids flips to the other pose"
         )
         turn_rate: float = Field(
             3.0, ge=0, unit="rad/s", description="how fast markers turn; raising it follows faster turns"
@@ -62,7 +72,7 @@ class FindMarkerPoses(Stage):
     def setup(self) -> None:
         self.sides: dict[str, Sides] = {}
 
-    def process(self, markers: Joined[Markers]) -> MarkerPoses:
+    def process(self, markers: Joined[Markers]) -> Outputs:
         seen: dict[str, list[tuple[str, Array]]] = {}
         for one in markers:
             for row, index in enumerate(one.marker.tolist()):
@@ -71,15 +81,33 @@ class FindMarkerPoses(Stage):
         self.sides = {name: s for name, s in self.sides.items() if not self.forgotten(s, time)}
         found = {name: self.pose(name, views, time) for name, views in sorted(seen.items())}
         kept = {name: pose for name, pose in found.items() if pose is not None}
-        names = tuple(kept)
-        return MarkerPoses(
-            names=names,
-            marker=np.arange(len(names), dtype=np.int32),
-            xyz=np.array([pose.xyz for pose, _ in kept.values()]).reshape(-1, 3),
-            rotation=np.array([quaternion(pose.rotation) for pose, _ in kept.values()]).reshape(-1, 4),
-            views=np.array([len(seen[name]) for name in names], np.int32),
-            error=np.array([pose.error for pose, _ in kept.values()]),
-            ambiguity=np.array([ambiguity for _, ambiguity in kept.values()]),
+        names, count = tuple(kept), len(kept)
+        number = np.arange(count, dtype=np.int32)
+        xyz = np.array([pose.xyz for pose, _ in kept.values()]).reshape(-1, 3)
+        spread = np.array([pose.spread for pose, _ in kept.values()]).reshape(-1, 3, 3)
+        views = np.array([len(seen[name]) for name in names], np.int32)
+        error = np.array([pose.error for pose, _ in kept.values()])
+        rotation = np.array([quaternion(pose.rotation) for pose, _ in kept.values()]).reshape(-1, 4)
+        ambiguity = np.array([ambiguity for _, ambiguity in kept.values()])
+        return Outputs(
+            poses=MarkerPoses(
+                names=names,
+                marker=number,
+                xyz=xyz,
+                rotation=rotation,
+                views=views,
+                error=error,
+                ambiguity=ambiguity,
+            ),
+            points=Points3D(
+                labels=names,
+                label=number,
+                xyz=xyz.copy(),
+                covariance=spread * self.params.corner_sigma**2,
+                views=views.copy(),
+                error=error.copy(),
+                score=np.ones(count),
+            ),
         )
 
     def pose(self, name: str, views: list[tuple[str, Array]], time: int) -> tuple[Pose, float] | None:

@@ -26,11 +26,16 @@ SIGNS = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
 
 
 class Pose(NamedTuple):
-    """Rotation (3, 3) and place (3,) m of a square in the room, and RMS distance of its corners, px."""
+    """A square in the room."""
 
     rotation: Array
+    """(3, 3), from its axes to those of the room."""
     xyz: Array
+    """(3,) m, its middle."""
     error: float
+    """RMS distance of its corners from their images, px."""
+    spread: Array
+    """(3, 3) m^2/px^2, covariance of the middle for corners with a sigma of 1 px."""
 
 
 def square(size: float) -> Array:
@@ -105,8 +110,11 @@ def _refined(projection: Array, xy: Array, corners: Array, rotation: Array, xyz:
     seen = _linearised(projection, corners @ rotation.T, xyz)
     if seen is None:
         return None
-    error = float(np.sqrt(np.mean(np.square(xy - seen[0]).sum(axis=2))))
-    return Pose(rotation, xyz, error) if np.isfinite(error) else None
+    image, slope = seen
+    error = float(np.sqrt(np.mean(np.square(xy - image).sum(axis=2))))
+    design = slope.reshape(-1, 6)
+    spread = np.linalg.pinv(design.T @ design)[3:, 3:]
+    return Pose(rotation, xyz, error, spread) if np.isfinite(error) else None
 
 
 def _linearised(projection: Array, arms: Array, xyz: Array) -> tuple[Array, Array] | None:

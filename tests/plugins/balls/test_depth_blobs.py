@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.plugins.balls.scene import RADIUS, forecast_at, look_at
+from tests.plugins.balls.scene import RADIUS, blobs_of, forecast_at, look_at
 
 import followspot as fs
 from followspot import Context, InputError, Room, room_file
@@ -105,19 +105,42 @@ def test_a_hidden_part_and_unmeasured_pixels_cost_no_ball() -> None:
     assert np.linalg.norm(place - RED) < 0.005
 
 
-def test_targets_of_one_radius_are_sought_only_where_one_of_them_is_absent() -> None:
+def gathered(room: Room, *parts: Candidates, **rest: object) -> Candidates:
+    gather = Gather(Context(room=room))
+    gather.setup()
+    return seal(gather.process(parts, **rest))
+
+
+def whose(candidates: Candidates) -> dict[tuple[bool, ...], np.ndarray]:
+    return {tuple(row): xyz for row, xyz in zip(candidates.targets.tolist(), candidates.xyz, strict=True)}
+
+
+def test_targets_of_one_radius_are_known_by_exclusion_or_not_at_all() -> None:
     room = make_room(red=RADIUS, green=RADIUS, large=2 * RADIUS)
-    camera = room.cameras["left"]
-    shot = image(camera, ball(RED), ball(GREEN), ball(np.array([-0.6, -0.6, 0.5]), 2 * RADIUS))
-    nobody = stage(room).process(shot)
+    shot = image(room.cameras["left"], ball(RED), ball(GREEN), ball(np.array([-0.6, -0.6, 0.5]), 2 * RADIUS))
+    nobody = gathered(room, stage(room).process(shot))
     assert nobody.targets.tolist() == [[False, False, True]]
     known = replace(forecast_at([RED, RED, RED]), state=np.array([TRACKED, LOST, LOST], np.uint8))
-    candidates = stage(room).process(shot, known)
-    whose = {
-        tuple(row): place for row, place in zip(candidates.targets.tolist(), candidates.xyz, strict=True)
-    }
-    assert set(whose) == {(True, False, False), (False, True, False), (False, False, True)}
-    assert np.linalg.norm(whose[False, True, False] - GREEN) < 0.01
+    found = whose(gathered(room, stage(room).process(shot, known), forecast=known))
+    assert set(found) == {(True, False, False), (False, True, False), (False, False, True)}
+    assert np.linalg.norm(found[False, True, False] - GREEN) < 0.01
+
+
+def test_a_colour_camera_names_what_a_depth_camera_finds() -> None:
+    room = make_room(red=RADIUS, green=RADIUS)
+    color = look_at("color", "color", (0.0, 3.0, 3.0))
+    room = replace(room, cameras={**room.cameras, "color": color})
+    found = stage(room).process(image(room.cameras["left"], ball(RED), ball(GREEN)))
+    assert found.targets.all()
+    blobs = blobs_of(color, [tuple(RED), tuple(GREEN)], [[True, False], [False, True]])
+    named = gathered(room, found, blobs=(blobs,))
+    assert named.labelled.all()
+    assert np.linalg.norm(whose(named)[True, False] - RED) < 0.01
+    assert np.linalg.norm(whose(named)[False, True] - GREEN) < 0.01
+    infrared = replace(blobs, camera="left")  # no colour camera, so its blobs are no names
+    aside = blobs_of(color, [(0.0, 0.5, 1.0)], [[True, False]])
+    for other in (infrared, aside):
+        assert not len(gathered(room, found, blobs=(other,)).xyz)
 
 
 def test_what_touches_other_things_is_a_ball_only_at_its_forecast() -> None:
@@ -156,7 +179,7 @@ def test_candidates_of_several_cameras_are_one_message() -> None:
     left, right = (stamped(stage(room, name).process(shots[name]), Header(name, 0, 0)) for name in shots)
     gather = Gather(Context(room=room))
     gather.setup()
-    both = seal(gather.process((left, right)))
+    both = gathered(room, left, right)
     assert both.view.tolist() == [[0, 0], [1, 1]]
     assert np.allclose(both.xyz, RED, atol=0.005)
     alone = replace(right, cameras=("right",), view=np.zeros((1, 2), np.int32))
@@ -184,5 +207,18 @@ def test_depth_cameras_track_the_balls_of_the_simulated_room(
     assert set(scores) == {"green", "red", "blue"}
     for name, row in scores.items():
         assert row["coverage"] > coverage, name
+        assert row["rmse_mm"] < 15, name
+        assert row["identity_switches"] == 0, name
+
+
+def test_one_colour_and_one_depth_camera_track_all_balls_by_name(tmp_path: Path) -> None:
+    room = room_file.load(ROOMS / "simulated_mixed.yaml")
+    room = replace(room, cameras={name: room.cameras[name] for name in ("cam0", "depth0")})
+    targets = {n: replace(t, gray={}, area={"cam0": t.area["cam0"]}) for n, t in room.targets.items()}
+    room_file.save(replace(room, targets=targets), tmp_path / "room.yaml")
+    with fs.run(ROOMS.parent / "mixed.yaml", room=tmp_path / "room.yaml", frames=60, out=tmp_path) as run:
+        scores = {row["target"]: row for row in run.wait().accuracy}
+    for name, row in scores.items():
+        assert row["coverage"] > 0.5, name  # it hides from one of the two for a while
         assert row["rmse_mm"] < 15, name
         assert row["identity_switches"] == 0, name
