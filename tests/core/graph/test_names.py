@@ -33,7 +33,7 @@ def test_a_worker_takes_a_sub_graph_and_another_one_a_part_of_it(tmp_path: Path)
     placement = tmp_path / "placement.yaml"
     placement.write_text(
         "workers:\n  a: {stages: [hall]}\n  b: {stages: [hall/inner/pair]}\n"
-        "  c: {stages: [hall/inner/detect/cam1]}\n"
+        "  c: {stages: [hall/inner/detect]}\n"
     )
     plan = compile_graph(tmp_path / "main.yaml", placement=placement, plugin_files=[TOY])
     assert {stage.name: stage.worker for stage in plan.stages} == {

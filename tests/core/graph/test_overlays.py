@@ -100,3 +100,14 @@ def test_a_mistake_in_the_base_names_the_overlay_too(tmp_path: Path) -> None:
 def test_options_apply_after_overlays(tmp_path: Path) -> None:
     plan = planned(tmp_path, BARE + "stages: {track: {with: {model: slow}}}\n", "track.model=fast")
     assert stage(plan, "track").params["model"] == "fast"
+
+
+def test_null_is_a_value_of_a_parameter(tmp_path: Path) -> None:
+    (found,) = refused(tmp_path, BARE + "stages: {track: {with: {model: null}}}\n")
+    assert '"model" of stage "track" (toy.track) cannot be' in found
+
+
+def test_a_removed_stage_may_come_back_in_the_next_overlay(tmp_path: Path) -> None:
+    base = "extends: graph.yaml\nstages: {pair: null}\n"
+    top = "extends: base.yaml\nstages: {pair: {uses: toy.pair_again, in: {blobs: detect}}}\n"
+    assert stage(planned(tmp_path, top, base=base), "pair").uses == "toy.pair_again"

@@ -239,3 +239,15 @@ def test_zones_that_overlap_share_what_an_input_gives_them(tmp_path: Path) -> No
         "eyes/cam1.out -> tracker/hall/detect/cam1.frame",
         "eyes/cam1.out -> tracker/stage/detect/cam1.frame",
     ]
+
+
+def test_the_ports_of_a_replaced_stage_are_those_of_the_stage_in_its_place(tmp_path: Path) -> None:
+    halves = TRACKER.replace("hint: extra.hint", "halves: split").replace(
+        "  extra: {uses: toy.any, in: {blobs: pair}}",
+        "  split: {uses: toy.split, in: {blobs: pair}}\n"
+        "  extra: {uses: toy.any, in: {blobs: split.right, hint: split.left}}",
+    )
+    main = SHARED.replace("frames: eyes", "frames: eyes, halves: other")
+    main += "  other: {uses: toy.split, in: {blobs: {from: hall/pair}}}\n"
+    found = [edge for edge in edges(planned(tmp_path, main, tracker=halves)) if edge.startswith("other")]
+    assert found == ["other.right -> hall/extra.blobs", "other.left -> hall/extra.hint"]
