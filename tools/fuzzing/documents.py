@@ -133,7 +133,9 @@ def _graph_way(tree: Tree, rng: random.Random) -> None:
         uses = stage.get("uses")
         _parameter(stage, uses if uses != "room.source" else "sim.camera", rng)
     elif way == 3:
-        key = rng.choice(("uses", "each", "optional", "tolerance", "deadline", "on_error", "in", "with"))
+        key = rng.choice(
+            ("uses", "each", "optional", "tolerance", "deadline", "depth", "on_error", "in", "with")
+        )
         stage[key] = rng.choice((*_SWAPS, "room.source")) if key == "uses" else extreme(rng)
     elif way == 4 and stage.get("in"):
         option = rng.choice(("delay", "depth", "codec", "policy", "from"))

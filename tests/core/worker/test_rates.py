@@ -73,9 +73,13 @@ def counts(report: RunReport, port: str) -> tuple[int, int, int]:
 
 
 @pytest.mark.parametrize("depth", [1, 1024])
-def test_every_reading_up_to_the_last_frame_is_in_exactly_one_window(tmp_path: Path, depth: int) -> None:
-    feed = f"{{from: sensor, depth: {depth}}}"
-    report = run(planned(tmp_path, "gather", port="readings", feed=feed), tmp_path)
+@pytest.mark.parametrize("edges", ["reference", "ring"])
+def test_every_reading_up_to_the_last_frame_is_in_exactly_one_window(
+    tmp_path: Path, depth: int, edges: str
+) -> None:
+    planned(tmp_path, "gather", port="readings", feed=f"{{from: sensor, depth: {depth}}}")
+    plan = compile_graph(tmp_path / "rates.yaml", plugin_files=[STAGES], edges=edges)  # type: ignore[arg-type]
+    report = run(plan, tmp_path)
     before = -1
     seen = []
     for time, pairs in written(tmp_path):
