@@ -152,6 +152,14 @@ class Burst(Stage):
             yield at(begin + 1000 * n * self.params.step_us, Reading(10 * reading.value + n))
 
 
+class Spread(Stage):
+    """Three readings for two that belong together, 1 ms apart."""
+
+    def process(self, frame: Reading, reading: Reading) -> Outputs[Reading]:
+        begin = min(frame.header.time, reading.header.time)
+        return [at(begin + n * 1_000_000, Reading(n)) for n in range(3)]
+
+
 class Later(Stage):
     """The same reading, after a while that differs from one to the next."""
 

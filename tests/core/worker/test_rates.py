@@ -162,6 +162,20 @@ def test_a_join_takes_the_reading_nearest_to_the_frame(tmp_path: Path, hz: float
         assert abs(reading[1] - frame[1]) == abs(nearest(frame[1], readings, 1 << 60)[0][1] - frame[1])
 
 
+def test_several_messages_may_lie_within_the_tolerance_of_the_join_that_gives_them(tmp_path: Path) -> None:
+    (tmp_path / "spread.yaml").write_text("""
+graph: spread
+stages:
+  camera: {uses: rates.sensor, with: {hz: 60, count: 20}}
+  sensor: {uses: rates.sensor, with: {hz: 60, count: 20, shift: 0.001}}
+  spread: {uses: rates.spread, in: {frame: camera, reading: sensor}}
+  save:   {uses: rates.note, in: {reading: spread}}
+""")
+    run(compile_graph(tmp_path / "spread.yaml", plugin_files=[STAGES]), tmp_path)
+    lines = (tmp_path / "readings.csv").read_text().splitlines()
+    assert [int(line.split()[1]) for line in lines] == [0, 1, 2] * 20
+
+
 def test_a_tolerance_of_an_edge_is_wider_than_that_of_the_stage(tmp_path: Path) -> None:
     run(planned(tmp_path, "meet", hz=60, shift=0.006, frames=5, readings=5), tmp_path)
     assert written(tmp_path) == []
