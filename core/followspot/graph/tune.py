@@ -7,7 +7,7 @@ wins: that of an instance before that of a stage, that before one of a plugin.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from followspot.document import Node, child
@@ -117,21 +117,20 @@ def _unknown(instance: Instance, tune: _Tune) -> Mistake | None:
 
 def _below_set(tune: Node, given: Node | None) -> Node:
     """The tuned value, in which what `--set` gives keeps its place."""
-    if given is None or not any(map(is_set, _leaves(given))):
+    if given is None or not _holds_set(given):
         return tune
-    if is_set(given) or not (isinstance(tune.value, Mapping) and isinstance(given.value, Mapping)):
+    # The mapping that `--set STAGE.PARAMETER.KEY=VALUE` makes for KEY has the place of its own key.
+    whole = is_set(given) and given.place != given.key
+    if whole or not (isinstance(tune.value, Mapping) and isinstance(given.value, Mapping)):
         return given
-    kept = {key: node for key, node in given.value.items() if any(map(is_set, _leaves(node)))}
+    kept = {key: node for key, node in given.value.items() if _holds_set(node)}
     below = {key: _below_set(tune.value[key], node) for key, node in kept.items() if key in tune.value}
     return replace(tune, value={**tune.value, **kept, **below})
 
 
-def _leaves(node: Node) -> Iterator[Node]:
-    if isinstance(node.value, Mapping):
-        for inner in node.value.values():
-            yield from _leaves(inner)
-    else:
-        yield node
+def _holds_set(node: Node) -> bool:
+    """True if `--set` gives the value or a part of it."""
+    return is_set(node) or (isinstance(node.value, Mapping) and any(map(_holds_set, node.value.values())))
 
 
 def _unmatched(tune: _Tune, expanded: Expanded) -> str:

@@ -14,7 +14,9 @@ from followspot.errors import FollowspotError
 from followspot.graph.compile import compile_graph
 from followspot.graph.plan import Plan, PlannedWorker
 from followspot.graph.ship import plan_from_data
+from followspot.room import Room, Sensor, StageUse
 from followspot.security.grants import Grants
+from followspot.testing import tiny_room
 
 
 @pytest.fixture
@@ -53,6 +55,18 @@ def test_a_plan_travels_without_absolute_paths_and_arrives_equal(plan: Plan, med
 
 def test_parameters_of_other_hosts_do_not_travel(plan: Plan, media: Path) -> None:
     assert "clip.csv" not in json.dumps(packed(plan, "pc-right", media))
+
+
+def test_what_the_room_says_of_sources_and_parameters_does_not_travel(plan: Plan, media: Path) -> None:
+    source = StageUse("cameras.stream", {"url": "rtsp://user:secret@device"})
+    room = Room(
+        cameras={"cam0": replace(tiny_room().cameras["cam0"], source=source)},
+        sensors={"imu": Sensor("imu", "imu", source)},
+        tune={"cameras.stream.url": "rtsp://user:secret@device"},
+    )
+    data = packed(replace(plan, room=room), "pc-left", media)
+    assert "secret" not in json.dumps(data)
+    assert plan_from_data(data).room.sensors["imu"].kind == "imu"
 
 
 def test_a_file_outside_the_media_folder_is_an_error(plan: Plan, media: Path) -> None:

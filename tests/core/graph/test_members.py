@@ -124,6 +124,12 @@ def test_an_optional_stage_is_left_out_with_all_that_feeds_it(tmp_path: Path) ->
     assert 'stage "draw" is left out: so is all that feeds it' in plan.notes
 
 
+def test_a_forecast_alone_does_not_keep_an_optional_stage(tmp_path: Path) -> None:
+    hint = "{blobs: depth, hint: {from: pair, delay: 1}}"
+    plan = planned(tmp_path, OPTIONAL + f"  again: {{uses: toy.any, optional: true, in: {hint}}}\n")
+    assert {stage.group for stage in plan.stages} == {"camera", "imu", "detect", "pair"}
+
+
 def test_a_reader_that_needs_an_optional_stage_is_told(tmp_path: Path) -> None:
     (told,) = refused(tmp_path, OPTIONAL.replace("[depth, detect]", "depth"))
     assert told.startswith('8: input "blobs" of stage "pair" needs what is left out')

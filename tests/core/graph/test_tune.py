@@ -53,11 +53,26 @@ def test_precedence(tmp_path: Path, tune: str, overrides: list[str], found: list
     assert plan.notes == ()
 
 
-def test_set_within_a_tuned_value_keeps_its_place(tmp_path: Path) -> None:
-    plan = tuned(tmp_path, "{detect.mood: {gain: 5.0}}", "detect.mood.gain=7.0")
-    assert [stage.params["mood"]["gain"] for stage in plan.stages if stage.group == "detect"] == [7.0, 7.0]
-    plan = tuned(tmp_path, "{detect.mood: {gain: 5.0}}")
-    assert [stage.params["mood"]["gain"] for stage in plan.stages if stage.group == "detect"] == [5.0, 5.0]
+@pytest.mark.parametrize("given", ["", ", with: {lens: {gain: 2.0, bias: 2.0}}"])
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ([], (5.0, 4.0)),
+        (["lens.gain=7.0"], (7.0, 4.0)),
+        (["lens.gain=7.0", "lens.bias=3.0"], (7.0, 3.0)),
+        (["lens={gain: 7.0}"], (7.0, 0.0)),
+        (["lens={}"], (1.0, 0.0)),
+    ],
+)
+def test_set_within_a_tuned_value_keeps_its_place(
+    tmp_path: Path, given: str, options: list[str], found: tuple[float, float]
+) -> None:
+    room = ROOM.replace("    host: pc-left\n", "") + "tune: {toy.through.lens: {gain: 5.0, bias: 4.0}}\n"
+    stage = f"  look: {{uses: toy.through, each: cameras, in: {{frame: camera}}{given}}}\n"
+    graph = write(tmp_path, graph=GRAPH + stage, room=room)
+    plan = compile_graph(graph, plugin_files=[TOY], overrides=[f"look.{option}" for option in options])
+    lenses = [planned.params["lens"] for planned in plan.stages if planned.group == "look"]
+    assert lenses == [{"gain": found[0], "bias": found[1]}] * 2
 
 
 def test_a_source_of_the_room_is_tuned_like_any_stage(tmp_path: Path) -> None:

@@ -108,6 +108,20 @@ class Mosaic(Stage):
         return frames[0]
 
 
+class Lens(StageParams):
+    """Two values in one parameter."""
+
+    gain: float = Field(1.0, gt=0, description="factor", unit="1")
+    bias: float = Field(0.0, description="offset", unit="1")
+
+
+class Through(Detect):
+    """Frames to blobs, through a lens."""
+
+    class Params(StageParams):
+        lens: Lens = Field(Lens(), description="what it looks through")
+
+
 class Pair(Stage):
     """Blobs of all cameras to blobs."""
 

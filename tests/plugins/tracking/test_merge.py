@@ -80,6 +80,15 @@ def test_estimates_that_agree_are_weighted_by_their_covariance_and_not_counted_t
     np.testing.assert_allclose(alone.sigma, 0.01)
 
 
+def test_the_sigma_tells_what_trackers_disagree_about_and_what_is_not_yet_taken_over() -> None:
+    stage = merge()
+    out = stage.process((tracks(0, {0: (0, 0, 1)}, 0.01), tracks(0, {0: (0.06, 0, 1)}, 0.01)))
+    np.testing.assert_allclose(out.sigma, [[np.hypot(0.01, 0.03), 0.01, 0.01]])
+    out = stage.process((tracks(1, {}), tracks(1, {0: (0.06, 0, 1)}, 0.01)))
+    left = 0.03 * np.exp(-1 / FPS / 0.5)
+    np.testing.assert_allclose(out.sigma, [[np.hypot(0.01, left), 0.01, 0.01]])
+
+
 def test_a_bias_between_zones_makes_no_jump_and_is_taken_over() -> None:
     bias = np.array([0.0, 0.05, -0.02])
     errors = handed_over(bias)
