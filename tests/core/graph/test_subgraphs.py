@@ -217,7 +217,8 @@ stages:
 
 
 def test_a_sub_graph_fans_out_over_the_values_of_a_tag(tmp_path: Path) -> None:
-    plan = planned(tmp_path, EACH, "tracker.level=0.25", "tracker/hall/detect.level=0.75", room=ZONED)
+    options = ("tracker.level=0.25", "tracker/hall/detect.level=0.75", "tracker/stage.model=slow")
+    plan = planned(tmp_path, EACH, *options, room=ZONED)
     assert [s.name for s in plan.stages if "detect" in s.name] == [
         "tracker/hall/detect/cam0",
         "tracker/hall/detect/cam1",
@@ -225,6 +226,8 @@ def test_a_sub_graph_fans_out_over_the_values_of_a_tag(tmp_path: Path) -> None:
     ]
     assert stage(plan, "tracker/stage/detect/cam1").params["level"] == 0.25
     assert stage(plan, "tracker/hall/detect/cam1").params["level"] == 0.75
+    models = [stage(plan, f"tracker/{zone}/track").params["model"] for zone in ("hall", "stage")]
+    assert models == ["constant", "slow"]
     found = edges(plan)
     assert "tracker/hall/track.forecast -> tracker/hall/detect/cam1.forecast delay 1" in found
     assert "tracker/stage/track.tracks -> only.tracks" in found

@@ -92,8 +92,12 @@ class Units:
             return
         found = members(narrowed(each, limits), name, self.room, self.mistakes)
         names = [f"{stage}/{member.name}" for member in found]
-        self.unknown += [o for o in overrides if not any(o.stage.startswith(f"{n}/") for n in names)]
+        self.unknown += [o for o in overrides if not any(f"{o.stage}/".startswith(f"{n}/") for n in names)]
         for member, full in zip(found, names, strict=True):
+            own = node
+            for override in (override for override in overrides if override.stage == full):
+                own = overridden(own, override, self.odd)
+            entry = Form(own, f'sub-graph "{below(parent.name, full)}"', SUBGRAPH, [])  # noted above
             mine = [override for override in overrides if override.stage.startswith(f"{full}/")]
             yield from self._use(parent, stage, full, entry, (*limits, member), mine)
 
