@@ -488,6 +488,12 @@ MISTAKES = {
         ("middle", "graph: middle", "‡graph: middle"),
         option="hall.¦levle=1",
     ),
+    "an option for one member that is the same for all": wrong(
+        '"hall/cam0" is one member of a sub-graph; cameras is the same for all',
+        "write hall.cameras=SELECTOR",
+        ("main", "{graph: middle.yaml", "{each: cameras, graph: middle.yaml"),
+        option="¦hall/cam0.cameras=targets",
+    ),
     "an option for a replaced stage": wrong(
         'stage "hall/inner/camera" is replaced by an input',
         "set the stage that feeds this input",

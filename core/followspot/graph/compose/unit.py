@@ -97,6 +97,10 @@ class Units:
             own = node
             for override in (override for override in overrides if override.stage == full):
                 own = overridden(own, override, self.odd)
+                if override.keys[0] in ("each", "cameras"):
+                    text = f'"{full}" is one member of a sub-graph; {override.keys[0]} is the same for all'
+                    remedy = f"write {stage}.{override.keys[0]}=SELECTOR"
+                    self.mistakes.append(Mistake(override.stage_place, text, remedy))
             entry = Form(own, f'sub-graph "{below(parent.name, full)}"', SUBGRAPH, [])  # noted above
             mine = [override for override in overrides if override.stage.startswith(f"{full}/")]
             yield from self._use(parent, stage, full, entry, (*limits, member), mine)
