@@ -86,7 +86,7 @@ def children(pid: int) -> list[int]:
     return [int(word) for word in text.split()]
 
 
-def wait_until(condition: Any, seconds: float = 20.0) -> bool:
+def wait_until(condition: Any, seconds: float = 60.0) -> bool:
     """True once the condition holds, False after `seconds`, which only bound a failure."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
