@@ -13,10 +13,20 @@ from followspot.people import Poses
 from followspot.room import Room
 from followspot.testing.samples import BLACK, sample
 from followspot.testing.tiny_room import tiny_room
-from followspot.tracking import Blobs, Candidates, Forecast, Frame, ImageTracks, Pairs, Positions, Tracks
+from followspot.tracking import (
+    Blobs,
+    Candidates,
+    DepthImage,
+    Forecast,
+    Frame,
+    ImageTracks,
+    Pairs,
+    Positions,
+    Tracks,
+)
 
 ROOM = tiny_room()
-KINDS = (Blobs, Candidates, Forecast, Frame, ImageTracks, Pairs, Poses, Positions, Tracks)
+KINDS = (Blobs, Candidates, DepthImage, Forecast, Frame, ImageTracks, Pairs, Poses, Positions, Tracks)
 
 
 def why(message: Message, room: Room = ROOM) -> str:
@@ -43,6 +53,8 @@ def test_what_stages_of_the_room_send_belongs_to_it(kind: type[Message], content
         (made(Frame, pixels=np.zeros((0, 0, 3), "u1")), "pixels has shape (0, 0, 3)"),
         (made(Frame, pixels=np.zeros((48, 64, 1), "u1")), "pixels has shape (48, 64, 1)"),
         (made(Frame, pixels=np.zeros((64, 48, 3), "u1")), "gives (48, 64, 3)"),
+        (made(DepthImage, depth=np.zeros((64, 48), "f4")), "depth has shape (64, 48)"),
+        (made(DepthImage, camera="elsewhere"), "not of camera 'elsewhere'"),
         (made(Blobs, camera="a" * 60_000), "not of camera 'aaa"),
         (made(Blobs, targets=np.ones((1, 999), bool)), "targets is of 999 targets, the room has"),
         (made(Pairs, cameras=("cam0", "elsewhere")), "no camera 'elsewhere'"),

@@ -127,6 +127,14 @@ def test_a_sound_computer_room_and_graph_have_no_problem(tmp_path: Path) -> None
     assert "no GPU" in told.findings["computer"]["text"]
 
 
+def test_a_depth_camera_says_how_much_it_measures(tmp_path: Path) -> None:
+    told = doctor(tmp_path, "--room", ROOT / "graphs/rooms/simulated_depth.yaml")
+    for name in ("depth0", "depth1"):
+        assert told.findings[name]["state"] == "ok"
+        assert "sim.depth_camera: 320x240, " in told.findings[name]["text"]
+        assert "% of the pixels measured" in told.findings[name]["text"]
+
+
 @pytest.mark.parametrize(
     ("subject", "said"),
     [

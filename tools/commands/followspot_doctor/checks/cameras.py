@@ -18,7 +18,7 @@ from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Camera, Room
 from followspot.room_file import load
 from followspot.stage import Context, PathIn, Stage
-from followspot.tracking import Frame
+from followspot.tracking import DepthImage, Frame
 from followspot_doctor.finding import Finding, fine, wrong
 
 MOST = 32
@@ -66,22 +66,26 @@ def _camera(camera: Camera, room: Room) -> Finding:
     except Exception as error:
         text = " ".join(f"{use.uses}: {type(error).__name__}: {error}".split())
         return wrong(camera.name, text[:300], "mend its source in the room file")
-    if not isinstance(frame, Frame):
+    if not isinstance(frame, Frame | DepthImage):
         said = "; ".join(dict.fromkeys(warnings)) or ", ".join(f"{k} {v}" for k, v in use.params.items())
         text = f"{use.uses} gave no picture within {TIMEOUT:.0f} s: {said}"
         return wrong(camera.name, text, "is it connected, switched on, and free of other programs?")
     return _judged(camera, frame, use.uses)
 
 
-def _judged(camera: Camera, frame: Frame, uses: str) -> Finding:
-    height, width = frame.pixels.shape[:2]
+def _judged(camera: Camera, frame: Frame | DepthImage, uses: str) -> Finding:
+    picture = frame.depth if isinstance(frame, DepthImage) else frame.pixels
+    height, width = picture.shape[:2]
     if (width, height) != camera.size:
         calibrated = "x".join(map(str, camera.size))
         text = f"sends {width}x{height}, calibrated for {calibrated}"
         return wrong(camera.name, text, "set its size, or calibrate it again at this one")
-    if frame.pixels.shape[2] == 1 and camera.kind == "color":
+    if isinstance(frame, DepthImage):
+        measured = f"{(picture > 0).mean():.0%} of the pixels measured"
+        return fine(camera.name, f"{uses}: {width}x{height}, {measured}")
+    if picture.shape[2] == 1 and camera.kind == "color":
         return wrong(camera.name, "sends grey pictures and is a colour camera", "kind: infrared?")
-    return fine(camera.name, f"{uses}: {width}x{height}, mean grey {frame.pixels.mean():.0f}")
+    return fine(camera.name, f"{uses}: {width}x{height}, mean grey {picture.mean():.0f}")
 
 
 def _first(source: Stage) -> Any:
