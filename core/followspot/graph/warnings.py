@@ -15,7 +15,7 @@ from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.expand import Expanded, Instance
 from followspot.ports import ports
-from followspot.room import Member, Room
+from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 
 MOST_NAMED = 6
@@ -162,8 +162,17 @@ def _foreseen(flow: Flow, room: Room) -> Iterator[Mistake]:
         first = group[0]
         seen = reduce(or_, (reach[one.instance.name] for one in group))
         cameras = [camera for bit, camera in enumerate(room.cameras.values()) if seen >> bit & 1]
-        for mistake in first.stage.check_room(first.stage.Params(**first.params), room, cameras):
+        for mistake in _said(first, room, cameras):
             yield replace(mistake, place=mistake.place or first.instance.declared.place)
+
+
+def _said(checked: Checked, room: Room, cameras: Sequence[Camera]) -> list[Mistake]:
+    """The result of `check_room`; that it fails is a warning itself."""
+    try:
+        return list(checked.stage.check_room(checked.stage.Params(**checked.params), room, cameras))
+    except Exception as error:  # the code of a plugin may do anything
+        text = f"{checked.instance.uses}.check_room failed: {type(error).__name__}: {error}"
+        return [Mistake(None, text, "tell the author of the plugin")]
 
 
 def _cameras(flow: Flow, cameras: Sequence[str]) -> dict[str, int]:

@@ -12,6 +12,7 @@ import followspot as fs
 from followspot.cli.main import main
 from followspot.errors import Mistake
 from followspot.graph.compile import compile_graph
+from followspot.plugins.registry import load_stage
 
 GRAPHS = Path(__file__).parents[3] / "graphs"
 READY = sorted(GRAPHS.glob("*.yaml"))
@@ -70,6 +71,16 @@ def test_a_stage_that_nothing_fires_is_named_and_those_after_it_are_not(tmp_path
     )
     (mistake,) = warned(tmp_path, text)
     assert mistake.text == 'stage "idle" never fires: all its inputs are sampled or delayed'
+
+
+def test_a_stage_whose_check_fails_is_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> list[Mistake]:
+        raise ZeroDivisionError("oh")
+
+    assert warned(tmp_path) == []
+    monkeypatch.setattr(load_stage("toy.pair"), "check_room", broken)
+    (mistake,) = warned(tmp_path)
+    assert mistake.text == "toy.pair.check_room failed: ZeroDivisionError: oh"
 
 
 def test_warnings_are_shown_by_check_and_by_run_and_are_no_mistakes(
