@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.absent import lack, stages_left_out
 from followspot.graph.declaration import Feed, InputDeclaration, StageDeclaration
 from followspot.graph.load import Loaded
-from followspot.graph.selector import ranks, related, tag_named
-from followspot.room import SETS, Member, Room, Target
+from followspot.graph.selector import ranks, related
+from followspot.room import Member, Room
 
 ROOM_SOURCE = "room.source"
 """Stands for the source stage that the room declares for each camera or sensor."""
@@ -72,7 +73,7 @@ _Groups = Mapping[str, Mapping[Member | None, Instance]]
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     """Fan out; stages that are not declared and members that the room lacks are noted."""
     members = {name: _members(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
-    left_out = _left_out(loaded, members)
+    left_out = stages_left_out(loaded, members)
     count = sum(map(len, members.values()))
     if count > MAX_INSTANCES:
         return _nothing(loaded, f"the graph has {count} stages", f"at most {MAX_INSTANCES}", mistakes)
@@ -126,46 +127,8 @@ def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -
     found = stage.each.select(loaded.room)
     if found or stage.optional:
         return found
-    mistakes.append(_lack(stage, loaded, loaded.room))
+    mistakes.append(lack(stage, loaded, loaded.room))
     return [_ANY]
-
-
-def _lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
-    """The mistake of a stage whose fan-out is empty."""
-    assert stage.each is not None
-    wanted = stage.each.set
-    if loaded.room_node is None:
-        text = f'stage "{stage.name}" needs {wanted}, but the graph names no room'
-        return Mistake(stage.each.place, text, "add room: FILE.yaml")
-    unknown = stage.each.unknown(room)
-    if unknown is not None:
-        return unknown
-    noun = SETS.get(wanted) or tag_named(wanted, room)
-    text = f'stage "{stage.name}" needs a {noun} that the room "{room.name}" lacks'
-    owners = room.members(wanted).values() if wanted in SETS else ()
-    names = [o.name if isinstance(o, Target) else f"{o.name} ({o.kind})" for o in owners]
-    have = ", ".join([*names, *room.tags.get(noun, ())]) or f"no {wanted}"
-    remedy = f"{stage.each.text} matches none of: {have}; or write optional: true"
-    return Mistake(stage.each.place, text, remedy)
-
-
-def _left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
-    """Optional stages that the room has nothing for, and those that nothing else feeds, with the reason."""
-    left_out: dict[str, Mistake] = {}
-    for name, stage in loaded.stages.items():
-        if not members[name] and stage.each is not None:
-            text = f'stage "{name}" is left out: the room has no {stage.each.text}'
-            left_out[name] = Mistake(stage.each.place, text)
-    before = -1
-    while len(left_out) > before:
-        before = len(left_out)
-        for name, stage in loaded.stages.items():
-            feeds = [feed for entry in stage.inputs for feed in entry.feeds if not feed.delay]
-            unfed = bool(feeds) and all(feed.stage in left_out for feed in feeds)
-            if stage.optional and unfed and name not in left_out:
-                text = f'stage "{name}" is left out: so is all that feeds it'
-                left_out[name] = Mistake(stage.place, text)
-    return left_out
 
 
 def _by_name(groups: _Groups, mistakes: list[Mistake]) -> dict[str, Instance]:
