@@ -85,7 +85,8 @@ class Join:
             messages = self.members[0].messages
             if not messages:
                 return None
-            return self._sampled_ready(messages[0].header.time, overdue)
+            time = messages[0].header.time
+            return self._sampled_ready(time, overdue) if self.sampled else time
         while True:
             first = self._first()
             if first is None:
