@@ -124,7 +124,7 @@ class _Run:
         for name, port in queue:
             for edge, _ in self.out[name]:
                 end = edge.to_stage
-                if edge.from_port != port or edge.delay:
+                if edge.from_port != port:
                     continue
                 if not self.out[end] and not any(count.filled for _, count in self.firing[end]):
                     found[self.stages[end].group] = None

@@ -140,3 +140,13 @@ def test_what_was_on_its_way_to_a_reader_that_died_is_lost_as_soon_as_that_is_kn
     assert (rings.ledger.count(0).in_flight, rings.ledger.count(0).lost) == (6 if noticed else 5, 0)
     rings.send(2)
     assert (rings.ledger.count(1).in_flight, rings.ledger.count(1).lost) == (2, 3)
+
+
+def test_edges_that_are_added_later_know_that_a_message_had_rows() -> None:
+    ledger = Ledger(3)
+    output, *_ = output_with_ring(ledger)
+    assert not ledger.count(0).filled
+    output.send(Note("short"), Header("a", 0, 1))
+    ours, _theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    output.attach(RingWriter([ours], 8), ["a.out -> c.in"], [ledger.row(2)])
+    assert [ledger.count(edge).filled for edge in range(3)] == [True] * 3

@@ -96,8 +96,8 @@ def test_a_camera_that_falls_silent_does_not_weaken_the_evidence() -> None:
 def test_sure_light_is_no_evidence_for_colour_cameras_alone() -> None:
     stage = VerifyPairs(Context(room=make_room()))
     stage.setup()
-    spot, ball = (0.3, 0.2, 0.0), (0.3, 0.2, 0.0762)
-    for place, kept in ((spot, 0), (ball, 1)):
+    spot, sunk, ball = (0.3, 0.2, 0.0), (0.3, 0.2, 0.04), (0.3, 0.2, 0.0762)
+    for place, kept in ((spot, 0), (sunk, 1), (ball, 1)):
         blobs = [blobs_of(stage.room.cameras[n], [place], [[True, False]]) for n in ("cam0", "cam2")]
         assert len(stage.process(tuple(blobs)).xy) == kept
 
