@@ -15,7 +15,7 @@ from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.expand import Expanded, Instance
 from followspot.ports import ports
-from followspot.room import Camera, Member, Room
+from followspot.room import Camera, Member, Room, Sensor
 from followspot.stage import Stage
 
 MOST_NAMED = 6
@@ -96,16 +96,15 @@ def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:
 
 
 def _unused(flow: Flow, room: Room, node: Node | None) -> Iterator[Mistake]:
-    """Cameras of the room that no stage serves, in a graph that serves others."""
-    served = {_camera(checked.instance) for checked in flow.stages.values()} - {""}
-    idle = [name for name in room.cameras if name not in served]
-    if not served or not idle:
-        return
-    entry = child(child(node, "cameras"), idle[0])
-    text = f"no stage serves {_listed([Member('cameras', name) for name in idle], room)}"
-    yield Mistake(
-        entry.key if entry is not None else None, text, "each: cameras serves all cameras of the room"
-    )
+    """Cameras that no stage serves, in a graph that serves other cameras; sensors likewise."""
+    served = {checked.instance.member for checked in flow.stages.values()} - {None}
+    for kind, names in (("cameras", room.cameras), ("sensors", room.sensors)):
+        idle = [member for name in names if (member := Member(kind, name)) not in served]
+        if idle and any(member.set == kind for member in served if member):
+            entry = child(child(node, kind), idle[0].name)
+            text = f"no stage serves {_listed(idle, room)}"
+            place = entry.key if entry is not None else None
+            yield Mistake(place, text, f"each: {kind} serves all {kind} of the room")
 
 
 def _camera(instance: Instance) -> str:
@@ -115,7 +114,8 @@ def _camera(instance: Instance) -> str:
 
 def _listed(members: Sequence[Member], room: Room) -> str:
     """For example: cameras cam1 (infrared), cam3 (infrared)."""
-    shown = [m.name + (f" ({room.cameras[m.name].kind})" if m.set == "cameras" else "") for m in members]
+    kinds: Mapping[str, Mapping[str, Camera | Sensor]] = {"cameras": room.cameras, "sensors": room.sensors}
+    shown = [m.name + (f" ({kinds[m.set][m.name].kind})" if m.set in kinds else "") for m in members]
     more = f" and {len(shown) - MOST_NAMED} more" if len(shown) > MOST_NAMED else ""
     return f"{members[0].noun}{'s' * (len(shown) > 1)} {', '.join(shown[:MOST_NAMED])}{more}"
 

@@ -64,6 +64,14 @@ def test_cameras_that_no_stage_serves_are_named_in_the_room_file(tmp_path: Path)
     assert ROOM.splitlines()[mistake.place.line - 1].strip() == "cam1:"
 
 
+def test_sensors_that_no_stage_serves_are_named_if_others_are_served(tmp_path: Path) -> None:
+    sensors = "sensors:\n  wrist: {kind: imu}\n  ankle: {kind: imu}\n"
+    assert warned(tmp_path, GRAPH, ROOM + sensors) == []
+    one = '  lone: {uses: toy.imu, each: "sensors[name=wrist]"}\n'
+    texts = [mistake.text for mistake in warned(tmp_path, GRAPH + one, ROOM + sensors)]
+    assert "no stage serves sensor ankle (imu)" in texts
+
+
 def test_a_stage_that_nothing_fires_is_named_and_those_after_it_are_not(tmp_path: Path) -> None:
     text = GRAPH + (
         "  idle: {uses: toy.any, in: {blobs: {from: next, delay: 1}}}\n"
