@@ -24,23 +24,15 @@ if TYPE_CHECKING:
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
     from followspot.room import Camera, Member, Room, Sensor, Target
-    from followspot.stage import (
-        Context,
-        Deferred,
+    from followspot.stage import Context, Deferred, Joined, Latest, Nearest, Outputs, Source, Stage, Window
+    from followspot.stage_params import (
         Field,
         InputAddress,
         InputDevice,
         InputPath,
-        Joined,
-        Latest,
-        Nearest,
         OutputHost,
         OutputPath,
-        Outputs,
-        Source,
-        Stage,
         StageParams,
-        Window,
     )
     from followspot.transport.zenoh.network import Network
 

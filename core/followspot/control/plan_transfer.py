@@ -13,7 +13,7 @@ from followspot.graph.plan import Plan, PlannedStage
 from followspot.graph.ship import plan_from_data, plan_to_data
 from followspot.plugins.registry import load_stage
 from followspot.security.grants import Grants
-from followspot.stage import PathIn, PathOut
+from followspot.stage_params import PathIn, PathOut
 
 
 def packed(plan: Plan, host: str, media: Path) -> dict[str, Any]:

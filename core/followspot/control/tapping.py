@@ -12,7 +12,8 @@ from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.stage import PathIn, PathOut, Stage
+from followspot.stage import Stage
+from followspot.stage_params import PathIn, PathOut
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from pydantic.fields import FieldInfo
 from followspot.document import Node, plain
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.plugins.renamed import renamed
-from followspot.stage import PathIn, PathOut, Stage, StageParams
+from followspot.stage import Stage
+from followspot.stage_params import PathIn, PathOut, StageParams
 
 _LONGEST_NAME = 255
 """Longest name of a file that a file system takes, bytes."""

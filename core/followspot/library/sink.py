@@ -7,7 +7,7 @@ from typing import Any
 
 from followspot.library.subscription import Subscription
 from followspot.messages import Message
-from followspot.stage import Field
+from followspot.stage_params import Field
 from followspot.taps.port_tap import PortTap
 
 SINK = "followspot.subscription"

@@ -14,7 +14,7 @@ from followspot.errors import FollowspotError
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import load_stage
-from followspot.stage import DeviceIn, NetworkOut
+from followspot.stage_params import DeviceIn, NetworkOut
 
 ANY = "any"
 """Grants every receiver, or every address."""

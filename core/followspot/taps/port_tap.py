@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from followspot.messages import Message
-from followspot.stage import Field, InputPath, Stage, StageParams
+from followspot.stage import Stage
+from followspot.stage_params import Field, InputPath, StageParams
 from followspot.taps.framing import head_of
 from followspot.taps.sender import TapSender, acquire, release
 from followspot.wire import pack

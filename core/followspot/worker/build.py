@@ -24,7 +24,7 @@ from followspot.worker.ledger import LOST, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.outputs_runner import OutputsRunner
 from followspot.worker.pace import Pace
-from followspot.worker.sampled_input import HeldInput, NearestInput, SampledInput, WindowInput
+from followspot.worker.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 from followspot.worker.scheduler import Worker
 from followspot.worker.source import LiveSourceRunner, SourceRunner
 from followspot.worker.stage_runner import StageRunner
@@ -240,7 +240,7 @@ class _Builder:
         if port.kind == "nearest":
             return NearestInput(queues[0], tolerance=self.wiring.tolerance(edge))
         initial = seal(self.wiring.message_type(edge).empty()) if edge.delay else None
-        return HeldInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
+        return NewestInput(queues[0], delay=edge.delay, timed=self.wiring.timed(edge), initial=initial)
 
     def _way(self, number: int) -> str:
         """What edges must have in common to share a writer; an edge that drops has its own."""

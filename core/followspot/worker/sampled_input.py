@@ -62,7 +62,7 @@ class SampledInput(ABC):
         queue.excuse(earliest + lag)
 
 
-class HeldInput(SampledInput):
+class NewestInput(SampledInput):
     """`Latest`, or a feedback edge with `delay`: gives the newest message up to a time, again and again."""
 
     __slots__ = ("delay", "held", "past", "patient", "queue", "timed")

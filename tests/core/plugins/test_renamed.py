@@ -9,7 +9,8 @@ from followspot.errors import Mistake
 from followspot.graph.parameters import validated
 from followspot.plugins.registry import catalogue, load_stage
 from followspot.plugins.renamed import renamed
-from followspot.stage import Stage, StageParams
+from followspot.stage import Stage
+from followspot.stage_params import StageParams
 
 NAMES = [name for name, entry in catalogue().items() if entry.distribution == "followspot"]
 

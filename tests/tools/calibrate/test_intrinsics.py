@@ -20,7 +20,8 @@ from followspot.messages import Array
 from followspot.plugins import registry
 from followspot.room import Camera, Room, StageUse
 from followspot.room_file import load, save
-from followspot.stage import Field, Source, Stage, StageParams
+from followspot.stage import Source, Stage
+from followspot.stage_params import Field, StageParams
 from followspot.tracking import Frame
 from followspot_calibrate.boards.board import parse_board
 from followspot_calibrate.boards.detection import Detector, View

@@ -20,7 +20,8 @@ from followspot.graph.replacement import misfits
 from followspot.plugins.description import describe
 from followspot.plugins.registry import PluginError, catalogue, load_stage
 from followspot.ports import ports
-from followspot.stage import DeviceIn, NetworkOut, Stage
+from followspot.stage import Stage
+from followspot.stage_params import DeviceIn, NetworkOut
 
 
 def forms(plan: Plan) -> dict[str, dict[str, Any]]:

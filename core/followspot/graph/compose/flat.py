@@ -12,7 +12,7 @@ from followspot.graph.expand import ROOM_SOURCE
 from followspot.graph.parameters import path_parameters
 from followspot.graph.plan import Plan
 from followspot.plugins.registry import load_stage
-from followspot.stage import PathIn
+from followspot.stage_params import PathIn
 
 
 def flat_text(composed: Composed, plan: Plan, room: str | None) -> str:

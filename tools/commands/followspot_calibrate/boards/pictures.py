@@ -13,7 +13,7 @@ from followspot.errors import InputError
 from followspot.graph.parameters import path_parameters
 from followspot.messages import Array
 from followspot.plugins.registry import load_stage
-from followspot.stage import PathIn
+from followspot.stage_params import PathIn
 from followspot_cameras.images import read_picture
 from followspot_cameras.picture_folder import SUFFIXES, natural_order
 from followspot_cameras.recordings import SUFFIXES as VIDEOS

@@ -17,7 +17,8 @@ from followspot.graph.parameters import path_parameters
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.room import Camera, Room
 from followspot.room_file import load
-from followspot.stage import Context, PathIn, Stage
+from followspot.stage import Context, Stage
+from followspot.stage_params import PathIn
 from followspot.tracking import DepthImage, Frame
 from followspot_doctor.finding import Finding, fine, wrong
 

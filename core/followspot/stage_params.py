@@ -1,0 +1,86 @@
+"""Parameters of a stage: their model, their fields, and the types of those that name files and devices."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import pydantic
+
+
+class PathIn:
+    """Marks a parameter that names an existing file or folder, relative to the file it is written in."""
+
+
+class PathOut:
+    """Marks a parameter that names a file to write, below the run's output folder."""
+
+
+class NetworkOut:
+    """Marks a parameter that names a receiver in the network: a host, or an address with one in it."""
+
+
+class DeviceIn:
+    """Marks a parameter that names a device, or the address of a stream, to open."""
+
+
+InputPath = Annotated[Path, PathIn()]
+OutputPath = Annotated[Path, PathOut()]
+OutputHost = Annotated[str, NetworkOut()]
+"""Under an agent, a run of an operator elsewhere may send to the agent's host only, unless the owner allows
+more."""
+InputDevice = Annotated[int | str, DeviceIn()]
+InputAddress = Annotated[str, DeviceIn()]
+"""Under an agent, a run of an operator elsewhere may open cameras by number only, unless the owner allows
+more."""
+
+
+def Field(default: Any = ..., *, description: str, unit: str = "", **limits: Any) -> Any:  # noqa: N802
+    """A parameter: default (none: required), description, unit, and pydantic's limits (gt, ge, lt, le, ...).
+
+    Text, switches and paths have no unit; a plain number says "1".
+    """
+    return pydantic.Field(default, description=description, json_schema_extra={"unit": unit}, **limits)
+
+
+LARGEST_INT = (1 << 63) - 1
+"""Largest whole number in a parameter; it fits into 64 bits."""
+LARGEST = 1e15
+SMALLEST = 1e-15
+"""Range of the absolute value of other numbers: beyond it, squares and quotients overflow or underflow."""
+
+
+class StageParams(pydantic.BaseModel):
+    """Base of every stage's parameters: immutable, unknown names are errors.
+
+    Beside the limits of each parameter, these hold for all: whole numbers fit into 64 bits, other numbers are
+    0 or from `SMALLEST` to `LARGEST` in absolute value, and texts contain no NUL.
+    """
+
+    model_config = pydantic.ConfigDict(
+        frozen=True, extra="forbid", validate_default=True, allow_inf_nan=False
+    )
+
+    @pydantic.field_validator("*")
+    @classmethod
+    def _check_values(cls, value: Any) -> Any:
+        _check(value)
+        return value + 0.0 if isinstance(value, float) else value  # -0.0 is below no limit, and becomes 0.0
+
+
+def _check(value: Any) -> None:
+    """Raises ValueError if a number or a text in a tree of values breaks the limits of `StageParams`."""
+    if isinstance(value, Mapping):
+        _check(list(value.values()))
+    elif isinstance(value, list | tuple | set | frozenset):
+        for item in value:
+            _check(item)
+    elif isinstance(value, str | Path):
+        if "\0" in str(value):
+            raise ValueError("a text must not contain a NUL")
+    elif isinstance(value, int):
+        if abs(value) > LARGEST_INT:
+            raise ValueError("a whole number must fit into 64 bits")
+    elif isinstance(value, float) and value and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(f"a number must be 0 or from {SMALLEST:g} to {LARGEST:g}")
