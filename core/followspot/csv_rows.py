@@ -142,6 +142,10 @@ def _rows(
     if absent:
         text = f"columns {', '.join(absent)} are missing"
         raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
+    twice = [word for word in wanted.values() if head.count(word) > 1]
+    if twice:
+        text = f"the first line names column {twice[0]} twice"
+        raise InputError([Mistake(Place(file, 1, 1), text, "rename one")])
     index = {name: head.index(word) for name, word in wanted.items() if word in head}
     needed = max(index.values()) + 1
     for line, cells in enumerate(lines, 2):
@@ -150,6 +154,10 @@ def _rows(
         if len(cells) < needed:
             text = f"{len(cells)} columns, {needed} needed"
             raise InputError([Mistake(Place(file, line, 1), text, "the line is not complete")])
+        if any(cell.strip() for cell in cells[len(head) :]):
+            text = f"{len(cells)} columns, but the first line names {len(head)}"
+            remedy = "write numbers with a decimal point, and texts with a comma in quotes"
+            raise InputError([Mistake(Place(file, line, 1), text, remedy)])
         if line > MOST_ROWS:
             text = f"more than {MOST_ROWS} rows"
             raise InputError([Mistake(Place(file, line, 1), text, "split the file")])

@@ -177,7 +177,9 @@ class Form:
         if node is None or node.value is None:
             return {}
         if not isinstance(node.value, Mapping):
-            self.wrong(node, f"{key} is a mapping of names to values, not {kind_of(node)}")
+            self.wrong(
+                node, f"{key} is a mapping of names to values, not {kind_of(node)}", f"{key}: {{NAME: VALUE}}"
+            )
             return {}
         return node.value
 

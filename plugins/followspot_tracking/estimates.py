@@ -29,18 +29,24 @@ class Estimates(NamedTuple):
     """(S, T, 3) m^2."""
 
 
+def of_room(tracks: Tracks, count: int) -> Array:
+    """Rows whose target is one of the room's, (N,) bool; count: number of targets of the room."""
+    return np.asarray((tracks.target >= 0) & (tracks.target < count))
+
+
 def gathered(tracks: Sequence[Tracks], count: int) -> Estimates:
-    """The rows of several messages; count: number of targets."""
+    """The rows of several messages; count: number of targets. Rows of other targets are left out."""
     shape = len(tracks), count
     there, measured = np.zeros(shape, bool), np.zeros(shape, bool)
     xyz, velocity = np.zeros((*shape, 3)), np.zeros((*shape, 3))
     variance = np.ones((*shape, 3))
     for row, message in enumerate(tracks):
-        target = message.target
+        known = of_room(message, count)
+        target = message.target[known]
         there[row, target] = True
-        measured[row, target] = message.state == TRACKED
-        xyz[row, target], velocity[row, target] = message.xyz, message.velocity
-        variance[row, target] = np.maximum(message.sigma, SMALLEST_SIGMA) ** 2
+        measured[row, target] = message.state[known] == TRACKED
+        xyz[row, target], velocity[row, target] = message.xyz[known], message.velocity[known]
+        variance[row, target] = np.maximum(message.sigma[known], SMALLEST_SIGMA) ** 2
     return Estimates(there, measured, xyz, velocity, variance)
 
 

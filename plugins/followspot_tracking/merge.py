@@ -8,7 +8,7 @@ import numpy as np
 
 from followspot import Array, Field, Joined, Stage, StageParams
 from followspot.tracking import PREDICTED, TRACKED, Tracks
-from followspot_tracking.estimates import Estimates, confidence, gathered, intersection
+from followspot_tracking.estimates import Estimates, confidence, gathered, intersection, of_room
 
 NANOSECOND = 1e-9
 
@@ -46,6 +46,7 @@ class Merge(Stage):
         self.time = -1
         self.known = np.zeros(count, bool)
         self.xyz, self.velocity = np.zeros((2, count, 3))
+        self.strange = False
         self.used = np.zeros((0, count), bool)
         self.seen = np.zeros((0, count, 3))
 
@@ -54,6 +55,9 @@ class Merge(Stage):
             return Tracks.empty()
         time = tracks[0].header.time
         elapsed = max(time - self.time, 0) * NANOSECOND if self.time >= 0 else 0.0
+        if not self.strange and not all(of_room(one, len(self.known)).all() for one in tracks):
+            self.strange = True
+            self.context.warn("tracks of targets that the room does not have are left out")
         found = gathered(tracks, len(self.known))
         ahead = self.xyz + self.velocity * elapsed
         used, continued = self.chosen(found, ahead)

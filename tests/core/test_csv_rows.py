@@ -58,6 +58,18 @@ def test_empty_lines_are_passed_over_and_short_ones_refused(tmp_path: Path) -> N
     assert header_of(path) == ("x", "y", "more")
 
 
+def test_rows_with_more_columns_than_the_first_line_names_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text("x,y\n1,2,\n1,5,2,5\n")
+    rows = read_rows(path, ["x", "y"])
+    assert next(rows).numbers("x", "y") == [1, 2]  # an empty cell at the end is no value
+    with pytest.raises(InputError, match=r"points\.csv:3:1: 4 columns, but the first line names 2"):
+        next(rows)
+    path.write_text("x,y,x\n1,2,3\n")
+    with pytest.raises(InputError, match=r"points\.csv:1:1: the first line names column x twice"):
+        next(read_rows(path, ["x", "y"]))
+
+
 def test_every_column_that_is_missing_is_named(tmp_path: Path) -> None:
     (tmp_path / "tracks.csv").write_text("time,x\n")
     with pytest.raises(InputError, match=r"tracks\.csv:1:1: columns object, y are missing"):

@@ -42,7 +42,7 @@ CASES = {
     "depth": Case("depth.yaml"),
     "building": Case("building.yaml", "merge.out", ("hall/fuse", "balls.mean")),
     "building, a whole zone": Case("building.yaml", "merge.out", ("stage", str(GRAPHS / BALLS))),
-    "markers": Case("markers.yaml", "poses.out", ("poses", "vision.marker_poses")),
+    "markers": Case("markers.yaml", "poses.poses", ("poses", "vision.marker_poses")),
 }
 
 

@@ -137,19 +137,27 @@ save: {uses: ticks.write, in: {number: a}, with: {path: no/such/folder.csv}}
         assert finished.edge("a.", "save.")["sent"] == 0
 
 
+TRACKS = """
+from followspot import Source, Stage, at
+from followspot.tracking import Tracks
+
+class Seen(Stage):
+    'A tracker that sees nothing.'
+
+    def process(self) -> Source[Tracks]:
+        yield at(0, Tracks.empty())
+"""
+
+
 def test_unreadable_truth_does_not_prevent_the_summary(tmp_path: Path) -> None:
     (tmp_path / "truth.csv").write_text("frame,time,object\n0,0,red\n")
     (tmp_path / "room.yaml").write_text(
         "room: r\ntruth: {uses: cameras.truth_csv, with: {path: truth.csv}}\n"
     )
-    graph = write_graph(
-        tmp_path,
-        """
-a:    {uses: ticks.count}
-save: {uses: ticks.write, in: {number: a}, with: {path: tracks.csv}}
-""",
-    )
-    process = start(graph, tmp_path / "out", "--room", str(tmp_path / "room.yaml"))
+    (tmp_path / "nothing.py").write_text(TRACKS)
+    graph = write_graph(tmp_path, "a: {uses: nothing.seen}\nsave: {uses: sinks.csv, in: {tracks: a}}\n")
+    options = ("--room", str(tmp_path / "room.yaml"), "--plugin", str(tmp_path / "nothing.py"))
+    process = start(graph, tmp_path / "out", *options)
     finished = finish(process, tmp_path / "out")
     assert finished.code == 0
     assert finished.summary["targets"] == {}

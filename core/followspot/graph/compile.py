@@ -106,6 +106,6 @@ def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
         return (-1, 0, 0) if at is None else (rank[at.file], at.line, at.column)
 
     once: dict[tuple[Place | None, str], Mistake] = {}
-    for mistake in mistakes:
-        once.setdefault((mistake.place, mistake.text), mistake)
+    for mistake in mistakes:  # what one value causes at several places inside sub-graphs is one mistake
+        once.setdefault((mistake.place and replace(mistake.place, outer=None), mistake.text), mistake)
     return sorted(once.values(), key=position)

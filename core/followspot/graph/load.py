@@ -49,6 +49,8 @@ def load(
     if not composed.complete:
         raise InputError(mistakes)
     nodes = composed.stages
+    if mistakes and not nodes:
+        raise InputError(mistakes)
     if not 0 < len(nodes) <= MAX_STAGES:
         problem = f"the graph has {len(nodes)} stages, at most {MAX_STAGES} are read"
         problem = problem if nodes else "the graph has no stages"

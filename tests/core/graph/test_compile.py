@@ -228,9 +228,18 @@ def test_a_graph_may_do_without_a_room(tmp_path: Path) -> None:
     assert "needs cameras, but the graph names no room" in found
 
 
-@pytest.mark.parametrize("text", ["", "graph: nothing\n", "stages: {}\n"])
-def test_an_empty_graph_is_a_mistake(tmp_path: Path, text: str) -> None:
-    assert "the graph has no stages" in "\n".join(refused(tmp_path, graph=text))
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "a graph is a mapping of keys to values, not nothing"),
+        ("graph: nothing\n", "the graph has no stages"),
+        ("stages: {}\n", "the graph has no stages"),
+        ("stages: [a, b]\n", "stages is a mapping of names to values, not a list"),
+    ],
+)
+def test_an_empty_graph_is_one_mistake(tmp_path: Path, text: str, said: str) -> None:
+    (mistake,) = refused(tmp_path, graph=text)
+    assert said in mistake
 
 
 def test_mistakes_of_graph_room_placement_and_options_are_reported_together(tmp_path: Path) -> None:

@@ -588,3 +588,28 @@ def test_many_files_with_many_values_have_a_limit(tmp_path: Path) -> None:
         compile_graph(tmp_path / "main.yaml")
     (mistake,) = caught.value.mistakes
     assert "100000 values" in mistake.text
+
+
+def test_an_input_of_two_stages_that_cannot_be_read_is_one_mistake(tmp_path: Path) -> None:
+    both = TRACKER.replace("inputs: {", "inputs: {extra: [detect.forecast, pair.blobs], ")
+    assert both != TRACKER
+    text = "stages: {hall: {graph: tracker.yaml, in: {extra: [null]}}}\nroom: room.yaml\n"
+    write(tmp_path, main=text, tracker=both, room=ROOM)
+    with pytest.raises(InputError) as caught:
+        compile_graph(tmp_path / "main.yaml", plugin_files=[TOY])
+    (mistake,) = caught.value.mistakes
+    assert mistake.text == "an input is fed from STAGE or STAGE.PORT, not nothing"
+
+
+@pytest.mark.parametrize("content", ["\x01", "graph: a\n---\ngraph: b\n", "stages: [a]\n"])
+def test_a_used_file_that_cannot_be_read_is_one_mistake_with_the_place_of_its_use(
+    tmp_path: Path, content: str
+) -> None:
+    write(tmp_path, main="stages: {hall: {graph: used.yaml}}\n", used=content)
+    with pytest.raises(InputError) as caught:
+        compile_graph(tmp_path / "main.yaml")
+    (mistake,) = caught.value.mistakes
+    assert mistake.place is not None
+    assert Path(mistake.place.file).name == "used.yaml"
+    assert mistake.place.outer is not None
+    assert Path(mistake.place.outer.file).name == "main.yaml"

@@ -22,6 +22,7 @@ MESSAGES = {
     "persons.pose_tracker": 200,
     "persons.appearance": 200,
     "balls.throws": 2000,
+    "dashboard.meter": 10_000,
     "recording.sink": 3000,
 }
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""

@@ -143,6 +143,17 @@ def test_a_lost_target_has_no_row_and_returns_where_it_is_found() -> None:
     assert stage.process((tracks(2, {}), tracks(2, {0: (0.1, 0, 1)}))).xyz[0].tolist() == [0.1, 0, 1]
 
 
+def test_targets_that_the_room_does_not_have_are_left_out_and_said() -> None:
+    said: list[str] = []
+    stage = Merge(Context(room=ROOM, warn=said.append))
+    stage.setup()
+    place = np.array([0.0, 0.3, 1.0])
+    for frame in range(2):
+        message = tracks(frame, {0: place, 7: place, -1: place, 2**31 - 1: place})
+        assert stage.process((message,)).target.tolist() == [0]
+    assert said == ["tracks of targets that the room does not have are left out"]
+
+
 def test_the_message_of_a_zone_may_be_missing() -> None:
     stage, bias = merge(), np.array([0.0, 0.05, 0.0])
     errors = []

@@ -93,7 +93,7 @@ class GraphFiles:
         try:
             return self._read(path, above, outer, "paths are relative to this file", node.place)
         except InputError as error:
-            self.mistakes += error.mistakes
+            self.mistakes += [_used_at(mistake, outer) for mistake in error.mistakes]
             return None
 
     def _read(
@@ -151,6 +151,13 @@ def input_names(path: Path) -> frozenset[str]:
     if mistakes:
         raise InputError(mistakes)
     return frozenset(found.inputs)
+
+
+def _used_at(mistake: Mistake, outer: Place) -> Mistake:
+    """The mistake of a file together with the place that uses it, unless it stands in that file."""
+    place = mistake.place
+    inside = place is not None and place.file != outer.file
+    return replace(mistake, place=place.within(outer)) if place is not None and inside else mistake
 
 
 def _real(path: Path) -> str:
