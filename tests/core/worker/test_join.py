@@ -13,7 +13,7 @@ from followspot.transport.token import END, Watermark
 from followspot.worker.input_queue import InputQueue
 from followspot.worker.join import Join, JoinInput
 from followspot.worker.ledger import PRODUCED, Ledger
-from followspot.worker.sampled_input import HeldInput, NearestInput, SampledInput, WindowInput
+from followspot.worker.sampled_input import NearestInput, NewestInput, SampledInput, WindowInput
 
 MS = 1_000_000
 
@@ -181,7 +181,7 @@ def _firings(times: list[list[int]], order: random.Random) -> list[tuple[int, li
 def test_delayed_input_is_the_message_of_exactly_n_firings_ago(delay: int) -> None:
     bench = Bench(2)
     empty = Tick.empty()
-    sampled = HeldInput(bench.queues[1], delay=delay, timed=True, initial=empty)
+    sampled = NewestInput(bench.queues[1], delay=delay, timed=True, initial=empty)
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
     join = Join([main, JoinInput("back", joined=False, sampled=sampled)], lateness=0)
     for n in range(8):
@@ -195,7 +195,7 @@ def test_delayed_input_is_the_message_of_exactly_n_firings_ago(delay: int) -> No
 
 def test_delayed_input_waits_for_the_answer_to_the_firing_before() -> None:
     bench = Bench(2)
-    sampled = HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
+    sampled = NewestInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
     join = Join([main, JoinInput("back", joined=False, sampled=sampled)], lateness=0)
     bench.queues[0].put(tick(0))
@@ -208,7 +208,7 @@ def test_delayed_input_waits_for_the_answer_to_the_firing_before() -> None:
 
 def test_latest_forward_input_is_sampled_by_capture_time_not_by_arrival() -> None:
     bench = Bench(2)
-    sampled = HeldInput(bench.queues[1], delay=0, timed=True, initial=None)
+    sampled = NewestInput(bench.queues[1], delay=0, timed=True, initial=None)
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
     join = Join([main, JoinInput("latest", joined=False, sampled=sampled)], lateness=0)
     bench.queues[1].put(tick(3, 3))
@@ -307,7 +307,7 @@ def test_nothing_is_near_only_when_nothing_can_come_within_the_tolerance() -> No
 
 def test_feedback_is_waited_for_beyond_a_deadline() -> None:
     bench = Bench(2)
-    join = windowed(bench, HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty()))
+    join = windowed(bench, NewestInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty()))
     bench.put(0, tick(0))
     bench.put(0, tick(10))
     assert fire(join) is not None
@@ -317,7 +317,7 @@ def test_feedback_is_waited_for_beyond_a_deadline() -> None:
 def test_a_full_feedback_edge_keeps_the_message_of_the_firing_before() -> None:
     bench = Bench(2)
     bench.queues[1].depth = 2
-    back = HeldInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
+    back = NewestInput(bench.queues[1], delay=1, timed=True, initial=Tick.empty())
     main = JoinInput("in", joined=False, members=(bench.queues[0],))
     join = Join([main, JoinInput("back", joined=False, sampled=back)], lateness=0, lag=0)
     bench.put(0, tick(10))
