@@ -14,7 +14,7 @@ GRAZING = 1e-6
 
 
 def rendered(lens: Lens, planes: Iterable[Array]) -> Array:
-    """Depth of the nearest plane in each pixel, (H, W) float32 m; infinite where there is none.
+    """Depth of the nearest plane in each pixel, (H, W) float32 m; infinite if no plane covers the pixel.
 
     planes: (4,) each, m.
     """

@@ -40,7 +40,7 @@ class DepthPicture:
         self._seed = int(rng.integers(1 << 31))
 
     def exact(self, frame: int) -> Array:
-        """Depth along the optical axis without errors, (H, W) m; infinite where there is nothing."""
+        """Depth along the optical axis without errors, (H, W) m; infinite if the pixel sees no surface."""
         scene = self.world.scene(frame)
         shown = ~np.isnan(scene.balls[:, 0])
         balls = np.repeat(scene.balls[shown, None], 2, axis=1)

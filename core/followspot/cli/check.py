@@ -25,7 +25,7 @@ def _configure(parser: argparse.ArgumentParser) -> None:
 def _run(args: argparse.Namespace) -> int:
     """Find every mistake in a graph, its room and its placement; start nothing.
 
-    What can never come to anything (a stage that nobody reads, a target without a template) is a warning.
+    What can never give a result (a stage without a reader, a target without a template) is a warning.
 
     Examples:
       followspot check graphs/glowballs.yaml --room rooms/studio.yaml

@@ -61,7 +61,7 @@ class Expanded:
     instances: Mapping[str, Instance]
     wires: tuple[Wire, ...]
     left_out: Mapping[str, Mistake]
-    """Optional stages without an instance, each with the reason, which is a mistake for who needs it."""
+    """Optional stages without an instance, each with the reason: a mistake for a stage that needs one."""
     notes: tuple[str, ...] = ()
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""

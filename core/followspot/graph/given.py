@@ -1,4 +1,4 @@
-"""Who gave each parameter that differs from its default: the graph, the room, or `--set`."""
+"""The origin of each parameter that differs from its default: the graph, the room, or `--set`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from followspot.graph.override import is_set
 from followspot.graph.parameters import plain_default
 
 _Row = tuple[str, str, str]
-"""A parameter, its value, and who gave it."""
+"""A parameter, its value, and the origin of the value."""
 
 
 def given_text(checked: Checked) -> str:

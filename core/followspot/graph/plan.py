@@ -86,7 +86,7 @@ class PlannedEdge:
     codec: EdgeCodec = "raw"
     """How arrays travel on an edge over Zenoh."""
     tolerance: Wait | None = None
-    """Largest difference in capture time to what it is matched with, s; None for that of the stage."""
+    """Largest difference in capture time to its matches, s; None for the tolerance of the stage."""
     policy: EdgePolicy = "block"
     """Behaviour of a full edge in live runs: the sender waits, or the oldest message is dropped."""
 

@@ -32,7 +32,7 @@ class AnswerPool:
         return future
 
     def close(self) -> None:
-        """Let the threads end after what they are at; further calls are for a new pool."""
+        """Let the threads end after their present calls; further calls start a new pool."""
         for _ in range(self._threads):
             self._calls.put(None)
 

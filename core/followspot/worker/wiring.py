@@ -77,7 +77,7 @@ class Wiring:
         return edge.delay > 0 or not self.input_port(edge).fires
 
     def tolerance(self, edge: PlannedEdge) -> int:
-        """Largest distance in capture time between a message of the edge and what it is matched with, ns."""
+        """Largest difference in capture time between a message of the edge and its matches, ns."""
         own = self.stages[edge.to_stage].tolerance if edge.tolerance is None else edge.tolerance
         return round(own * 1e9)
 

@@ -13,7 +13,7 @@ from followspot.graph.names import below
 
 Noun = Literal["parameter", "input", "output"]
 Promise = tuple[Noun, Target]
-"""A target with the full name of its stage, and what it is there."""
+"""A target with the full name of its stage, and its kind there."""
 
 
 def promises_of(unit: Unit) -> tuple[Promise, ...]:

@@ -1,4 +1,4 @@
-"""Who feeds an input, through the interfaces of sub-graphs: stages of the flat graph."""
+"""The senders of an input, through the interfaces of sub-graphs: stages of the flat graph."""
 
 from __future__ import annotations
 
