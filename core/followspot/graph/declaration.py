@@ -145,7 +145,7 @@ def _feed(node: Node, mistakes: list[Mistake]) -> Feed | None:
     if isinstance(node.value, Mapping):
         form = Form(node, "an input", _FEED, mistakes)
         only = form.get("only")
-        chosen = None if only is None else read_selector(only, mistakes)
+        chosen = None if only is None else read_selector(only, mistakes, "only")
         origin = form.get("from", required=True)
         places = _places(form)
         delay = _delay(form)

@@ -80,12 +80,13 @@ class Selector:
         return Mistake(self.place, text, did_you_mean(strange, known, "properties and tags"))
 
 
-def read_selector(node: Node, mistakes: list[Mistake]) -> Selector:
-    """Read the value of `each`; a selector that cannot be read is noted and takes every camera."""
+def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Selector:
+    """Read the value of `key`; a selector that cannot be read is noted and takes every camera."""
     found = _FORM.fullmatch(node.value.strip()) if isinstance(node.value, str) else None
     if found is None:
-        text = f"each cannot be {kind_of(node)}"
+        text = f"{key} cannot be {kind_of(node)}"
         remedy = 'write cameras, sensors, targets or a tag, or "cameras[kind=color]"'
+        remedy = 'write for example "cameras[kind=color]"' if key == "cameras" else remedy
         mistakes.append(Mistake(node.place, text, remedy))
         return Selector("cameras", (), node.place)
     conditions = []

@@ -613,3 +613,13 @@ def test_a_used_file_that_cannot_be_read_is_one_mistake_with_the_place_of_its_us
     assert Path(mistake.place.file).name == "used.yaml"
     assert mistake.place.outer is not None
     assert Path(mistake.place.outer.file).name == "main.yaml"
+
+
+@pytest.mark.parametrize("value", ["null", "[cam0, cam1]"])
+def test_a_selector_that_cannot_be_read_is_named_by_its_key(tmp_path: Path, value: str) -> None:
+    write(tmp_path, main=f"room: room.yaml\nstages: {{hall: {{graph: tracker.yaml, cameras: {value}}}}}\n")
+    with pytest.raises(InputError) as caught:
+        compile_graph(tmp_path / "main.yaml", plugin_files=[TOY])
+    (mistake,) = caught.value.mistakes
+    assert mistake.text.startswith("cameras cannot be ")
+    assert mistake.help == 'write for example "cameras[kind=color]"'

@@ -31,7 +31,7 @@ def narrowed(each: Node, limits: Sequence[Limit]) -> Node:
 def read_cameras(node: Node, mistakes: list[Mistake]) -> Selector | None:
     """The value of `cameras`; None if a mistake was noted."""
     before = len(mistakes)
-    selector = read_selector(node, mistakes)
+    selector = read_selector(node, mistakes, "cameras")
     if len(mistakes) == before and selector.set != "cameras":
         text = f'cameras cannot be "{node.value}"'
         mistakes.append(Mistake(node.place, text, 'write for example "cameras[zone=hall]"'))
