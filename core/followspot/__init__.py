@@ -24,7 +24,18 @@ if TYPE_CHECKING:
     from followspot.library.table import Table
     from followspot.messages import Array, Header, Message, at, column
     from followspot.room import Camera, Member, Room, Sensor, Target
-    from followspot.stage import Context, Deferred, Joined, Latest, Nearest, Outputs, Source, Stage, Window
+    from followspot.stage import (
+        Context,
+        Deferred,
+        Joined,
+        Lagged,
+        Latest,
+        Nearest,
+        Outputs,
+        Source,
+        Stage,
+        Window,
+    )
     from followspot.stage_params import (
         Field,
         InputAddress,
@@ -70,6 +81,7 @@ _HOME = {
     "InputDevice": "stage_params",
     "InputPath": "stage_params",
     "Joined": "stage",
+    "Lagged": "stage",
     "Latest": "stage",
     "Nearest": "stage",
     "OutputHost": "stage_params",
@@ -96,6 +108,7 @@ __all__ = [
     "InputError",
     "InputPath",
     "Joined",
+    "Lagged",
     "Latest",
     "Member",
     "Message",

@@ -7,15 +7,19 @@ import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from types import MappingProxyType
 
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.files import open_text
+from followspot.messages import MAX_TIME
 
 MOST_ROWS = 5_000_000
 LONGEST_NAME = 100
 LARGEST = 2**31 - 1
+DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
+"""Digits after the point of a time in ns, by its unit."""
 FLAGS = {"0": False, "1": True, "false": False, "true": True}
 
 
@@ -55,6 +59,16 @@ class Row:
         if value % 1 or not 0 <= value <= LARGEST:
             raise self.mistake(column, f"a whole number from 0 to {LARGEST}")
         return int(value)
+
+    def nanoseconds(self, column: str, unit: str) -> int:
+        """A time in ns without the error of binary fractions. unit: of `DECIMALS`. Raises InputError."""
+        try:
+            value = Decimal(self.cell(column)).scaleb(DECIMALS[unit])
+            if value.is_finite() and abs(value) < MAX_TIME // 2:
+                return int(value.to_integral_value())
+        except InvalidOperation:
+            pass
+        raise self.mistake(column, f"a time in {unit}")
 
     def numbers(self, *columns: str) -> list[float]:
         """Finite numbers. Raises InputError."""

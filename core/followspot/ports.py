@@ -16,6 +16,7 @@ from followspot.messages import Message
 from followspot.stage import (
     DeferredOutput,
     JoinedInput,
+    LaggedOutputs,
     LatestInput,
     NearestInput,
     SeveralOutputs,
@@ -31,9 +32,10 @@ _MARKS: dict[type, InputKind] = {
     NearestInput: "nearest",
     WindowInput: "window",
 }
-Giving = Literal["one", "several", "later"]
-"""What a stage gives for a firing: one message each, several (`Outputs`) or a later one (`Deferred`)."""
-_GIVING: dict[type, Giving] = {SeveralOutputs: "several", DeferredOutput: "later"}
+Giving = Literal["one", "several", "later", "lagged"]
+"""What a stage gives for a firing: one message each, several (`Outputs`), a later one (`Deferred`), or
+messages for earlier firings (`Lagged`)."""
+_GIVING: dict[type, Giving] = {SeveralOutputs: "several", DeferredOutput: "later", LaggedOutputs: "lagged"}
 SEVERAL = ("joined", "window")
 """Kinds of inputs whose argument is a tuple of messages."""
 ONE_OUTPUT = "out"
@@ -168,7 +170,7 @@ def _input(stage: type[Stage], parameter: inspect.Parameter, hints: dict[str, An
 
 
 def _giving(stage: type[Stage], returned: Any) -> tuple[Giving, Any]:
-    """What a stage gives for a firing, and what is within `Outputs` or `Deferred`."""
+    """What a stage gives for a firing, and what is within `Outputs`, `Deferred` or `Lagged`."""
     marks = [_GIVING[type(mark)] for mark in getattr(returned, "__metadata__", ()) if type(mark) in _GIVING]
     if not marks:
         return "one", returned
@@ -200,7 +202,7 @@ def _outputs(stage: type[Stage], returned: Any) -> tuple[OutputSpec, ...]:
             return tuple(OutputSpec(name, kind) for name, kind in found if kind is not None)
     raise SignatureError(
         f"{stage.__name__}.process returns {returned!r}: return a message type, a dataclass of message types,"
-        " Source[...], Outputs[...] or Deferred[...] of either, or None"
+        " Source[...], Outputs[...], Deferred[...] or Lagged[...] of either, or None"
     )
 
 

@@ -63,6 +63,10 @@ class DeferredOutput:
     """Marks a result that comes later."""
 
 
+class LaggedOutputs:
+    """Marks a result that is messages for earlier firings."""
+
+
 Latest = Annotated[T | None, LatestInput()]
 """The newest message, or None before the first."""
 Joined = Annotated[tuple[T, ...], JoinedInput()]
@@ -79,6 +83,10 @@ Deferred = Annotated[Future[T | None] | Callable[[], T | None] | None, DeferredO
 """Return type of a stage without a state that answers later: a future, or a function that a thread of the
 runtime calls. Answers are sent in the order of the firings, with their capture times; at most as many are
 under way as the graph says (`concurrency`, 1 if it says nothing)."""
+Lagged = Annotated[Iterable[T], LaggedOutputs()]
+"""Return type of a stage that waits for later inputs: messages for firings up to this one, any number for one
+firing. Each has the capture time of its firing (`at(time, message)`), and the times rise. `Stage.remaining`
+gives those that are left when the inputs have ended."""
 
 
 def _no_warning(text: str) -> None:
@@ -253,12 +261,25 @@ class Stage:
         """
         return ()
 
+    @classmethod
+    def check_files(cls, params: Any, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Mistakes of the files that `params` names, as far as they are found at once, in the first rows.
+
+        member: that the instance serves. A mistake in a file has its place there. InputError may be raised
+        instead. A run reads the whole in `setup`.
+        """
+        return ()
+
     def setup(self) -> None:
         """Open files and devices; the worker calls it once before the first message."""
 
     def length(self) -> int | None:
         """Number of messages that a source will yield, if known after `setup`; for progress only."""
         return None
+
+    def remaining(self) -> Iterable[Any]:
+        """The messages that a stage which lags (`Lagged`) still owes after its last input; called once."""
+        return ()
 
     def close(self) -> None:
         """Complete the outputs; the worker calls it once after the last message, also after an error."""

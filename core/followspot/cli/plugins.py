@@ -16,7 +16,12 @@ KINDS = {
     "window": " (window: all since the last firing, never fires)",
 }
 """What is said of each kind of input."""
-GIVING = {"one": "", "several": " (several for one firing)", "later": " (deferred: comes later, in order)"}
+GIVING = {
+    "one": "",
+    "several": " (several for one firing)",
+    "later": " (deferred: comes later, in order)",
+    "lagged": " (lagged: for earlier firings)",
+}
 """What is said of outputs."""
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from followspot.errors import Mistake
 from followspot.graph.declaration import StageDeclaration
 from followspot.graph.load import Loaded
+from followspot.graph.names import enclosing
 from followspot.graph.selector import tag_named
 from followspot.room import SETS, Member, Room, Target
 
@@ -30,9 +31,12 @@ def lack(stage: StageDeclaration, loaded: Loaded, room: Room) -> Mistake:
     return Mistake(stage.each.place, text, remedy)
 
 
-def stages_left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
-    """Optional stages that the room has nothing for, and those that nothing else feeds, with the reason."""
-    left_out: dict[str, Mistake] = {}
+def absent(loaded: Loaded, members: Mapping[str, Sequence[Member | None]]) -> dict[str, Mistake]:
+    """Optional stages and sub-graphs that the room has nothing for, and those that nothing else feeds.
+
+    Each has its reason; the stages of a sub-graph that is left out are among them.
+    """
+    left_out = dict(loaded.left_out)
     for name, stage in loaded.stages.items():
         if not members[name] and stage.each is not None:
             text = f'stage "{name}" is left out: the room has no {stage.each.text}'
@@ -40,6 +44,11 @@ def stages_left_out(loaded: Loaded, members: Mapping[str, Sequence[Member | None
     before = -1
     while len(left_out) > before:
         before = len(left_out)
+        for use in loaded.optional:
+            if use.name not in left_out and use.senders <= left_out.keys():
+                reason = Mistake(use.place, f'sub-graph "{use.name}" is left out: so is all that feeds it')
+                left_out[use.name] = reason
+                left_out |= {name: reason for name in loaded.stages if use.name in enclosing(name)}
         for name, stage in loaded.stages.items():
             feeds = [feed for entry in stage.inputs for feed in entry.feeds if not feed.delay]
             unfed = bool(feeds) and all(feed.stage in left_out for feed in feeds)

@@ -8,6 +8,7 @@ from typing import Literal
 from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import cyclic, successors, topological
+from followspot.graph.given import origins
 from followspot.graph.placement import Placed
 from followspot.graph.plan import (
     DEPTHS,
@@ -44,7 +45,10 @@ def plan(
         seed=checked.seed if seed is None else seed,
         plugin_files=plugin_files,
         notes=(*checked.notes, *placed.notes, *_notes(planned, edges)),
+        offered=checked.offered,
         warnings=checked.warnings,
+        room_document=checked.room_document,
+        origins=origins(checked),
     )
 
 

@@ -2,36 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from followspot.document import Node, node_of
 from followspot.errors import InputError, Mistake, Place, did_you_mean
+from followspot.graph.given import origin_of
 from followspot.graph.names import enclosing
 from followspot.graph.override import Override, read_override
 from followspot.graph.parameters import output_paths, plain_default, validated
-from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
 from followspot.graph.replacement import misfits
-from followspot.graph.subgraph_change import is_subgraph, subgraph_changes
+from followspot.graph.subgraph_change import BY_A_CHANGE, is_subgraph, subgraph_changes
+from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
 
 
+@dataclass(frozen=True)
+class Change:
+    """The stages that change, in their new form, who gave their parameters, and how the plan is made now."""
+
+    stages: tuple[PlannedStage, ...]
+    origins: Mapping[str, Mapping[str, Origin]]
+    recipe: Recipe | None
+
+    def applied(self, plan: Plan) -> Plan:
+        """The plan after the change."""
+        origins = {**plan.origins, **self.origins}
+        return replace(with_stages(plan, self.stages), origins=origins, recipe=self.recipe)
+
+
 def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> tuple[PlannedStage, ...]:
-    """The stages that change, in their new form. Raises InputError with every mistake.
+    """The stages that change, in their new form; see `change_of`."""
+    return change_of(plan, words, folder).stages
+
+
+def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change:
+    """What becomes of a plan. Raises InputError with every mistake.
 
     words: STAGE=USES to swap, STAGE.KEY=VALUE to set a parameter; STAGE is a stage of the graph file or one
     of its instances, or a sub-graph, with FILE for USES; folder: that paths in the words are relative to. A
-    replacement keeps the given parameters of the old stage that it also has.
+    replacement keeps the given parameters of the old stage that it also has, and takes those that the room
+    tunes of it, unless `--set` or a change gave them.
     """
     mistakes: list[Mistake] = []
     wishes: dict[str, _Wish] = {}
+    recipe = plan.recipe
     for word in words:
         override = read_override(_spelled(word), mistakes)
         if override is not None and is_subgraph(plan, override.stage):
-            _note_subgraph(override, word, plan, folder, wishes, mistakes)
+            recipe = _note_subgraph(override, word, replace(plan, recipe=recipe), folder, wishes, mistakes)
         elif override is not None:
             _note(override, plan, wishes, mistakes)
     found = [_replacement(wish, plan, folder, mistakes) for wish in wishes.values()]
@@ -40,7 +63,8 @@ def changed_stages(plan: Plan, words: Sequence[str], folder: Path = Path()) -> t
         _check_outputs(changed, plan, wishes, mistakes)
     if mistakes:
         raise InputError(list(dict.fromkeys(mistakes)))
-    return tuple(stage for stage in changed if stage != wishes[stage.name].old)
+    new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
+    return Change(new, {stage.name: wishes[stage.name].origins for stage in new}, recipe)
 
 
 def with_stages(plan: Plan, stages: Iterable[PlannedStage]) -> Plan:
@@ -57,6 +81,8 @@ class _Wish:
     place: Place
     uses: str = ""
     params: dict[str, Node] = field(default_factory=dict)
+    origins: dict[str, Origin] = field(default_factory=dict)
+    """Who gave the parameters, as far as anybody did."""
 
 
 def _spelled(word: str) -> str:
@@ -72,17 +98,25 @@ def _note_subgraph(
     folder: Path,
     wishes: dict[str, _Wish],
     mistakes: list[Mistake],
-) -> None:
-    """Add a word for a sub-graph to the wishes for its instances."""
+) -> Recipe | None:
+    """Add a word for a sub-graph to the wishes for its instances. Returns how the plan is made with it."""
     place = override.stage_place
     by_name = {stage.name: stage for stage in plan.stages}
     try:
-        for found in subgraph_changes(plan, word, folder, place):
-            wish = wishes.setdefault(found.name, _Wish(by_name[found.name], place))
-            wish.uses = found.uses
-            wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
+        changes, recipe = subgraph_changes(plan, word, folder, place)
     except InputError as error:
         mistakes += error.mistakes
+        return plan.recipe
+    for found in changes:
+        wish = wishes.setdefault(found.name, _wish(by_name[found.name], place, plan))
+        wish.uses = found.uses or wish.uses
+        wish.params |= {key: node_of(value, place) for key, value in found.params.items()}
+        wish.origins |= found.origins
+    return recipe
+
+
+def _wish(old: PlannedStage, place: Place, plan: Plan) -> _Wish:
+    return _Wish(old, place, origins=dict(plan.origins.get(old.name, {})))
 
 
 def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: list[Mistake]) -> None:
@@ -103,11 +137,12 @@ def _note(override: Override, plan: Plan, wishes: dict[str, _Wish], mistakes: li
         )
         return
     for stage in targets:
-        wish = wishes.setdefault(stage.name, _Wish(stage, place))
+        wish = wishes.setdefault(stage.name, _wish(stage, place, plan))
         if keys[0] == "uses":
             wish.uses = str(override.value.value)
         else:
             wish.params[keys[0]] = replace(override.value, key=override.places[0])
+            wish.origins[keys[0]] = BY_A_CHANGE
 
 
 def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake]) -> PlannedStage | None:
@@ -122,10 +157,20 @@ def _replacement(wish: _Wish, plan: Plan, folder: Path, mistakes: list[Mistake])
     noun = f'stage "{old.name}" ({uses})'
     mistakes += [Mistake(wish.place, text, remedy) for text, remedy in misfits(old, present, stage, plan)]
     given = old.params if stage is present else _given(old, present, stage)
-    params = validated(stage, noun, wish.params, wish.place, mistakes, given=given, folder=folder)
+    written = {**({} if stage is present else _tunes(wish, plan, mistakes)), **wish.params}
+    params = validated(stage, noun, written, wish.place, mistakes, given=given, folder=folder)
     if params is None or len(mistakes) > before:
         return None
     return replace(old, uses=uses, params=params)
+
+
+def _tunes(wish: _Wish, plan: Plan, mistakes: list[Mistake]) -> dict[str, Node]:
+    """What the room tunes of the new stage, except what `--set` or a change gave; the wish says so."""
+    found = tunes_of(plan.room_document, replace(wish.old, uses=wish.uses), mistakes)
+    kept = {name for name, origin in wish.origins.items() if origin.kept} | wish.params.keys()
+    tunes = {name: node for name, node in found.items() if name not in kept}
+    wish.origins |= {name: Origin(origin_of(node, tuned=True)) for name, node in tunes.items()}
+    return tunes
 
 
 def _given(old: PlannedStage, present: type[Stage], stage: type[Stage]) -> dict[str, Any]:

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from followspot.document import child
+from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.connections import CheckedEdge, check_cycles, connect
+from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, connect
 from followspot.graph.expand import Expanded, Instance
+from followspot.graph.file_check import check_files
 from followspot.graph.parameters import output_paths, validated
 from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks
 from followspot.graph.sampling import sampled_cycles
+from followspot.graph.subgraph_ports import subgraph_ports
 from followspot.graph.warnings import warnings
 from followspot.plugins.hooks import load_scorers
 from followspot.plugins.registry import PluginError, load_stage
@@ -46,6 +48,9 @@ class Checked:
     """Everything that can make two runs differ."""
     warnings: tuple[Mistake, ...] = ()
     """Everything that can never come to anything."""
+    offered: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
+    room_document: Node | None = None
 
 
 def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
@@ -63,6 +68,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
     ]
     edges = connect(expanded.wires, classes, mistakes)
     check_cycles(edges, mistakes)
+    check_lagged_cycles(edges, classes, mistakes)
     sampled = sampled_cycles(edge.link for edge in edges)
     if any(stage.live for stage in classes.values()):
         notes = tuple(f"{mistake.place}: {mistake.text}; {mistake.remedy}" for mistake in sampled)
@@ -71,6 +77,7 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         if len(classes) == len(expanded.instances):  # else one that is not known may be live
             mistakes += sampled
     _check_outputs(stages, mistakes)
+    check_files(stages, expanded.room, mistakes)
     room = _checked_room(expanded, mistakes)
     notes = (*expanded.notes, *notes)
     return Checked(
@@ -82,6 +89,8 @@ def check(expanded: Expanded, mistakes: list[Mistake]) -> Checked:
         notes,
         tuple(risks(stages, edges)),
         () if mistakes else tuple(warnings(stages, edges, expanded)),
+        subgraph_ports(expanded.outputs, stages, expanded.room),
+        expanded.room_node,
     )
 
 
@@ -159,17 +168,19 @@ def _check_inputs(
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:
     """Two stages must not write one file."""
-    writers: dict[str, str] = {}
+    writers: dict[str, list[Instance]] = {}
     for checked in stages:
-        instance = checked.instance
         for path in output_paths(checked.stage.Params, checked.params):
-            other = writers.setdefault(path, instance.name)
-            if other == instance.name:
-                continue
-            node = next((n for n in instance.params.values() if n.value == path), None)
-            place = node.place if node is not None else instance.declared.place
-            text = f'stages "{other}" and "{instance.name}" write the same file {path}'
-            mistakes.append(Mistake(place, text, "give each its own path"))
+            found = writers.setdefault(path, [])
+            found += [checked.instance] if checked.instance not in found else []
+    for path, (first, *others) in writers.items():
+        if not others:
+            continue
+        node = next((n for n in others[0].params.values() if n.value == path), None)
+        place = node.place if node is not None else others[0].declared.place
+        more = f" and {len(others) - 1} more" if len(others) > 1 else ""
+        text = f'stages "{first.name}" and "{others[0].name}"{more} write the same file {path}'
+        mistakes.append(Mistake(place, text, "give each its own path"))
 
 
 def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
@@ -183,8 +194,9 @@ def _checked_room(expanded: Expanded, mistakes: list[Mistake]) -> Room:
     if stage is None:
         return expanded.room
     found = ports(stage)
-    known = [scorer.load().truth for scorer in load_scorers()]
-    if not found.source or [output.type for output in found.outputs] not in [[kind] for kind in known]:
+    known = tuple(scorer.load().truth for scorer in load_scorers())
+    given = [output.type for output in found.outputs]
+    if not found.source or len(given) != 1 or not issubclass(given[0], known):
         names = " or ".join(kind.__name__ for kind in known)
         text = f"the truth of a room is a source of {names}, and {truth.uses} is none"
         mistakes.append(Mistake(uses.place, text, "for example cameras.truth_csv"))

@@ -70,11 +70,14 @@ def checked_graph(
     """The graph before it is planned, with the places of all that is written; see `compile_graph`."""
     mistakes: list[Mistake] = []
     _use(plugin_files, mistakes)
-    loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
+    try:
+        loaded = load(path, mistakes, room=None if room is None else str(room), overrides=overrides)
+    except InputError as error:
+        raise InputError(_ordered(error.mistakes)) from None
     expanded = expand(loaded if change is None else change(loaded), mistakes)
-    check_interface(loaded.promises, expanded, mistakes)
     expanded = tuned(expanded, mistakes)
     checked = check(replace(expanded, offered=expanded.offered | _stages(subscribed)), mistakes)
+    check_interface(loaded.promises, expanded, mistakes)
     mistakes += checked.risks if strict else ()
     placed = place(expanded, None if placement is None else str(placement), mistakes)
     if mistakes:

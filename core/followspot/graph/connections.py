@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.cycles import cycles, successors
+from followspot.graph.cycles import cycles, cyclic, successors
 from followspot.graph.expand import Wire
 from followspot.graph.sampling import Link
 from followspot.messages import Message
@@ -147,3 +147,20 @@ def check_cycles(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
         feed = plain[cycle[-2], cycle[-1]].wire.feed
         text = f"the stages {' -> '.join(cycle)} wait for each other"
         mistakes.append(Mistake(feed.place, text, f"delay one edge: {{from: {feed.stage}, delay: 1}}"))
+
+
+def check_lagged_cycles(
+    edges: Sequence[CheckedEdge], classes: Mapping[str, type[Stage]], mistakes: list[Mistake]
+) -> None:
+    """A stage that lags waits for later inputs: none of these may wait for its output, delayed or not."""
+    ends = {(edge.wire.source.name, edge.wire.target.name): edge for edge in edges}
+    circular = cyclic(ends)
+    lagging = {name for name, stage in classes.items() if ports(stage).gives == "lagged"}
+    told: set[str] = set()
+    for start, end in ends:
+        edge = ends[start, end]
+        name = edge.wire.source.declared.name
+        if start in lagging and (start, end) in circular and name not in told:
+            told.add(name)
+            text = f'stage "{name}" lags and would wait for its own output, which "{end}" reads'
+            mistakes.append(Mistake(edge.wire.feed.place, text, "feed back what does not lag"))

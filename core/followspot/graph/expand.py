@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
-from followspot.graph.absent import lack, stages_left_out
+from followspot.graph.absent import absent, lack
 from followspot.graph.declaration import Feed, InputDeclaration, StageDeclaration
 from followspot.graph.load import Loaded
 from followspot.graph.selector import ranks, related
@@ -65,6 +65,10 @@ class Expanded:
     notes: tuple[str, ...] = ()
     offered: frozenset[str] = frozenset()
     """Stages that an interface names among its outputs."""
+    tuned: frozenset[Place] = frozenset()
+    """Of the tunes of the room that set parameters of sub-graphs."""
+    outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
+    """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
 
 
 _Groups = Mapping[str, Mapping[Member | None, Instance]]
@@ -73,7 +77,7 @@ _Groups = Mapping[str, Mapping[Member | None, Instance]]
 def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     """Fan out; stages that are not declared and members that the room lacks are noted."""
     members = {name: _members(stage, loaded, mistakes) for name, stage in loaded.stages.items()}
-    left_out = stages_left_out(loaded, members)
+    left_out = absent(loaded, members)
     count = sum(map(len, members.values()))
     if count > MAX_INSTANCES:
         return _nothing(loaded, f"the graph has {count} stages", f"at most {MAX_INSTANCES}", mistakes)
@@ -106,8 +110,10 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
         instances=instances,
         wires=tuple(wires),
         left_out=left_out,
-        notes=tuple(reason.text for reason in left_out.values()),
+        notes=tuple(dict.fromkeys(reason.text for reason in left_out.values())),
         offered=loaded.offered,
+        tuned=loaded.tuned,
+        outputs=loaded.outputs,
     )
 
 
@@ -122,7 +128,7 @@ def _members(stage: StageDeclaration, loaded: Loaded, mistakes: list[Mistake]) -
     """The members that a stage fans out over; a single None if it does not fan out."""
     if stage.each is None:
         return [None]
-    if loaded.room is None:
+    if loaded.room is None or not stage.each.readable:
         return [_ANY]
     found = stage.each.select(loaded.room)
     if found or stage.optional:
@@ -189,16 +195,24 @@ def _wires(
     rank: Mapping[Member, int],
     mistakes: list[Mistake],
 ) -> list[Wire]:
-    """All wires to one input, in the order of the room, for a join delivers in that order."""
-    wires = []
+    """All wires to one input, in the order of the room, for a join delivers in that order.
+
+    Of several senders that fan out, such as sub-graphs of each camera, those feed the target that serve its
+    member; that none does is a mistake.
+    """
+    wires, strange = [], []
     for feed in entry.feeds:
         sources = groups.get(feed.stage)
         if sources is not None:
             found = _sources(target, feed, sources, room, mistakes)
-            wires += [Wire(source, feed, target, entry.port, entry.place) for source in found]
+            wires += [Wire(source, feed, target, entry.port, entry.place) for source in found or ()]
+            strange += [feed] if found is None else []
         elif feed.stage not in left_out:
             remedy = did_you_mean(feed.stage, groups, "stages")
             mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
+    if strange and not wires:
+        text = f'stage "{target.declared.name}" serves {target.member}, stage "{strange[0].stage}" does not'
+        mistakes.append(Mistake(strange[0].place, text, "give both the same each"))
     last = len(rank)
     return sorted(wires, key=lambda w: last if w.source.member is None else rank.get(w.source.member, last))
 
@@ -209,9 +223,14 @@ def _sources(
     sources: Mapping[Member | None, Instance],
     room: Room,
     mistakes: list[Mistake],
-) -> Collection[Instance]:
-    """The instances that feed a target: those of its own or related members, else all of the stage."""
+) -> Collection[Instance] | None:
+    """The instances that feed a target: those of its own or related members, else all of the stage.
+
+    None if the stage serves other members only.
+    """
     unknown = target.declared.each is not None and target.member is None
+    if feed.only is not None and not feed.only.readable:
+        return [next(iter(sources.values()))]
     if feed.only is not None and _ANY not in sources and not unknown:
         chosen = feed.only.select(room)
         sources = {member: source for member, source in sources.items() if member in chosen}
@@ -227,8 +246,4 @@ def _sources(
     wanted = related(room, target.member, first.member.set)
     if wanted is None:
         return sources.values()
-    found = [sources[member] for member in wanted if member in sources]
-    if not found:
-        text = f'stage "{target.declared.name}" serves {target.member}, stage "{feed.stage}" does not'
-        mistakes.append(Mistake(feed.place, text, "give both the same each"))
-    return found
+    return [sources[member] for member in wanted if member in sources] or None

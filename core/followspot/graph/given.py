@@ -11,6 +11,7 @@ from followspot.errors import shown
 from followspot.graph.check import Checked, CheckedStage
 from followspot.graph.override import is_set
 from followspot.graph.parameters import plain_default
+from followspot.graph.plan import Origin
 
 _Row = tuple[str, str, str]
 """A parameter, its value, and the origin of the value."""
@@ -38,6 +39,17 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
             yield f"{name}.{parameter}", value, origin
 
 
+def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
+    """Who gave each parameter that is written anywhere, by instance and parameter."""
+    return {
+        stage.instance.name: {
+            parameter: Origin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
+            for parameter, node in stage.instance.params.items()
+        }
+        for stage in checked.stages
+    }
+
+
 def _given(checked: CheckedStage) -> Iterator[_Row]:
     """The parameters of one instance that differ from their defaults."""
     instance = checked.instance
@@ -47,10 +59,10 @@ def _given(checked: CheckedStage) -> Iterator[_Row]:
         value = json.dumps(checked.params[parameter])
         if value != default:
             about = default if required else f"default {default}"
-            yield parameter, f"{value} ({about})", _origin(node, tuned=parameter in instance.tuned)
+            yield parameter, f"{value} ({about})", origin_of(node, tuned=parameter in instance.tuned)
 
 
-def _origin(node: Node, *, tuned: bool) -> str:
+def origin_of(node: Node, *, tuned: bool) -> str:
     """Where a value is written, and whether the room tunes it."""
     if is_set(node):
         return "--set"

@@ -1,37 +1,45 @@
-"""Whether the parameters and ports that the interface of a graph file names are there.
-
-Only for the file that is checked itself: those of its sub-graphs show in what reads and sets them.
-"""
+"""Whether the parameters and ports that the interfaces of graph files name are there."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.compose.promises import Noun, Promise
-from followspot.graph.expand import Expanded
+from followspot.graph.compose.promises import Noun, Promise, is_told
+from followspot.graph.expand import ROOM_SOURCE, Expanded
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.ports import ports
 from followspot.stage import Stage
 
 
 def check_interface(promises: Sequence[Promise], expanded: Expanded, mistakes: list[Mistake]) -> None:
-    """Note every parameter and port that a stage of the graph lacks."""
-    classes: dict[str, type[Stage]] = {}
-    for instance in expanded.instances.values():
-        try:
-            classes.setdefault(instance.declared.name, load_stage(instance.uses))
-        except PluginError:
-            continue  # which is a mistake of its own
-    for noun, target in promises:
-        stage = classes.get(target.stage)
-        if stage is None or target.name is None:
+    """Note every parameter and port that a stage lacks, unless a use of the file has shown it.
+
+    Of a file that is used, the place of the use stands behind that of the interface.
+    """
+    sources = {instance.declared.name: instance.uses for instance in expanded.instances.values()}
+    for promise in promises:
+        target = promise.target
+        uses = sources.get(target.stage, "") if promise.uses == ROOM_SOURCE else promise.uses
+        stage = _class(uses)
+        if stage is None or is_told(target, mistakes):
             continue
-        name = target.name.partition(".")[0]
-        known = _known(noun, stage)
-        if name not in known:
-            text = f'stage "{target.stage}" has no {noun} "{name}"'
-            mistakes.append(Mistake(target.node.place, text, did_you_mean(name, known, f"{noun}s")))
+        known = _known(promise.noun, stage)
+        if target.name is None:
+            if promise.noun == "output" and not known:
+                text = f'stage "{target.stage}" ({uses}) is a sink and has no outputs'
+                mistakes.append(Mistake(target.node.place, text, "remove it from the interface"))
+        elif target.name not in known:
+            text = f'stage "{target.stage}" has no {promise.noun} "{target.name}"'
+            remedy = did_you_mean(target.name, known, f"{promise.noun}s")
+            mistakes.append(Mistake(target.node.place, text, remedy))
+
+
+def _class(uses: str) -> type[Stage] | None:
+    try:
+        return load_stage(uses) if uses else None
+    except PluginError:  # which is a mistake of its own
+        return None
 
 
 def _known(noun: Noun, stage: type[Stage]) -> Collection[str]:

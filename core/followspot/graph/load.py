@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import islice
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from followspot.document import Node, read
 from followspot.errors import InputError, Mistake, Place
 from followspot.form import kind_of
 from followspot.graph.compose.compose import Composed, compose
+from followspot.graph.compose.optional_use import OptionalUse
 from followspot.graph.compose.promises import Promise
 from followspot.graph.declaration import StageDeclaration, read_stage
 from followspot.graph.override import read_override
@@ -36,6 +37,14 @@ class Loaded:
     """Stages that an interface names among its outputs."""
     promises: tuple[Promise, ...] = ()
     """What the interface of the graph file names."""
+    left_out: Mapping[str, Mistake] = field(default_factory=dict)
+    """The sub-graphs that the room has nothing for, with the reasons."""
+    optional: tuple[OptionalUse, ...] = ()
+    """The other sub-graphs that may be left out."""
+    tuned: frozenset[Place] = frozenset()
+    """Of the tunes of the room that set parameters of sub-graphs."""
+    outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
+    """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
 
 
 def load(
@@ -53,11 +62,28 @@ def load(
         raise InputError(mistakes)
     if not 0 < len(nodes) <= MAX_STAGES:
         problem = f"the graph has {len(nodes)} stages, at most {MAX_STAGES} are read"
-        problem = problem if nodes else "the graph has no stages"
+        problem = problem if nodes else _empty(composed)
         mistakes.append(Mistake(composed.place, problem, "stages: {NAME: {uses: ...}, ...}"))
     stages = {name: read_stage(name, node, mistakes) for name, node in islice(nodes.items(), MAX_STAGES)}
-    offered, promises = composed.offered, composed.promises
-    return Loaded(composed.name, found, document, composed.seed, stages, offered, promises)
+    return Loaded(
+        composed.name,
+        found,
+        document,
+        composed.seed,
+        stages,
+        composed.offered,
+        composed.promises,
+        composed.left_out,
+        composed.optional,
+        composed.tuned,
+        composed.outputs,
+    )
+
+
+def _empty(composed: Composed) -> str:
+    """Why a graph has no stages."""
+    reasons = "; ".join([reason.text for reason in composed.left_out.values()][:6])
+    return f"nothing is left of the graph: {reasons}" if reasons else "the graph has no stages"
 
 
 def composed_graph(path: str | Path, *, room: str | None = None, overrides: Sequence[str] = ()) -> Composed:
@@ -76,10 +102,10 @@ def _composed(
     changes = [change for option in overrides if (change := read_override(option, mistakes)) is not None]
     found: tuple[Room | None, Node | None] = None, None
 
-    def find_room(named: Node | None) -> Room | None:
+    def find_room(named: Node | None) -> tuple[Room | None, Node | None]:
         nonlocal found
         found = _room(room, named, mistakes)
-        return found[0]
+        return found
 
     return compose(Path(path), changes, find_room, mistakes), *found
 

@@ -25,3 +25,8 @@ def enclosing(name: str) -> list[str]:
     """The sub-graphs that hold a stage and the stage itself: hall, hall/left, hall/left/color."""
     parts = name.split("/")
     return ["/".join(parts[:count]) for count in range(1, len(parts) + 1)]
+
+
+def subgraphs(stage: str) -> list[str]:
+    """The sub-graphs that hold a stage, the outermost first: hall, hall/left for hall/left/color."""
+    return enclosing(stage)[:-1]

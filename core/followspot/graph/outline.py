@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from followspot.graph.cycles import components, successors, topological
+from followspot.graph.names import subgraphs
 from followspot.graph.plan import EdgeKind, Plan, PlannedStage
 
 
@@ -88,7 +89,7 @@ def outline(plan: Plan, *, fold: bool = True) -> Outline:
 
 def _name(stage: PlannedStage, fold: bool) -> str:
     """The box of a stage."""
-    return stage.group.partition("/")[0] if fold else stage.group
+    return next(iter(subgraphs(stage.group)), stage.group) if fold else stage.group
 
 
 def _box(worker: str, name: str, members: list[PlannedStage], column: int) -> Box:

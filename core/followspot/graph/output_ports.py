@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
 
 from followspot.errors import InputError, Mistake, did_you_mean
 from followspot.graph.names import enclosing
@@ -18,11 +19,17 @@ def output_ports(plan: Plan) -> Mapping[str, type[Message]]:
     return {f"{name}.{port.name}": port.type for name, found in outputs.items() for port in found}
 
 
-def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[str, ...]:
+def chosen_ports(
+    words: str | None,
+    ports: Iterable[str],
+    option: str,
+    offered: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> tuple[str, ...]:
     """The ports, STAGE.PORT each, that the words name; all if nothing is said. Raises InputError.
 
-    A word is a stage or a sub-graph (all that is in it), STAGE.PORT (of all its cameras), STAGE/CAMERA, or
-    both; several are separated by commas. option: names the words in mistakes.
+    A word is an output of a sub-graph, a stage or a sub-graph (all that is in it), STAGE.PORT (of all its
+    cameras), STAGE/CAMERA, or both; several are separated by commas. option: names the words in mistakes;
+    offered: the ports behind each output of a sub-graph, see `Plan.offered`.
     """
     known = tuple(ports)
     if words is None:
@@ -30,14 +37,21 @@ def chosen_ports(words: str | None, ports: Iterable[str], option: str) -> tuple[
     mistakes = []
     found: set[str] = set()
     for word in dict.fromkeys(word.strip() for word in words.split(",")):
-        named = [port for port in known if word in port_names(port)]
+        named = ports_named(word, known, offered)
         found.update(named)
         if not named:
-            remedy = did_you_mean(word, {name for port in known for name in port_names(port)}, "ports")
+            remedy = did_you_mean(word, {*offered, *(n for port in known for n in port_names(port))}, "ports")
             mistakes.append(Mistake(None, f'{option}: there is no port "{word}"', remedy))
     if mistakes:
         raise InputError(mistakes)
     return tuple(port for port in known if port in found)
+
+
+def ports_named(word: str, ports: Sequence[str], offered: Mapping[str, Sequence[str]]) -> list[str]:
+    """The ports that a word names; see `chosen_ports`."""
+    if word in offered:
+        return [port for port in ports if port in offered[word]]
+    return [port for port in ports if word in port_names(port)]
 
 
 def port_names(port: str) -> list[str]:

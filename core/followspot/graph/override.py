@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from followspot.document import MAX_DEPTH, Node, parse
+from followspot.document import MAX_DEPTH, Node, child, parse
 from followspot.errors import InputError, Mistake, Place
 from followspot.graph.declaration import ENVELOPE
 
-SUBGRAPH = ("graph", "cameras", "each", "with", "in")
+SUBGRAPH = ("graph", "cameras", "each", "optional", "with", "in")
 """Keys of a stage that is a sub-graph."""
 _FILE = "--set"
 _DEEP = ("in", "with")
@@ -20,7 +20,8 @@ _FORM = "write STAGE.KEY=VALUE, for example fuse.uses=balls.mean"
 class Override:
     """One option: the stage, the keys that lead to a value, each with its place in the option, and the value.
 
-    within: the sub-graph whose stage it is, "" for one of the graph itself.
+    within: the sub-graph whose stage it is, "" for one of the graph itself; tune: whether the room says it,
+    and not an option, which would win.
     """
 
     stage: str
@@ -29,6 +30,7 @@ class Override:
     value: Node
     stage_place: Place
     within: str = ""
+    tune: bool = False
 
     def below(self, subgraph: str) -> Override:
         """The same for a stage of a sub-graph of the present one."""
@@ -63,9 +65,32 @@ def is_set(node: Node) -> bool:
     return node.place.file == _FILE
 
 
+def below_set(tune: Node, given: Node | None) -> Node:
+    """The tuned value, in which what `--set` gives keeps its place."""
+    if given is None or not _holds_set(given):
+        return tune
+    # The mapping that `--set STAGE.PARAMETER.KEY=VALUE` makes for KEY has the place of its own key.
+    whole = is_set(given) and given.place != given.key
+    if whole or not (isinstance(tune.value, Mapping) and isinstance(given.value, Mapping)):
+        return given
+    kept = {key: node for key, node in given.value.items() if _holds_set(node)}
+    below = {key: below_set(tune.value[key], node) for key, node in kept.items() if key in tune.value}
+    return replace(tune, value={**tune.value, **kept, **below})
+
+
+def _holds_set(node: Node) -> bool:
+    """True if `--set` gives the value or a part of it."""
+    return is_set(node) or (isinstance(node.value, Mapping) and any(map(_holds_set, node.value.values())))
+
+
 def overridden(entry: Node, override: Override, mistakes: list[Mistake]) -> Node:
     """The entry of a stage with an override in its place."""
     keys, places = override.keys, override.places
+    if override.tune:
+        given: Node | None = entry
+        for key in keys:
+            given = child(given, key)
+        return with_value(entry, keys, places, below_set(override.value, given))
     nested = isinstance(entry.value, Mapping) and "graph" in entry.value
     if keys[0] not in (SUBGRAPH if nested else ENVELOPE):  # a parameter
         keys, places = ("with", *keys), (places[0], *places)

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from followspot.document import Node
 from followspot.errors import Mistake
 from followspot.ranges import Wait
 from followspot.room import Member, Room
@@ -145,6 +146,14 @@ class Recipe:
 
 
 @dataclass(frozen=True)
+class Origin:
+    """Who gave a parameter. kept: whether a tune of the room leaves it: `--set` or a change gave it."""
+
+    text: str
+    kept: bool = False
+
+
+@dataclass(frozen=True)
 class Plan:
     """A run before it starts: stages in topological order (ignoring feedback edges), edges, workers."""
 
@@ -158,10 +167,16 @@ class Plan:
     """Absolute paths of one-file plugins."""
     notes: tuple[str, ...] = field(default=())
     """Differences from the request, for example an edge kind that was not possible."""
+    offered: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
     warnings: tuple[Mistake, ...] = ()
     """What can never come to anything, with its places; it stays with the operator."""
     recipe: Recipe | None = None
     """It stays with the operator, too; None if the stages do not come from files alone."""
+    room_document: Node | None = field(default=None, repr=False, compare=False)
+    """What the room's file says; it stays with the operator."""
+    origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
+    """Who gave the parameters that are not defaults, by stage and parameter; with the operator."""
 
     @property
     def live(self) -> bool:

@@ -29,7 +29,7 @@ def misfits(old: PlannedStage, present: type[Stage], stage: type[Stage], plan: P
         return [(text, "a live source takes the place of a live source, another stage that of another")]
     if before.gives != after.gives:
         text = f'{stage.__name__} gives messages in another way than stage "{old.name}"'
-        return [(text, "Outputs and Deferred take the place of their like")]
+        return [(text, "Outputs, Deferred and Lagged take the place of their like")]
     found = [*_inputs(old, before, after, plan), *_outputs(old, before, after, plan)]
     served = stage.serves()
     if served and (old.member is None or old.member.set != served):

@@ -46,6 +46,11 @@ class Selector:
     place: Place
 
     @property
+    def readable(self) -> bool:
+        """False for what could not be read, of which the members are not known."""
+        return bool(self.set)
+
+    @property
     def text(self) -> str:
         """The selector in its written form."""
         return f"{self.set}[{', '.join(map(str, self.conditions))}]" if self.conditions else self.set
@@ -81,14 +86,14 @@ class Selector:
 
 
 def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Selector:
-    """Read the value of `key`; a selector that cannot be read is noted and takes every camera."""
+    """Read the value of `key`; of one that cannot be read a mistake is noted, see `Selector.readable`."""
     found = _FORM.fullmatch(node.value.strip()) if isinstance(node.value, str) else None
     if found is None:
         text = f"{key} cannot be {kind_of(node)}"
         remedy = 'write cameras, sensors, targets or a tag, or "cameras[kind=color]"'
         remedy = 'write for example "cameras[kind=color]"' if key == "cameras" else remedy
         mistakes.append(Mistake(node.place, text, remedy))
-        return Selector("cameras", (), node.place)
+        return Selector("", (), node.place)
     conditions = []
     for part in filter(str.strip, (found[2] or "").split(",")):
         key, sign, value = (piece.strip() for piece in part.partition("="))
@@ -96,6 +101,7 @@ def read_selector(node: Node, mistakes: list[Mistake], key: str = "each") -> Sel
             conditions.append(Condition(key, tuple(choice.strip() for choice in value.split("|"))))
         else:
             mistakes.append(Mistake(node.place, f'"{part.strip()}" is no condition', "write PROPERTY=VALUE"))
+            return Selector("", (), node.place)
     plural = next((name for name, noun in SETS.items() if found[1] == noun), found[1])
     return Selector(plural, tuple(conditions), node.place)
 

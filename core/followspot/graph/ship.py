@@ -33,11 +33,14 @@ class _Data(pydantic.BaseModel):
     seed: Annotated[int, pydantic.Field(ge=0, le=MAX_SEED)]
     plugin_files: tuple[str, ...]
     notes: tuple[str, ...]
+    offered: dict[str, tuple[str, ...]] = {}
 
 
 def plan_to_data(plan: Plan) -> dict[str, Any]:
     """The plan in JSON types."""
+    offered = {name: list(ports) for name, ports in plan.offered.items()}
     return {
+        **({"offered": offered} if offered else {}),
         "version": VERSION,
         "graph": plan.graph,
         "room": to_data(plan.room),
@@ -70,6 +73,7 @@ def plan_from_data(data: Any) -> Plan:
         found.seed,
         found.plugin_files,
         found.notes,
+        found.offered,
     )
 
 

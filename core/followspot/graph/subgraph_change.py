@@ -7,26 +7,28 @@ the stages and edges of the old one; what differs is which plugin stages they ar
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from followspot.errors import InputError, Mistake, Place
 from followspot.graph.compile import compile_graph
 from followspot.graph.names import enclosing
-from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
 
 _RESTART = "a running graph keeps its stages and edges: stop it, and run it with --set {name}.graph=FILE"
+BY_A_CHANGE = Origin("while it ran", kept=True)
 _Edge = tuple[str, str, str, str, int]
 
 
 @dataclass(frozen=True)
 class StageChange:
-    """What an instance becomes: the plugin stage, and the parameters that differ."""
+    """What an instance becomes: the plugin stage, "" for that which it is, and the parameters that differ."""
 
     name: str
     uses: str
     params: Mapping[str, Any]
+    origins: Mapping[str, Origin]
 
 
 def is_subgraph(plan: Plan, name: str) -> bool:
@@ -34,8 +36,8 @@ def is_subgraph(plan: Plan, name: str) -> bool:
     return any(name in enclosing(stage.group)[:-1] for stage in plan.stages)
 
 
-def subgraph_changes(plan: Plan, word: str, folder: Path, place: Place) -> list[StageChange]:
-    """What the word changes. Raises InputError with every mistake.
+def subgraph_changes(plan: Plan, word: str, folder: Path, place: Place) -> tuple[list[StageChange], Recipe]:
+    """What the word changes, and how the plan is made with it. Raises InputError with every mistake.
 
     word: SUBGRAPH=FILE or SUBGRAPH.PARAMETER=VALUE; folder: that the path is relative to; place: of the word.
     """
@@ -44,22 +46,31 @@ def subgraph_changes(plan: Plan, word: str, folder: Path, place: Place) -> list[
         raise InputError([Mistake(place, text, "change its stages one by one")])
     path, _, value = word.partition("=")
     name, _, key = path.partition(".")
-    fresh = _planned(plan, f"{path}={value}" if key else f"{path}.graph={(folder / value).absolute()}")
     if key:
-        return _differing(_planned(plan), fresh, name)
+        fresh = _planned(plan.recipe, plan, word)
+        return _set(_planned(plan.recipe, plan), fresh, name), plan.recipe
+    made = (*plan.recipe.overrides, f"{path}.graph={(folder / value).absolute()}")
+    recipe = replace(plan.recipe, overrides=made)
+    fresh = _planned(recipe, plan)
     _check_same(plan, fresh, name, place)
-    return _differing(plan, fresh, name)
+    return _differing(plan, fresh, name), recipe
 
 
-def _planned(plan: Plan, *words: str) -> Plan:
-    """The plan of the graph file with more overrides; its plugins are loaded."""
-    made = plan.recipe
-    assert made is not None
-    return compile_graph(made.graph, room=made.room, overrides=(*made.overrides, *words), seed=plan.seed)
+def _planned(recipe: Recipe, plan: Plan, *words: str) -> Plan:
+    """The plan that the recipe makes, with more overrides; its plugins are loaded."""
+    return compile_graph(
+        recipe.graph, room=recipe.room, overrides=(*recipe.overrides, *words), seed=plan.seed
+    )
 
 
 def _stages(plan: Plan, name: str) -> dict[str, PlannedStage]:
     return {stage.name: stage for stage in plan.stages if name in enclosing(stage.group)[:-1]}
+
+
+def _set(before: Plan, after: Plan, name: str) -> list[StageChange]:
+    """The parameters that differ; each stage stays the plugin stage that it has become in the run."""
+    found = _differing(before, after, name)
+    return [replace(change, uses="", origins=dict.fromkeys(change.params, BY_A_CHANGE)) for change in found]
 
 
 def _differing(before: Plan, after: Plan, name: str) -> list[StageChange]:
@@ -71,7 +82,8 @@ def _differing(before: Plan, after: Plan, name: str) -> list[StageChange]:
         same = stage.uses == was.uses
         params = {k: v for k, v in stage.params.items() if not (same and was.params.get(k) == v)}
         if params or not same:
-            found.append(StageChange(stage.name, stage.uses, params))
+            origins = after.origins.get(stage.name, {})
+            found.append(StageChange(stage.name, stage.uses, params, origins))
     return found
 
 

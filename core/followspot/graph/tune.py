@@ -1,8 +1,9 @@
 """`tune` of a room: parameters that suit the place, whatever graph runs in it.
 
 A key is `plugin.name.parameter` or `stage.parameter`, with `/member` after the plugin or stage for one
-instance. The order is: defaults, the graph, the room's `tune`, `--set`. The more specific of two tunes
-wins: that of an instance before that of a stage, that before one of a plugin.
+instance, or `sub-graph.parameter`, which `followspot.graph.compose` has applied. The order is: defaults, the
+graph, the room's `tune`, `--set`. The more specific of two tunes wins: that of an instance before that of a
+stage, that before one of a sub-graph, that before one of a plugin.
 """
 
 from __future__ import annotations
@@ -13,8 +14,11 @@ from dataclasses import dataclass, replace
 from followspot.document import Node, child
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.expand import Expanded, Instance
-from followspot.graph.override import is_set
+from followspot.graph.names import enclosing
+from followspot.graph.override import below_set
+from followspot.graph.plan import PlannedStage
 from followspot.plugins.registry import PluginError, load_stage
+from followspot.room import Member
 
 
 @dataclass(frozen=True)
@@ -43,29 +47,55 @@ def tuned(expanded: Expanded, mistakes: list[Mistake]) -> Expanded:
     tunes = _read(expanded.room_node)
     if not tunes:
         return expanded
+    written = {tune.node.place for found in tunes.values() for tune in found}
     wrong: dict[tuple[str, ...], Mistake] = {}
     used: set[str] = set()
     instances = {}
     for name, instance in expanded.instances.items():
-        params, own = dict(instance.params), set()
-        for parameter, matches in _matches(instance, tunes).items():
+        params = dict(instance.params)
+        own = {name for name, node in params.items() if replace(node.place, outer=None) in written}
+        subjects = _subjects(instance.uses, instance.declared.name, instance.name, instance.member)
+        for parameter, matches in _matches(subjects, tunes).items():
             used.update(match.tune.key for match in matches)
             best, *others = sorted(matches, key=lambda match: -match.rank)
             tune = best.tune
             if others and others[0].rank == best.rank:
                 other = others[0].tune
-                wrong.setdefault((tune.key, other.key), _twice(instance, tune, other))
+                wrong.setdefault((tune.key, other.key), _twice(instance.name, tune, other))
             elif (mistake := _unknown(instance, tune)) is not None:
                 wrong.setdefault((tune.key,), mistake)
-            else:
-                params[parameter] = _below_set(tune.node, params.get(parameter))
+            elif best.rank or parameter not in own:
+                params[parameter] = below_set(tune.node, params.get(parameter))
                 own.add(parameter)
         instances[name] = replace(instance, params=params, tuned=frozenset(own))
     mistakes += wrong.values()
-    idle = [tune for found in tunes.values() for tune in found if tune.key not in used]
+    idle = [
+        tune
+        for found in tunes.values()
+        for tune in found
+        if tune.key not in used and tune.node.key not in expanded.tuned
+    ]
     # Of a room or graph with mistakes, the names of some instances are not known.
     notes = [_unmatched(tune, expanded) for tune in idle] if expanded.complete else []
     return replace(expanded, instances=instances, notes=(*expanded.notes, *notes))
+
+
+def tunes_of(room: Node | None, stage: PlannedStage, mistakes: list[Mistake]) -> dict[str, Node]:
+    """The parameters that the room tunes of a stage that takes the place of another in a plan.
+
+    room: its document. Tunes of the stage's name that its plugin does not have were meant for the old one.
+    """
+    fields = load_stage(stage.uses).Params.model_fields
+    found: dict[str, Node] = {}
+    subjects = _subjects(stage.uses, stage.group, stage.name, stage.member)
+    for parameter, matches in _matches(subjects, _read(room)).items():
+        meant = [m for m in matches if m.tune.subject.startswith(stage.uses) or parameter in fields]
+        ordered = sorted(meant, key=lambda match: -match.rank)
+        if len(ordered) > 1 and ordered[0].rank == ordered[1].rank:
+            mistakes.append(_twice(stage.name, ordered[0].tune, ordered[1].tune))
+        if ordered:
+            found[parameter] = ordered[0].tune.node
+    return found
 
 
 def _read(room: Node | None) -> dict[str, list[_Tune]]:
@@ -79,26 +109,24 @@ def _read(room: Node | None) -> dict[str, list[_Tune]]:
     return found
 
 
-def _matches(instance: Instance, tunes: Mapping[str, list[_Tune]]) -> dict[str, list[_Match]]:
-    """The tunes of an instance by parameter."""
+def _matches(subjects: Mapping[str, int], tunes: Mapping[str, list[_Tune]]) -> dict[str, list[_Match]]:
+    """The tunes of an instance by parameter. subjects: see `_subjects`."""
     found: dict[str, list[_Match]] = {}
-    for subject, rank in _subjects(instance).items():
+    for subject, rank in subjects.items():
         for tune in tunes.get(subject, ()):
             found.setdefault(tune.parameter, []).append(_Match(tune, rank))
     return found
 
 
-def _subjects(instance: Instance) -> dict[str, int]:
-    """All ways to name an instance; two of one rank are equally specific."""
-    names = {instance.uses: 0, instance.declared.name: 1}
-    if instance.member is None:
-        return names
-    return {**names, f"{instance.uses}/{instance.member.name}": 1, instance.name: 2}
+def _subjects(uses: str, group: str, name: str, member: Member | None) -> dict[str, int]:
+    """All ways to name an instance, with how specific each is; two of one rank are equally specific."""
+    names = {uses: 0, group: 1}
+    return names if member is None else {**names, f"{uses}/{member.name}": 1, name: 2}
 
 
-def _twice(instance: Instance, first: _Tune, second: _Tune) -> Mistake:
-    text = f'"{first.key}" and "{second.key}" tune one parameter of "{instance.name}"'
-    remedy = f"remove one, or write {instance.name}.{first.parameter}, which is more specific"
+def _twice(name: str, first: _Tune, second: _Tune) -> Mistake:
+    text = f'"{first.key}" and "{second.key}" tune one parameter of "{name}"'
+    remedy = f"remove one, or write {name}.{first.parameter}, which is more specific"
     return Mistake(second.node.key.within(first.node.key), text, remedy)
 
 
@@ -115,27 +143,12 @@ def _unknown(instance: Instance, tune: _Tune) -> Mistake | None:
     return Mistake(place, text, did_you_mean(tune.parameter, fields, "parameters"))
 
 
-def _below_set(tune: Node, given: Node | None) -> Node:
-    """The tuned value, in which what `--set` gives keeps its place."""
-    if given is None or not _holds_set(given):
-        return tune
-    # The mapping that `--set STAGE.PARAMETER.KEY=VALUE` makes for KEY has the place of its own key.
-    whole = is_set(given) and given.place != given.key
-    if whole or not (isinstance(tune.value, Mapping) and isinstance(given.value, Mapping)):
-        return given
-    kept = {key: node for key, node in given.value.items() if _holds_set(node)}
-    below = {key: _below_set(tune.value[key], node) for key, node in kept.items() if key in tune.value}
-    return replace(tune, value={**tune.value, **kept, **below})
-
-
-def _holds_set(node: Node) -> bool:
-    """True if `--set` gives the value or a part of it."""
-    return is_set(node) or (isinstance(node.value, Mapping) and any(map(_holds_set, node.value.values())))
-
-
 def _unmatched(tune: _Tune, expanded: Expanded) -> str:
     """The note for a tune that matches no instance."""
-    known = {name for instance in expanded.instances.values() for name in _subjects(instance)}
+    known: set[str] = set()
+    for found in expanded.instances.values():
+        known |= {*_subjects(found.uses, found.declared.name, found.name, found.member)}
+        known |= {*enclosing(found.declared.name)}
     place = f"{tune.node.key.file}:{tune.node.key.line}"
     text = f'{place}: tune "{tune.key}" matches nothing in this graph'
     near = did_you_mean(tune.subject, known, "").nearest

@@ -61,7 +61,7 @@ class Subscribed:
         known = output_ports(plan)
         takers: dict[str, list[Subscription[Any]]] = defaultdict(list)
         for word in words:
-            chosen = chosen_ports(word, known, "ports")
+            chosen = chosen_ports(word, known, "ports", plan.offered)
             subscription = Subscription[Any](
                 word,
                 [known[port] for port in chosen],

@@ -61,8 +61,9 @@ class _Feed:
     def __init__(self, run: RunHandle, word: str, failure: Failure) -> None:
         """Raises InputError if there is no such port, FollowspotError if it cannot be reached from here."""
         self._run = run
-        ports = output_ports(run.plan())
-        self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports")}
+        plan = run.plan()
+        ports = output_ports(plan)
+        self._types = {name: ports[name] for name in chosen_ports(word, ports, "ports", plan.offered)}
         self.subscription = Subscription[Any](
             word, self._types.values(), lossless=False, failure=failure, on_close=self._close
         )

@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from followspot.graph.change import with_stages
+from followspot.graph.change import Change
 from followspot.graph.move import anew
 from followspot.graph.plan import Plan, PlannedStage
+from followspot.graph.subgraph_change import BY_A_CHANGE
 
 
 @dataclass(frozen=True)
 class ChangedStage:
-    """A changed stage. before, uses: the old and the new plugin stage; params: parameters that differ now."""
+    """A changed stage. before, uses: the old and the new plugin stage; params: parameters that differ now.
+
+    origins: who gave these, as far as the change itself does not.
+    """
 
     stage: str
     before: str
     uses: str
     params: dict[str, Any]
+    origins: dict[str, str] = field(default_factory=dict)
 
     @property
     def text(self) -> str:
         """One line."""
         swapped = [f"{self.before} -> {self.uses}"] if self.uses != self.before else []
-        return f"{self.stage}: " + ", ".join([*swapped, *(f"{k} = {v}" for k, v in self.params.items())])
+        values = [f"{name} = {value}{self._origin(name)}" for name, value in self.params.items()]
+        return f"{self.stage}: " + ", ".join([*swapped, *values])
+
+    def _origin(self, name: str) -> str:
+        return f" from {self.origins[name]}" if name in self.origins else ""
 
 
 @dataclass(frozen=True)
@@ -65,17 +73,22 @@ class Moved:
         return Moved(run, old.graph, names, worker, new.host_of(worker), again)
 
 
-def changed(run: str, plan: Plan, stages: Sequence[PlannedStage]) -> Changed:
-    """The change that these stages make to a plan."""
+def changed(run: str, plan: Plan, change: Change) -> Changed:
+    """What a change makes of a plan."""
     old = {stage.name: stage for stage in plan.stages}
-    found = [ChangedStage(s.name, old[s.name].uses, s.uses, _differing(old[s.name], s)) for s in stages]
+    found = []
+    for stage in change.stages:
+        params = _differing(old[stage.name], stage)
+        given = change.origins.get(stage.name, {})
+        origins = {name: given[name].text for name in params if name in given and given[name] != BY_A_CHANGE}
+        found.append(ChangedStage(stage.name, old[stage.name].uses, stage.uses, params, origins))
     return Changed(run, plan.graph, tuple(found))
 
 
-def with_change(plan: Plan, stages: Sequence[PlannedStage]) -> Plan:
+def with_change(plan: Plan, change: Change) -> Plan:
     """The plan after a change, with the change in its notes."""
-    notes = [f"while it ran: {stage.text}" for stage in changed("", plan, stages).stages]
-    return replace(with_stages(plan, stages), notes=(*plan.notes, *notes)[-_MAX_NOTES:])
+    notes = [f"while it ran: {stage.text}" for stage in changed("", plan, change).stages]
+    return replace(change.applied(plan), notes=(*plan.notes, *notes)[-_MAX_NOTES:])
 
 
 _MAX_NOTES = 100

@@ -11,7 +11,7 @@ from uuid import uuid4
 from followspot.control.host import Host
 from followspot.control.swap import ChangeOrder, ChangePhase, Step
 from followspot.errors import FollowspotError
-from followspot.graph.change import changed_stages
+from followspot.graph.change import change_of
 from followspot.graph.plan import Plan, PlannedStage
 from followspot.operator.changed import Changed, changed, with_change
 from followspot.operator.run_requests import ChangeStages
@@ -32,11 +32,11 @@ def change_stages(run: Coordinator, request: ChangeStages) -> Changed:
     restore the state of the old stage; the old stages then go on.
     """
     with run.one_change():
-        stages = changed_stages(run.plan, request.words, request.folder)
-        report = changed(run.name, run.plan, stages)
-        if stages:
-            change_hosts(run.plan, run.hosts, stages, fresh=request.fresh)
-            run.plan = with_change(run.plan, stages)
+        found = change_of(run.plan, request.words, request.folder)
+        report = changed(run.name, run.plan, found)
+        if found.stages:
+            change_hosts(run.plan, run.hosts, found.stages, fresh=request.fresh)
+        run.plan = with_change(run.plan, found)
         return report
 
 

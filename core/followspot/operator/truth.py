@@ -59,8 +59,10 @@ def _scoring(plan: Plan) -> tuple[str, Scoring] | None:
     """The scorer of the room's truth, with its name."""
     use = plan.room.truth
     kind = None if use is None else ports(load_stage(use.uses)).outputs[0].type
-    loaded = ((scorer.name, scorer.load()) for scorer in load_scorers() if kind is not None)
-    return next(((name, scoring) for name, scoring in loaded if scoring.truth is kind), None)
+    if kind is None:
+        return None
+    loaded = ((scorer.name, scorer.load()) for scorer in load_scorers())
+    return next(((name, scoring) for name, scoring in loaded if issubclass(kind, scoring.truth)), None)
 
 
 def _no_pause(_seconds: float) -> bool:

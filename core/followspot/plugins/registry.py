@@ -14,6 +14,7 @@ from types import MappingProxyType
 from typing import Literal
 
 from followspot.errors import FollowspotError, Guess, did_you_mean
+from followspot.plugins.extras import missing_extra
 from followspot.plugins.one_file import FileStage, load_file
 from followspot.ports import ports
 from followspot.stage import Stage
@@ -23,7 +24,8 @@ _OTHER_GROUPS = "followspot.plugins.v"
 _SEE = "`followspot plugins` lists every plugin and its state"
 _VALUE = re.compile(r"\w+(\.\w+)*:\w+")
 
-State = Literal["ok", "duplicate", "outdated", "half-installed", "broken"]
+State = Literal["ok", "duplicate", "outdated", "half-installed", "not installed", "broken"]
+"""not installed: an optional package that the stage needs is missing."""
 
 
 @dataclass(frozen=True)
@@ -131,9 +133,11 @@ def load_stage(name: str) -> type[Stage]:
         raise PluginError(f'no stage "{name}" is installed', did_you_mean(name, stage_names(), "stages"))
     if entry.state != "ok":
         raise PluginError(f"{name}: {entry.problem}", _SEE)
-    stage, problem = _import(entry)
+    stage, entry = _import(entry)
+    if stage is None and entry.state == "not installed":
+        raise PluginError(f"{name}: not installed", entry.problem)
     if stage is None:
-        raise PluginError(f"{name}: {problem}", _SEE)
+        raise PluginError(f"{name}: {entry.problem}", _SEE)
     return stage
 
 
@@ -154,11 +158,8 @@ def _for_port(name: str, port: str) -> type[Stage]:
 
 
 def examined(entry: StageEntry) -> StageEntry:
-    """The entry after an attempt to import it: broken, with the reason, if that fails."""
-    if entry.state != "ok":
-        return entry
-    stage, problem = _import(entry)
-    return entry if stage is not None else replace(entry, state="broken", problem=problem)
+    """The entry after an attempt to import it: broken or not installed, with the reason, if that fails."""
+    return _import(entry)[1] if entry.state == "ok" else entry
 
 
 def _add(found: dict[str, StageEntry], entry: StageEntry) -> None:
@@ -218,18 +219,26 @@ def _unmet(text: str) -> str:
 
 
 @cache
-def _import(entry: StageEntry) -> tuple[type[Stage] | None, str]:
-    """The stage class, or why there is none."""
+def _import(entry: StageEntry) -> tuple[type[Stage] | None, StageEntry]:
+    """The stage class, or none and the entry with the reason."""
     module, _, attribute = entry.value.partition(":")
     try:
         found = getattr(importlib.import_module(module), attribute, None)
+    except ModuleNotFoundError as error:
+        if remedy := missing_extra(entry.distribution, error.name or ""):
+            return None, replace(entry, state="not installed", problem=remedy)
+        return _broken(entry, f"fails on import: {type(error).__name__}: {error}")
     except (Exception, SystemExit) as error:
-        reason = " ".join(f"{type(error).__name__}: {error}".split())
-        return None, f"{entry.distribution} fails on import: {reason}"
+        return _broken(entry, f"fails on import: {type(error).__name__}: {error}")
     if not (isinstance(found, type) and issubclass(found, Stage)):
-        return None, f"{entry.distribution} is half installed: {module} has no stage class {attribute}"
+        return _broken(entry, f"is half installed: {module} has no stage class {attribute}")
     try:
         ports(found)
     except FollowspotError as error:
-        return None, f"{entry.distribution} is broken: {error}"
-    return found, ""
+        return _broken(entry, f"is broken: {error}")
+    return found, entry
+
+
+def _broken(entry: StageEntry, reason: str) -> tuple[None, StageEntry]:
+    problem = " ".join(f"{entry.distribution} {reason}".split())
+    return None, replace(entry, state="broken", problem=problem)

@@ -24,10 +24,10 @@ _CAMERAS = range(100)
 
 @dataclass(frozen=True)
 class Grants:
-    """The grants of a host; cameras by number and receivers on this host are always granted.
+    """The grants of a host; cameras by number, receivers on this host and loopback are always granted.
 
     media: folder of input files, None for none; send_to: other hosts to which stages may send; opens: device
-    paths and stream addresses that stages may open, and all below these.
+    paths, stream addresses and own addresses that stages may open, and all below these.
     """
 
     media: Path | None = None
@@ -45,7 +45,10 @@ class Grants:
                 )
         for value in _marked_values(stage, DeviceIn):
             if not (
-                _is_camera(value) or ANY in self.opens or any(_covers(a, str(value)) for a in self.opens)
+                _is_camera(value)
+                or _is_here(str(value))
+                or ANY in self.opens
+                or any(_covers(a, str(value)) for a in self.opens)
             ):
                 raise FollowspotError(
                     f"stage {stage.name} would open {value!r}; the owner of this host allows that with "
@@ -82,7 +85,9 @@ def _is_camera(device: Any) -> bool:
 
 
 def _covers(allowed: str, wanted: str) -> bool:
-    """True if a URL or a device path equals the allowed one or lies below it."""
+    """True if a URL, a device path or an own address equals the allowed one or lies below it."""
+    if allowed == wanted:
+        return True
     if "://" not in allowed:
         return "://" not in wanted and _is_path_below(wanted, allowed)
     ours, theirs = _split(wanted), _split(allowed)

@@ -46,7 +46,8 @@ def sample(
 
 def _scalar(name: str, kind: Any, room: Room, camera: str, content: Content) -> Any:
     if kind is str:
-        return camera if name == "camera" else ""
+        known = {"camera": camera, "sensor": next(iter(room.sensors), "")}
+        return known.get(name, "")
     if kind == tuple[str, ...]:
         return tuple(room.cameras) if name == "cameras" else tuple(room.targets)
     if kind is float:

@@ -1,15 +1,16 @@
-"""The smallest room that every tracking stage works in: two cameras, a floor, one target."""
+"""The smallest room that every tracking stage works in: two cameras, a floor, one target with a sensor."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from followspot.room import Camera, Room, Target
+from followspot.room import Camera, Member, Room, Sensor, Target
 
 
 def tiny_room(first: str = "color", second: str = "infrared") -> Room:
     """A colour camera `cam0` and an infrared camera `cam1`, 64 x 48 px, 3 m up; a floor; one red ball.
 
+    The ball carries an inertial sensor `imu0`, 100 readings a second.
     first, second: other kinds of these cameras.
     """
     cameras = {"cam0": _camera("cam0", first, 1.0), "cam1": _camera("cam1", second, -1.0)}
@@ -17,7 +18,9 @@ def tiny_room(first: str = "color", second: str = "infrared") -> Room:
     hue[0] = 1.0
     area = {"cam0": (2.0, 200.0), "cam1": (2.0, 200.0)}
     red = Target("red", 0.0762, {"cam0": hue}, area, {"cam1": (90.0, 255.0)})
-    return Room("tiny", cameras, {"floor": np.array([0.0, 0.0, 1.0, 0.0])}, {"red": red})
+    imu = Sensor("imu0", "imu", rate=100.0, mount=Member("targets", "red"))
+    floor = {"floor": np.array([0.0, 0.0, 1.0, 0.0])}
+    return Room("tiny", cameras, floor, {"red": red}, sensors={"imu0": imu})
 
 
 def _camera(name: str, kind: str, side: float) -> Camera:

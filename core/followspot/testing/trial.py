@@ -97,7 +97,7 @@ class Trial:
     def called(self, stage: Stage, inputs: Sequence[Any]) -> Any:
         """What `process` gives: of several results a tuple, of a deferred one the answer."""
         result = stage.process(*inputs)
-        if self.ports.gives == "several" and result is not None:
+        if self.ports.gives in ("several", "lagged") and result is not None:
             return tuple(result)
         if self.ports.gives == "later" and result is not None:
             return result.result(ANSWER) if isinstance(result, Future) else result()

@@ -20,6 +20,7 @@ from followspot.transport.token import ABSENT
 from followspot.worker.deferred_runner import DeferredRunner
 from followspot.worker.input_queue import UNCHANGED, InputQueue
 from followspot.worker.join import Join, JoinInput
+from followspot.worker.lagged_runner import LaggedRunner
 from followspot.worker.ledger import LOST, Ledger
 from followspot.worker.output_port import OutputPort
 from followspot.worker.outputs_runner import OutputsRunner
@@ -34,6 +35,7 @@ _RUNNERS: Mapping[Giving, type[StageRunner]] = {
     "one": StageRunner,
     "several": OutputsRunner,
     "later": DeferredRunner,
+    "lagged": LaggedRunner,
 }
 _ENDLESS = 1 << 30
 """Depth of an edge that drops messages, and so is never full."""

@@ -78,5 +78,4 @@ class OutputsRunner(StageRunner):
                 self.blocked = True
                 return
             self.send(*self._unsent.popleft())
-        for _, output in self.outputs:
-            output.advance(self.join.closed + 1)
+        self._announce(self.join.closed + 1)

@@ -263,9 +263,13 @@ class StageRunner:
         if watermark > self._passed:
             self._passed = watermark
             self.join.closed = max(self.join.closed, watermark - 1)  # what comes back late is too late
-            for _, output in self.outputs:
-                output.advance(watermark)
+            self._announce(watermark)
         self.join.relieve()
+
+    def _announce(self, watermark: int) -> None:
+        """Announce on all outputs that nothing earlier will come, ns."""
+        for _, output in self.outputs:
+            output.advance(watermark)
 
     def _pass_on_absence(self) -> None:
         """Announce once that all inputs are absent, so that joins downstream do not wait for them."""

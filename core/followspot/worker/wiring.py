@@ -15,7 +15,11 @@ from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import InputSpec, Ports, ports
 from followspot.stage import Stage
+from followspot.transport.token import END
 from followspot.worker.clock import Clock
+
+_ANY_LAG = 3 * END
+"""Lag, ns, of a stage of which nobody knows by how much it lags: beyond all times, also from before them."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +101,7 @@ class Wiring:
 
     def _latenesses(self) -> tuple[dict[str, int], dict[str, int]]:
         """For each stage the time, ns, for which it does not fire after a firing, and that for which nothing
-        comes after a message: the same, but 0 for a stage that gives several messages for a firing.
+        comes after a message: the same, but 0 for a stage that gives several messages for a firing, or lags.
 
         A join fires at the earliest time of its members and discards what comes later within its window. A
         feedback edge is therefore certain as soon as its message is there.
@@ -108,20 +112,23 @@ class Wiring:
             edges = [self.plan.edges[n] for n in self.into[stage.name]]
             inherited = [lateness[e.from_stage] for e in edges if not self.sampled(e)]
             closing[stage.name] = self.window(stage) + max(inherited, default=0)
-            lateness[stage.name] = 0 if self.ports[stage.name].gives == "several" else closing[stage.name]
+            timed = self.ports[stage.name].gives in ("several", "lagged")
+            lateness[stage.name] = 0 if timed else closing[stage.name]
         return closing, lateness
 
     def _lag(self) -> int:
         """Longest time, ns, by which the watermark of a port can trail that of the sources upstream.
 
         A join of several members looks ahead by twice its window, for the nearest may lie on either side of
-        another's first message; a `Nearest` looks ahead by its tolerance.
+        another's first message; a `Nearest` looks ahead by its tolerance. Of a stage that lags, nobody knows
+        by how much: nothing stops the others but their sources, which are upstream of it, too.
         """
         lag: dict[str, int] = {}
         for stage in self.plan.stages:
             edges = [edge for n in self.into[stage.name] if not (edge := self.plan.edges[n]).delay]
             near = [self.tolerance(edge) for edge in edges if self.input_port(edge).kind == "nearest"]
-            ahead = max(2 * self.window(stage), *near, 0)
+            lagging = _ANY_LAG if self.ports[stage.name].gives == "lagged" else 0
+            ahead = max(2 * self.window(stage), *near, lagging)
             lag[stage.name] = ahead + max((lag.get(edge.from_stage, 0) for edge in edges), default=0)
         return max(lag.values(), default=0)
 

@@ -54,6 +54,7 @@ def wrong(text: str, remedy: str, *changes: Change, over: str = "", option: str 
 ANY = "{uses: toy.any, in: {blobs: hall/inner/pair}}"
 LATE = "{uses: toy.detect, each: 'cameras[name=cam1]', in: {frame: ¦eyes}}"
 ZONED = "{uses: toy.pair, each: zones, in: {blobs: ¦hall/inner/detect}}"
+ONLY = "{uses: toy.detect, in: {frame: {from: eyes, only: ¦'cameras[kind]'}}}"
 KNOWING = ("main", "  save:", "  truth: {uses: toy.knowing, with: {path: truth.csv}}\n  save:")
 MISTAKES = {
     # the interface of a sub-graph, from outside
@@ -227,6 +228,67 @@ MISTAKES = {
         ("middle", "frames: inner.frames", "frames: ¦[]"),
         ("main", "  hall:", "  ‡hall:"),
     ),
+    "parameters of an interface that are no mapping": wrong(
+        "params is a mapping of names to values, not a list",
+        "params: {NAME: VALUE}",
+        ("tracker", "params: {level: detect.level, model: [track.model]}", "params: ¦[detect.level]"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "outputs of an interface that are no mapping": wrong(
+        'outputs is a mapping of names to values, not "track"',
+        "outputs: {NAME: VALUE}",
+        ("tracker", "{tracks: track.tracks, forecast: track.forecast, blobs: detect}", "¦track"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "a parameter of an interface that nobody sets": wrong(
+        'stage "hall/inner/detect" has no parameter "levle"',
+        'did you mean "level"?',
+        ("main", ", with: {level: 0.75}", ""),
+        ("tracker", "level: detect.level", "level: ¦detect.levle"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "an input of an interface that nobody feeds": wrong(
+        'stage "hall/inner/extra" has no input "hitn"',
+        'did you mean "hint"?',
+        ("tracker", "hint: extra.hint", "hint: ¦extra.hitn"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "an output of an interface that nobody reads": wrong(
+        'stage "hall/cam0/inner/track" has no output "forcast"',
+        'did you mean "forecast"?',
+        ("main", "{graph: middle.yaml", "{each: cameras, graph: middle.yaml"),
+        ("main", "tracks: hall.tracks", "tracks: hall/cam0/inner/track.tracks"),
+        ("tracker", "forecast: track.forecast, blobs", "forecast: ¦track.forcast, blobs"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "an output of an interface that is a sink": wrong(
+        'stage "hall/inner/keep" (toy.save) is a sink and has no outputs',
+        "remove it from the interface",
+        ("tracker", "blobs: detect}", "blobs: ¦keep}"),
+        ("tracker", "  pair:", "  keep: {uses: toy.save, in: {tracks: track}, with: {path: k.csv}}\n  pair:"),
+        ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "a parameter of an interface that a sub-graph lacks": wrong(
+        'sub-graph "hall/inner" has no parameter "levle"',
+        'did you mean "level"?',
+        ("main", ", with: {level: 0.75}", ""),
+        ("middle", "level: inner.level", "level: ¦inner.levle"),
+        ("tracker", "graph: tracker", "‡graph: tracker"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "an input of an interface that is one of a source": wrong(
+        'stage "hall/inner/camera" (toy.camera) is a source and has no inputs',
+        "remove it",
+        ("main", "{frames: eyes}", "{¦frames: eyes}"),
+        ("middle", "frames: inner.frames", "frames: ‡inner.frames"),
+        ("tracker", "frames: camera", "frames: ‡camera.frame"),
+    ),
     "odd name in an interface": wrong(
         '"le.vel" cannot be a name among the params',
         "use letters, digits, _ and -",
@@ -289,7 +351,7 @@ MISTAKES = {
     # keys and names
     "a stage that is a plugin and a graph": wrong(
         'sub-graph "hall" has no key "uses"',
-        "keys: cameras, each, graph, in, with",
+        "keys: cameras, each, graph, in, optional, with",
         ("main", "{graph: middle.yaml", "{graph: middle.yaml, ¦uses: toy.any"),
     ),
     "a stage and a stage of a sub-graph of one name": wrong(
@@ -321,11 +383,77 @@ MISTAKES = {
         ("main", "{graph: middle.yaml", "{cameras: ¦targets, graph: middle.yaml"),
     ),
     "cameras that the room lacks": wrong(
-        'stage "hall/inner/detect" needs a camera that the room "stage" lacks',
-        "cameras[name=cam7] matches none of: cam0 (color), cam1 (infrared)",
-        ("main", "{graph: middle.yaml", "{cameras: 'cameras[name=cam7]', graph: middle.yaml"),
-        ("tracker", "detect: {uses: toy.detect, each: cameras", "detect: {uses: toy.detect, each: ¦cameras"),
+        'sub-graph "hall" serves cameras[name=cam7], and the room "stage" has none',
+        "name a set or a tag that the room has, or write optional: true",
+        ("main", "in: {frames: eyes}, ", ""),
+        ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[name=cam7]', graph: middle.yaml"),
+    ),
+    "cameras that are none of those around": wrong(
+        'sub-graph "hall/inner" serves cameras[name=cam1, kind=color], and the room "stage" has none',
+        "name a set or a tag that the room has, or write optional: true",
+        ("main", "{graph: middle.yaml", "{cameras: 'cameras[kind=color]', graph: middle.yaml"),
+        ("middle", "{graph: tracker.yaml}", "{graph: tracker.yaml, cameras: ¦'cameras[name=cam1]'}"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "a member of a fan-out without cameras": wrong(
+        'sub-graph "hall/hall" serves cameras[kind=infrared, zone=hall], and the room "stage" has none',
+        "name a set or a tag that the room has, or write optional: true",
+        ("main", "{graph: mid", "{each: zones, cameras: ¦'cameras[kind=infrared]', graph: mid"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: hall}\n"),
+    ),
+    "cameras with an unknown tag": wrong(
+        'cameras of the room "stage" have no property and no tag "zon"',
+        "properties and tags: host, kind, model, name",
+        ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[zon=hall]', graph: middle.yaml"),
+    ),
+    "cameras without a room": wrong(
+        'sub-graph "hall" serves cameras[name=cam7], but the graph names no room',
+        "add room: FILE.yaml",
+        ("main", "room: room.yaml\n", ""),
+        ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[name=cam7]', graph: middle.yaml"),
+    ),
+    "a selector with several wrong conditions": wrong(
+        '"kind" is no condition',
+        "write PROPERTY=VALUE",
+        ("main", "{graph: middle.yaml", "{cameras: ¦'cameras[kind, name]', graph: middle.yaml"),
+    ),
+    "a wrong selector in a file that fans out": wrong(
+        '"kind" is no condition',
+        "write PROPERTY=VALUE",
+        ("main", "{graph: middle.yaml", "{each: cameras, graph: middle.yaml"),
+        ("main", "tracks: hall.tracks", "tracks: hall/cam0/inner/track.tracks"),
+        ("tracker", "toy.detect, each: cameras", "toy.detect, each: ¦'cameras[kind]'"),
         ("middle", "  inner:", "  ‡inner:"),
+        ("main", "  hall:", "  ‡hall:"),
+    ),
+    "a wrong only": wrong(
+        '"kind" is no condition',
+        "write PROPERTY=VALUE",
+        ("main", "  save:", f"  look: {ONLY}\n  save:"),
+    ),
+    "a wrong tag of the room that a fan-out needs": wrong(
+        "tag zone cannot be a mapping",
+        "a word: letters, digits, _ and -",
+        ("main", "{graph: middle.yaml", "{each: zones, graph: middle.yaml"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: ¦{a: b}}\n"),
+    ),
+    "a wrong tag of the room and a part of a member": wrong(
+        "tag zone cannot be a mapping",
+        "a word: letters, digits, _ and -",
+        ("main", "{graph: middle.yaml", "{each: zones, graph: middle.yaml"),
+        ("room", "kind: color\n", "kind: color\n    tags: {zone: ¦{a: b}}\n"),
+        option="hall/attic/inner/detect.level=0.5",
+    ),
+    "sinks of many cameras with one file": wrong(
+        'stages "more/cam0" and "more/cam1" and 1 more write the same file tracks.csv',
+        "give each its own path",
+        ("main", "  save:", "  ¦more: {uses: toy.save, each: cameras, in: {tracks: hall.tracks}}\n  save:"),
+    ),
+    "one wrong file that is used twice": wrong(
+        'outputs: tracks names the stage "trakc", which the graph lacks',
+        'did you mean "track"?',
+        ("tracker", "tracks: track.tracks", "tracks: ¦trakc.tracks"),
+        ("middle", "  inner:", "  ‡other: {graph: tracker.yaml}\n  inner:"),
         ("main", "  hall:", "  ‡hall:"),
     ),
     "a fan-out over a tag that the room lacks": wrong(
@@ -490,7 +618,7 @@ MISTAKES = {
     ),
     "an option for one member that is the same for all": wrong(
         '"hall/cam0" is one member of a sub-graph; cameras is the same for all',
-        "write hall.cameras=SELECTOR",
+        "write hall.cameras=...",
         ("main", "{graph: middle.yaml", "{each: cameras, graph: middle.yaml"),
         option="¦hall/cam0.cameras=targets",
     ),

@@ -31,7 +31,9 @@ def test_the_flat_file_gives_the_same_plan(
     flat.write_text(printed(capsys, tmp_path / "main.yaml", "--flat", "--set", "save.path=x.csv"))
     assert all("graph" not in entry for entry in yaml.safe_load(flat.read_text())["stages"].values())
     nested = compile_graph(tmp_path / "main.yaml", overrides=["save.path=x.csv"], plugin_files=[TOY])
-    assert plan_to_data(compile_graph(flat, plugin_files=[TOY])) == plan_to_data(nested)
+    found, wanted = plan_to_data(compile_graph(flat, plugin_files=[TOY])), plan_to_data(nested)
+    assert wanted.pop("offered"), "names of the interfaces, which the flat file has not"
+    assert found == wanted
 
 
 def test_input_paths_of_a_flat_file_are_absolute(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ from followspot.graph import show
 from followspot.graph.change import changed_stages
 from followspot.graph.compile import compile_graph
 from followspot.graph.move import moved
+from followspot.graph.names import subgraphs
 from followspot.graph.output_ports import chosen_ports, output_ports
 
 
@@ -82,6 +83,11 @@ def test_sub_graphs_are_folded_in_pictures_unless_they_are_unfolded(tmp_path: Pa
     assert "hall/pair" not in show.svg(plan)
     assert "hall × 2" in show.svg(plan)
     assert "4 stages" in show.mermaid(plan)
+
+
+def test_the_sub_graphs_of_a_stage_are_those_in_its_name() -> None:
+    assert subgraphs("hall/left/color") == ["hall", "hall/left"]
+    assert subgraphs("color") == []
 
 
 def test_an_instance_and_a_stage_of_one_name_are_refused(tmp_path: Path) -> None:

@@ -42,6 +42,14 @@ def test_another_fusion_is_one_word_on_the_command_line() -> None:
     assert next(stage for stage in plan.stages if stage.name == "fuse").uses == "balls.mean"
 
 
+def test_balls_that_are_covered_are_weighed_over_all_views() -> None:
+    plan = compile_graph(GRAPHS / "covered.yaml")
+    assert {s.name: s.uses for s in plan.stages}["fuse"] == "balls.bundle"
+    assert [e.name for e in plan.edges if e.name.startswith("associate")] == [
+        "associate.out -> fuse.candidates"
+    ]
+
+
 def test_balls_and_people_share_the_cameras_of_a_show() -> None:
     plan = compile_graph(GRAPHS / "show.yaml")
     assert [stage.name for stage in plan.stages if "camera" in stage.name] == [
@@ -63,3 +71,10 @@ def test_a_show_leaves_infrared_cameras_to_the_balls() -> None:
     plan = compile_graph(GRAPHS / "show.yaml", room=GRAPHS / "rooms" / "simulated.yaml")
     assert {s.camera for s in plan.stages if s.group == "people/pose"} == {"cam0", "cam2", "cam5"}
     assert {s.camera for s in plan.stages if s.group == "balls/infrared"} == {"cam1", "cam3", "cam4"}
+
+
+def test_the_room_tells_where_balls_without_colours_are_at_the_start() -> None:
+    own = compile_graph(GRAPHS / "depth.yaml")
+    assert set(next(s for s in own.stages if s.name == "track").params["marks"]) == set(own.room.targets)
+    other = compile_graph(GRAPHS / "depth.yaml", room=GRAPHS / "rooms" / "simulated_mixed.yaml")
+    assert next(s for s in other.stages if s.name == "track").params["marks"] == {}

@@ -254,3 +254,29 @@ def test_the_ports_of_a_replaced_stage_are_those_of_the_stage_in_its_place(tmp_p
     main += "  other: {uses: toy.split, in: {blobs: {from: hall/pair}}}\n"
     found = [edge for edge in edges(planned(tmp_path, main, tracker=halves)) if edge.startswith("other")]
     assert found == ["other.right -> hall/extra.blobs", "other.left -> hall/extra.hint"]
+
+
+EYE = """\
+graph: eye
+inputs: {frames: camera}
+outputs: {blobs: detect}
+stages:
+  camera: {uses: room.source, each: cameras}
+  detect: {uses: toy.detect, each: cameras, in: {frame: camera}}
+"""
+
+
+@pytest.mark.parametrize("cameras", ["cameras", "cameras[name=cam1]"])
+def test_sub_graphs_of_each_camera_are_connected_camera_by_camera(tmp_path: Path, cameras: str) -> None:
+    (tmp_path / "eye.yaml").write_text(EYE)
+    text = f"""\
+graph: building
+room: room.yaml
+stages:
+  first: {{uses: room.source, each: cameras}}
+  eye: {{graph: eye.yaml, each: cameras, in: {{frames: first}}}}
+  show: {{uses: toy.any, each: "{cameras}", in: {{blobs: eye}}}}
+"""
+    shown = [edge for edge in edges(planned(tmp_path, text)) if " -> show/" in edge]
+    wanted = {name: f"eye/{name}/detect/{name}.out -> show/{name}.blobs" for name in ("cam0", "cam1")}
+    assert shown == [wanted[name] for name in wanted if name in cameras or cameras == "cameras"]

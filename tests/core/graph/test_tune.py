@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from tests.core.graph.composed import planned
 from tests.core.graph.files import ROOM, TOY, write
 
 from followspot.cli.main import main
@@ -162,3 +163,94 @@ def test_the_command_says_who_gave_each_parameter(tmp_path: Path, capsys: pytest
         f"detect/cam1.level 0.3 (default 0.5) {graph}:5",
         'left/detect.start "warm" (default "cold") --set',
     ]
+
+
+TUNED = """\
+graph: building
+room: room.yaml
+stages:
+  hall: {graph: middle.yaml, WITH}
+  side: {graph: tracker.yaml, each: cameras}
+"""
+MIDDLE = """\
+graph: middle
+params: {level: inner.level}
+stages:
+  inner: {graph: tracker.yaml}
+"""
+
+
+def of_subgraphs(folder: Path, tune: str, *overrides: str, given: str = "") -> Plan:
+    """Levels of hall/inner/detect for two cameras, of side/cam0/detect and of side/cam1/detect."""
+    room = ROOM.replace("    host: pc-left\n", "") + f"tune: {tune}\n"
+    main = TUNED.replace(", WITH", f", with: {{{given}}}" if given else "")
+    return planned(folder, main, *overrides, room=room, middle=MIDDLE)
+
+
+@pytest.mark.parametrize(
+    ("tune", "overrides", "found"),
+    [
+        ("{}", [], [0.3, 0.3, 0.5, 0.5]),
+        ("{hall.level: 0.9}", [], [0.9, 0.9, 0.5, 0.5]),
+        ("{side.level: 0.9}", [], [0.3, 0.3, 0.9, 0.9]),
+        ("{side.level: 0.9, side/cam1.level: 0.8}", [], [0.3, 0.3, 0.9, 0.8]),
+        ("{side/cam1.level: 0.8, side.level: 0.9}", [], [0.3, 0.3, 0.9, 0.8]),
+        ("{hall.level: 0.9, hall/inner.level: 0.8}", [], [0.8, 0.8, 0.5, 0.5]),
+        ("{hall.level: 0.9, hall/inner/detect.level: 0.8}", [], [0.8, 0.8, 0.5, 0.5]),
+        ("{hall.level: 0.9, hall/inner/detect/cam1.level: 0.8}", [], [0.9, 0.8, 0.5, 0.5]),
+        ("{hall.level: 0.9, toy.detect.level: 0.8}", [], [0.9, 0.9, 0.8, 0.8]),
+        ("{hall.level: 0.9, toy.detect/cam0.level: 0.8}", [], [0.8, 0.9, 0.8, 0.5]),
+        ("{hall.level: 0.9}", ["hall.level=0.1"], [0.1, 0.1, 0.5, 0.5]),
+        ("{hall/inner.level: 0.9}", ["hall.level=0.1"], [0.1, 0.1, 0.5, 0.5]),
+        ("{hall.level: 0.9}", ["hall/inner/detect.level=0.1"], [0.1, 0.1, 0.5, 0.5]),
+        ("{side/cam1.level: 0.9}", ["side.level=0.1"], [0.3, 0.3, 0.1, 0.1]),
+    ],
+)
+def test_parameters_of_sub_graphs_are_tuned(
+    tmp_path: Path, tune: str, overrides: list[str], found: list[float]
+) -> None:
+    plan = of_subgraphs(tmp_path, tune, *overrides, given="level: 0.3")
+    of = {s.name: s.params["level"] for s in plan.stages if s.uses == "toy.detect"}
+    names = (
+        "hall/inner/detect/cam0",
+        "hall/inner/detect/cam1",
+        "side/cam0/detect/cam0",
+        "side/cam1/detect/cam1",
+    )
+    assert [of[name] for name in names] == found
+    assert plan.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("tune", "text"),
+    [
+        ("{hall.levle: 0.9}", 'graph "middle", used as "hall", has no parameter "levle"'),
+        ("{hall.level: 9}", "cannot be 9"),
+    ],
+)
+def test_a_wrong_tune_of_a_sub_graph_is_one_mistake_in_the_room_file(
+    tmp_path: Path, tune: str, text: str
+) -> None:
+    with pytest.raises(InputError) as caught:
+        of_subgraphs(tmp_path, tune)
+    (mistake,) = caught.value.mistakes
+    assert text in mistake.text
+    assert mistake.place is not None
+    assert (Path(mistake.place.file).name, mistake.place.line) == ("room.yaml", 26)
+
+
+def test_a_tune_of_an_unknown_sub_graph_is_a_note_with_a_guess(tmp_path: Path) -> None:
+    (note,) = of_subgraphs(tmp_path, "{hal.level: 0.9}").notes
+    assert note.endswith('tune "hal.level" matches nothing in this graph; did you mean "hall"?')
+
+
+def test_the_origin_of_a_tuned_parameter_of_a_sub_graph_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    of_subgraphs(tmp_path, "{hall.level: 0.9}")
+    assert main(["graph", str(tmp_path / "main.yaml"), "--parameters", "--plugin", TOY]) == 0
+    (row,) = (
+        row for row in capsys.readouterr().out.splitlines() if row.startswith("hall/inner/detect.level")
+    )
+    assert f"{tmp_path / 'room.yaml'}:26 < " in row
+    assert row.endswith("(tune of the room)")

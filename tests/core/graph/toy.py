@@ -122,6 +122,10 @@ class Through(Detect):
         lens: Lens = Field(Lens(), description="what it looks through")
 
 
+class DetectAgain(Detect):
+    """Another one."""
+
+
 class Pair(Stage):
     """Blobs of all cameras to blobs."""
 

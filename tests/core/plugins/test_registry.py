@@ -165,6 +165,29 @@ def test_a_stage_that_cannot_be_imported_is_one_line_and_breaks_only_its_users(
     assert load_stage("balls.mean").__name__ == "Mean"
 
 
+OPTIONAL = ['numpy>=1; extra == "all"', 'Grand-Piano>=2 ; extra == "all"', 'grand-piano>=2; extra == "piano"']
+
+
+def test_a_stage_whose_optional_package_is_missing_is_not_installed_and_says_how_to(site: Path) -> None:
+    module = "import grand_piano.keys"
+    install(
+        site, "keys", V1 + "keys.piano = keys_opt:Piano", requires=OPTIONAL, modules={"keys_opt.py": module}
+    )
+    entry = examined(catalogue()["keys.piano"])
+    assert (entry.state, entry.problem) == ("not installed", "pip install 'keys[piano]'")
+    with pytest.raises(PluginError) as caught:
+        load_stage("keys.piano")
+    assert str(caught.value) == "keys.piano: not installed; pip install 'keys[piano]'"
+
+
+@pytest.mark.parametrize("needs", [["grand-piano>=2"], ['harp; extra == "piano"'], ["?"], []])
+def test_a_missing_package_that_no_extra_brings_breaks_the_stage(site: Path, needs: list[str]) -> None:
+    name = f"keys_{zlib.crc32(repr(needs).encode())}"
+    files = {f"{name}.py": "import grand_piano"}
+    install(site, "keys", V1 + f"keys.piano = {name}:Piano", requires=needs, modules=files)
+    assert examined(catalogue()["keys.piano"]).state == "broken"
+
+
 def test_an_unknown_stage_is_answered_with_the_nearest_name() -> None:
     with pytest.raises(PluginError) as caught:
         load_stage("balls.kallman")

@@ -110,3 +110,10 @@ def test_a_device_below_a_granted_path_is_granted(device: str, fits: bool) -> No
 def test_a_stream_below_a_granted_address_is_granted(url: str, fits: bool) -> None:
     opens = ("rtsp://10.0.0.9/left", "http://10.0.0.8:8080")
     assert granted(stage("cameras.stream", url=url), opens=opens) == fits
+
+
+@pytest.mark.parametrize(("host", "fits"), [("127.0.0.1", True), ("0.0.0.0", False), ("10.0.0.3", True)])
+def test_a_stage_listens_to_networks_that_the_owner_named(host: str, fits: bool) -> None:
+    assert granted(stage("imu.osc", host=host), opens=("10.0.0.3",)) == fits
+    assert granted(stage("imu.osc", host=host), opens=("any",))
+    assert granted(stage("imu.osc", host=host)) == (host == "127.0.0.1")

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from pydantic import ConfigDict
 
-from followspot import Deferred, Field, Latest, Outputs, Source, Stage, StageParams, Window, at
+from followspot import Deferred, Field, Lagged, Latest, Outputs, Source, Stage, StageParams, Window, at
 from followspot.messages import Array, Message
 from followspot.tracking import Blobs, Forecast, Frame, Tracks
 
@@ -99,6 +99,24 @@ class Timed(Stage):
 
     def process(self, blobs: Blobs) -> Blobs:
         return at(blobs.header.time - 1, blobs)
+
+
+class Hasty(Stage):
+    """Gives a message for a firing that is yet to come."""
+
+    def process(self, frame: Frame) -> Lagged[Frame]:
+        return [at(frame.header.time + 1, Frame(frame.camera, frame.pixels))]
+
+
+class Unending(Stage):
+    """Gives what remains without times."""
+
+    def process(self, frame: Frame) -> Lagged[Frame]:
+        self.frame = frame
+        return ()
+
+    def remaining(self) -> list[Frame]:
+        return [Frame(self.frame.camera, self.frame.pixels)]
 
 
 class EarlyOutputs(Stage):

@@ -16,11 +16,16 @@ from followspot.testing.promises.life import closes_within_a_second
 from followspot.testing.trial import Trial
 from followspot.tracking import Blobs, Frame, ImageTracks
 
-SLOW = {"persons.pose_tracker": {"particles": 20}, "persons.appearance": {"particles": 20}}
+SLOW = {
+    "persons.pose_tracker": {"particles": 20},
+    "persons.appearance": {"particles": 20},
+    "persons.uniform_search": {"particles": 100},
+}
 """Parameters that make short work of stages which take tens of milliseconds a message."""
 MESSAGES = {
     "persons.pose_tracker": 200,
     "persons.appearance": 200,
+    "persons.uniform_search": 200,
     "balls.throws": 2000,
     "dashboard.meter": 10_000,
     "recording.sink": 3000,
@@ -28,7 +33,7 @@ MESSAGES = {
 """For which the memory of a stage is watched, where 600 are too slow or too few to fill what it remembers."""
 
 
-NEEDS = {"sinks.rerun": "rerun"}
+NEEDS = {"sinks.rerun": "rerun", "filters.kalman_filterpy": "filterpy"}
 """Large packages that stages need and machines may lack."""
 
 
@@ -116,6 +121,8 @@ def test_the_kit_names_each_broken_promise() -> None:
         (breaking.Timed, "sends what it declares"),
         (breaking.WrongShape, "sends what it declares"),
         (breaking.EarlyOutputs, "sends what it declares"),
+        (breaking.Hasty, "sends what it declares"),
+        (breaking.Unending, "sends what it declares"),
         (breaking.LateAnswer, "sends what it declares"),
         (breaking.WindowWriter, "leaves its inputs as they were"),
         (breaking.NotANumber, "takes unknown numbers"),
@@ -139,7 +146,9 @@ def test_a_broken_promise_is_found(stage: type[Stage], promise: str) -> None:
     assert promise in {finding.promise for finding in findings(stage, messages=400)}
 
 
-@pytest.mark.parametrize("stage", [rates.Gather, rates.Near, rates.Mix, rates.Burst, rates.Later])
+@pytest.mark.parametrize(
+    "stage", [rates.Gather, rates.Near, rates.Mix, rates.Burst, rates.Later, rates.Behind]
+)
 def test_stages_with_inputs_and_results_of_all_kinds_keep_every_promise(stage: type[Stage]) -> None:
     check_stage(stage, messages=200)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from followspot.document import Node
@@ -11,8 +11,10 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
+from followspot.graph.compose.optional_use import OptionalUse, left_out_below, optional_uses
 from followspot.graph.compose.promises import Promise, check_nested, promises_of
 from followspot.graph.compose.senders import senders
+from followspot.graph.compose.tuning import subgraph_tunes
 from followspot.graph.compose.unit import Unit, Units, Wired
 from followspot.graph.names import below
 from followspot.graph.override import Override
@@ -38,24 +40,33 @@ class Composed:
     offered: frozenset[str] = frozenset()
     promises: tuple[Promise, ...] = ()
     """What the interface of the graph file itself names."""
+    left_out: Mapping[str, Mistake] = field(default_factory=dict)
+    """The sub-graphs that the room has nothing for, with the reasons; feeds still name them."""
+    optional: tuple[OptionalUse, ...] = ()
+    """The other sub-graphs that may be left out."""
+    tuned: frozenset[Place] = frozenset()
+    """Of the tunes of the room that set parameters of sub-graphs."""
+    outputs: Mapping[str, tuple[Node, ...]] = field(default_factory=dict)
+    """The outputs of sub-graphs, SUBGRAPH.NAME, each with what feeds a reader of it."""
 
 
 def compose(
     path: Path,
     overrides: Sequence[Override],
-    find_room: Callable[[Node | None], Room | None],
+    find_room: Callable[[Node | None], tuple[Room | None, Node | None]],
     mistakes: list[Mistake],
 ) -> Composed:
     """Put the files of a graph together, with overrides; note mistakes.
 
-    find_room: gives the room from what the graph says; None if it has mistakes. Raises InputError if the
-    graph file itself cannot be read.
+    find_room: gives the room and its document from what the graph says; see `Loaded`. Raises InputError if
+    the graph file itself cannot be read.
     """
     wrong: list[Mistake] = []
     files = GraphFiles(wrong, mistakes)
     root = files.root(path)
-    units = Units(files, find_room(root.room), wrong, mistakes)
-    unit = units.root(root, overrides)
+    room, document = find_room(root.room)
+    units = Units(files, room, document is not None, wrong, mistakes)
+    unit = units.root(root, [*(subgraph_tunes(document) if room is not None else ()), *overrides])
     stages: dict[str, Node] = {}
     for name, node in _stages(unit, wrong):
         if name in stages:
@@ -63,7 +74,7 @@ def compose(
             place = node.key.beside(stages[name].key)
             wrong.append(Mistake(place, text, "rename one"))
         stages.setdefault(name, node)
-    for override in units.unknown:
+    for override in (found for found in units.unknown if not found.tune):
         name = below(override.within, override.stage)
         known = {*stages, *(found.name for found in _units(unit))}
         text = f'the graph has no stage "{name}"'
@@ -73,8 +84,34 @@ def compose(
     read = tuple(files.files)
     offered = _offered(unit) if not wrong else frozenset()
     seed = root.seed or 0
-    promises = promises_of(unit)
-    return Composed(root.name, root.place, root.room, seed, stages, read, not wrong, offered, promises)
+    return Composed(
+        root.name,
+        root.place,
+        root.room,
+        seed,
+        stages,
+        read,
+        not wrong,
+        offered,
+        promises_of(unit),
+        left_out_below(unit),
+        tuple(optional_uses(unit)) if not wrong else (),
+        frozenset(units.tuned),
+        _outputs(unit) if not wrong else {},
+    )
+
+
+def _outputs(unit: Unit) -> dict[str, tuple[Node, ...]]:
+    """The outputs of the sub-graphs below a unit; of one that fans out those of all members, too."""
+    found: dict[str, tuple[Node, ...]] = {}
+    for stage, inners in unit.units.items():
+        for inner in inners:
+            for name, targets in inner.interface.outputs.items():
+                feeds = tuple(node for target in targets for node in senders(inner, target.node, []))
+                for full in dict.fromkeys((below(unit.name, stage), inner.name)):
+                    found[f"{full}.{name}"] = (*found.get(f"{full}.{name}", ()), *feeds)
+            found |= _outputs(inner)
+    return found
 
 
 def _offered(unit: Unit) -> frozenset[str]:

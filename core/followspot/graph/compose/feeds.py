@@ -53,6 +53,11 @@ def with_option(feed: Node, key: str, value: Node) -> Node:
     return replace(feed, value={"from": origin(feed), **_options(feed), key: value})
 
 
+def option(feed: Node, key: str) -> Node | None:
+    """The value of one option; None if it is not written."""
+    return _options(feed).get(key)
+
+
 def seen_with(feed: Node, other: Node) -> Node:
     """The feed, whose place names that of another feed, too."""
     start = origin(feed)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -19,7 +20,8 @@ MAX_USES = 1000
 """Most uses of files in one graph."""
 MAX_LEVELS = 20
 """Most files that use each other in a chain."""
-_KEYS = ("graph", "extends", "room", "seed", "params", "inputs", "outputs", "stages")
+_INTERFACE = ("params", "inputs", "outputs")
+_KEYS = ("graph", "extends", "room", "seed", *_INTERFACE, "stages")
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,8 @@ class GraphFile:
     outputs: Mapping[str, Node] = field(default_factory=dict)
     stages: Mapping[str, Node] = field(default_factory=dict)
     removed: Mapping[str, Place] = field(default_factory=dict)
+    unreadable: frozenset[str] = frozenset()
+    """Keys of the interface whose values are no mappings, so that the names are not known."""
 
 
 class GraphFiles:
@@ -107,16 +111,19 @@ class GraphFiles:
         root = read(path, at=at, remedy=remedy)
         self._nodes += root.nodes
         form = Form(root if outer is None else _within(root, outer), "a graph", _KEYS, self.odd)
+        interface = copy(form)
+        interface.mistakes = self.mistakes
         own = GraphFile(
             name=form.title("graph") or path.stem,
             place=form.node.key,
             paths=(*above, real),
             room=form.get("room"),
             seed=form.whole("seed", least=0, most=MAX_SEED),
-            params=form.mapping("params"),
-            inputs=form.mapping("inputs"),
-            outputs=form.mapping("outputs"),
+            params=interface.mapping("params"),
+            inputs=interface.mapping("inputs"),
+            outputs=interface.mapping("outputs"),
             stages=form.mapping("stages"),
+            unreadable=frozenset(key for key in _INTERFACE if not _is_mapping(form.get(key))),
         )
         extends = form.get("extends")
         base = None
@@ -138,10 +145,16 @@ class GraphFiles:
             outputs=merged_mapping(base.outputs, own.outputs),
             stages=stages,
             removed={name: place for name, place in gone.items() if name not in stages},
+            unreadable=base.unreadable | own.unreadable,
         )
 
     def _fail(self, place: Place, text: str, remedy: str) -> None:
         self.mistakes.append(Mistake(place, text, remedy))
+
+
+def _is_mapping(node: Node | None) -> bool:
+    """Whether the value of a key is a mapping or missing."""
+    return node is None or node.value is None or isinstance(node.value, Mapping)
 
 
 def input_names(path: Path) -> frozenset[str]:

@@ -16,6 +16,8 @@ _FORMS = {
     "inputs": "STAGE, STAGE.PORT, or a list of them",
     "outputs": "STAGE or STAGE.PORT",
 }
+SECTION = {"parameter": "params", "input": "inputs", "output": "outputs"}
+"""The key of a graph file that lists what a word stands for."""
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.declaration import ENVELOPE
 from followspot.graph.override import SUBGRAPH
 
-_OF_A_STAGE = {*ENVELOPE} - {"in", "each"}
-_OF_A_SUBGRAPH = {*SUBGRAPH} - {"in", "each"}
+_OF_BOTH = {"in", "each", "optional"}
+_OF_A_STAGE = {*ENVELOPE} - _OF_BOTH
+_OF_A_SUBGRAPH = {*SUBGRAPH} - _OF_BOTH
 
 
 def merged_stages(

@@ -1,39 +1,78 @@
-"""What the interface of the graph file itself names; those of its sub-graphs show in what uses them."""
+"""What the interfaces of the graph file and of its sub-graphs name."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
-from followspot.errors import Mistake, did_you_mean
-from followspot.graph.compose.interface import Target
+from followspot.document import child
+from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.compose.interface import SECTION, Target
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below
 
 Noun = Literal["parameter", "input", "output"]
-Promise = tuple[Noun, Target]
-"""A target with the full name of its stage, and its kind there."""
+
+
+@dataclass(frozen=True)
+class Promise:
+    """A target of an interface: a parameter or a port of a stage.
+
+    target: with the full name of its stage; uses: the plugin stage that the file names there.
+    """
+
+    noun: Noun
+    target: Target
+    uses: str
 
 
 def promises_of(unit: Unit) -> tuple[Promise, ...]:
-    """The targets that are stages themselves."""
-    found = ((noun, target) for noun, target in _targets(unit) if target.stage not in unit.units)
-    return tuple((noun, replace(target, stage=below(unit.name, target.stage))) for noun, target in found)
+    """The targets that are stages themselves, of a unit and of all below it."""
+    found = []
+    for noun, target in _targets(unit):
+        if target.stage not in unit.units:
+            uses = child(unit.stages[target.stage], "uses")
+            full = replace(target, stage=below(unit.name, target.stage))
+            found.append(Promise(noun, full, str(uses.value) if uses is not None else ""))
+    return (*found, *(promise for inner in _inner(unit) for promise in promises_of(inner)))
 
 
 def check_nested(unit: Unit, mistakes: list[Mistake]) -> None:
-    """Note targets that a sub-graph lacks."""
+    """Note targets that a sub-graph lacks, of a unit and of all below it, unless a use has shown them."""
     for noun, target in _targets(unit):
         inner = next(iter(unit.units.get(target.stage, ())), None)
         known = {} if inner is None else _names(inner)[noun]
-        if inner is not None and target.name is not None and target.name not in known:
-            text = f'sub-graph "{inner.name}" has no {noun} "{target.name}"'
-            place = target.node.place.beside(inner.file.place)
-            mistakes.append(Mistake(place, text, did_you_mean(target.name, known.keys(), f"{noun}s")))
+        if inner is None or target.name is None or target.name in known or is_told(target, mistakes):
+            continue
+        if SECTION[noun] in inner.file.unreadable:
+            continue
+        text = f'sub-graph "{inner.name}" has no {noun} "{target.name}"'
+        place = target.node.place.beside(inner.file.place)
+        mistakes.append(Mistake(place, text, did_you_mean(target.name, known.keys(), f"{noun}s")))
+    for found in _inner(unit):
+        check_nested(found, mistakes)
 
 
-def _targets(unit: Unit) -> Iterator[Promise]:
+def is_told(target: Target, mistakes: list[Mistake]) -> bool:
+    """Whether one of the mistakes shows the place of a target."""
+    at = _position(target.node.place)
+    return any(
+        at in map(_position, (mistake.place, *mistake.place.outer_places))
+        for mistake in mistakes
+        if mistake.place is not None
+    )
+
+
+def _position(place: Place) -> tuple[str, int, int]:
+    return place.file, place.line, place.column
+
+
+def _inner(unit: Unit) -> Iterator[Unit]:
+    return (inner for found in unit.units.values() for inner in found)
+
+
+def _targets(unit: Unit) -> Iterator[tuple[Noun, Target]]:
     for noun, names in _names(unit).items():
         for target in (target for targets in names.values() for target in targets):
             yield noun, target

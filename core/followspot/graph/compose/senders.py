@@ -10,7 +10,7 @@ from followspot.errors import Mistake, did_you_mean
 from followspot.graph.compose.feeds import items, joined, origin, renamed, seen_with, sender, with_option
 from followspot.graph.compose.narrowing import Limit, narrowed
 from followspot.graph.compose.unit import Unit
-from followspot.graph.names import below
+from followspot.graph.names import below, enclosing
 
 _Way = tuple[tuple[str, str, str | None], ...]
 """The senders that led to one: unit, stage and port of each."""
@@ -37,6 +37,9 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
         outer = [one for item in items(wired.feeds) for one in senders(wired.unit, item, mistakes, way)]
         found = [joined(_with_port(seen_with(one, feed), port), feed) for one in outer]
         return [_only(one, unit.stages[stage], unit.limits) for one in found]
+    absent = next((name for name in enclosing(stage) if name in unit.left_out), None)
+    if absent is not None:
+        return [renamed(feed, _join(below(unit.name, absent), port))]
     if stage in unit.units:
         return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]
     full = below(unit.name, stage)
@@ -50,6 +53,8 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
 def _of_output(unit: Unit, port: str | None, feed: Node, mistakes: list[Mistake], way: _Way) -> list[Node]:
     """The senders behind an output of a sub-graph: the named one, else the only one."""
     outputs = unit.interface.outputs
+    if "outputs" in unit.file.unreadable:
+        return []
     chosen = port if port is not None else next(iter(outputs)) if len(outputs) == 1 else None
     targets = outputs.get(chosen) if chosen is not None else None
     if targets is None:

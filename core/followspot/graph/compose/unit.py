@@ -8,10 +8,12 @@ from dataclasses import dataclass, field, replace
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.form import Form
-from followspot.graph.compose.feeds import items, sender
+from followspot.graph.compose.fan_out import Surroundings, Use, fan_out
+from followspot.graph.compose.feeds import items
 from followspot.graph.compose.graph_file import GraphFile, GraphFiles
-from followspot.graph.compose.interface import Interface, Target, read_interface
-from followspot.graph.compose.narrowing import Limit, members, narrowed, read_cameras
+from followspot.graph.compose.interface import SECTION, Interface, Target, read_interface
+from followspot.graph.compose.narrowing import Limit
+from followspot.graph.compose.removed import check_removed
 from followspot.graph.names import below
 from followspot.graph.override import SUBGRAPH, Override, overridden, with_value
 from followspot.room import Room
@@ -43,22 +45,36 @@ class Unit:
     wired: dict[tuple[str, str], Wired] = field(default_factory=dict)
     replaced: dict[str, Wired] = field(default_factory=dict)
     units: dict[str, tuple[Unit, ...]] = field(default_factory=dict)
+    left_out: dict[str, Mistake] = field(default_factory=dict)
+    """The sub-graphs that the room has nothing for, by their names in this unit, with the reasons."""
+    optional: Place | None = None
+    """Where the stage is that may be left out; None for any other."""
+    inputs: Mapping[str, Wired] = field(default_factory=dict)
+    """The inputs of the interface that the use connects."""
 
 
 class Units:
     """Makes the units of one graph, and notes what does not fit an interface."""
 
     def __init__(
-        self, files: GraphFiles, room: Room | None, mistakes: list[Mistake], odd: list[Mistake]
+        self,
+        files: GraphFiles,
+        room: Room | None,
+        named: bool,
+        mistakes: list[Mistake],
+        odd: list[Mistake],
     ) -> None:
-        """room: None if it has mistakes; mistakes, odd: lists that receive mistakes, odd those with which the
-        graph is still known.
+        """room: None if it has mistakes; named: whether the graph names one; mistakes, odd: lists that
+        receive mistakes, odd those with which the graph is still known.
         """
         self.files = files
         self.room = room
+        self.named = named
         self.mistakes = mistakes
         self.odd = odd
         self.unknown: list[Override] = []
+        self.tuned: set[Place] = set()
+        """Of the tunes that name a sub-graph."""
 
     def root(self, file: GraphFile, overrides: Sequence[Override]) -> Unit:
         """The graph itself with all sub-graphs below it."""
@@ -67,7 +83,7 @@ class Units:
         return unit
 
     def _unit(self, name: str, file: GraphFile) -> Unit:
-        self._check_removed(file)
+        check_removed(file, self.mistakes)
         return Unit(name, file, read_interface(file, self.mistakes), dict(file.stages))
 
     def _complete(self, unit: Unit, overrides: Sequence[Override]) -> None:
@@ -82,72 +98,66 @@ class Units:
 
     def _below(self, parent: Unit, stage: str, node: Node, overrides: Sequence[Override]) -> Iterator[Unit]:
         """The units of a stage that is a sub-graph: one, or one for each member that it fans out over."""
-        name = below(parent.name, stage)
-        entry = Form(node, f'sub-graph "{name}"', SUBGRAPH, self.mistakes)
-        cameras, each = entry.get("cameras"), entry.get("each")
-        selector = read_cameras(cameras, self.mistakes) if cameras is not None else None
-        limits = parent.limits if selector is None else (*parent.limits, selector)
-        if each is None:
-            yield from self._use(parent, stage, stage, entry, limits, overrides)
+        entry = Form(node, f'sub-graph "{below(parent.name, stage)}"', SUBGRAPH, self.mistakes)
+        around = Surroundings(self.room, self.named, parent.name, parent.limits)
+        found = fan_out(stage, entry, around, self.mistakes)
+        parent.left_out |= found.left_out
+        if [use.name for use in found.uses] == [stage]:
+            yield from self._use(parent, stage, found.uses[0], entry, overrides if found.complete else ())
             return
-        found = members(narrowed(each, limits), name, self.room, self.mistakes)
-        names = [f"{stage}/{member.name}" for member in found]
+        names = [*(use.name for use in found.uses), *found.left_out]
         self.unknown += [o for o in overrides if not any(f"{o.stage}/".startswith(f"{n}/") for n in names)]
-        for member, full in zip(found, names, strict=True):
-            own = node
-            for override in (override for override in overrides if override.stage == full):
-                own = overridden(own, override, self.odd)
-                if override.keys[0] in ("each", "cameras"):
-                    text = f'"{full}" is one member of a sub-graph; {override.keys[0]} is the same for all'
-                    remedy = f"write {stage}.{override.keys[0]}=SELECTOR"
-                    self.mistakes.append(Mistake(override.stage_place, text, remedy))
-            entry = Form(own, f'sub-graph "{below(parent.name, full)}"', SUBGRAPH, [])  # noted above
-            mine = [override for override in overrides if override.stage.startswith(f"{full}/")]
-            yield from self._use(parent, stage, full, entry, (*limits, member), mine)
+        for use in found.uses:
+            own = self._own(node, stage, use.name, overrides)
+            entry = Form(own, f'sub-graph "{below(parent.name, use.name)}"', SUBGRAPH, [])  # noted above
+            mine = [override for override in overrides if override.stage.startswith(f"{use.name}/")]
+            yield from self._use(parent, stage, use, entry, mine)
+
+    def _own(self, node: Node, stage: str, name: str, overrides: Sequence[Override]) -> Node:
+        """The entry of one member of a sub-graph, with the overrides for this member alone."""
+        for override in (override for override in overrides if override.stage == name):
+            node = overridden(node, override, self.odd)
+            if override.tune:
+                self.tuned.add(override.stage_place)
+            if override.keys[0] in ("each", "cameras", "optional"):
+                text = f'"{name}" is one member of a sub-graph; {override.keys[0]} is the same for all'
+                remedy = f"write {stage}.{override.keys[0]}=..."
+                self.mistakes.append(Mistake(override.stage_place, text, remedy))
+        return node
 
     def _use(
-        self,
-        parent: Unit,
-        stage: str,
-        name: str,
-        entry: Form,
-        limits: tuple[Limit, ...],
-        overrides: Sequence[Override],
+        self, parent: Unit, stage: str, use: Use, entry: Form, overrides: Sequence[Override]
     ) -> Iterator[Unit]:
-        """The unit of one use of a file; none if a mistake was noted. name: within the parent."""
+        """The unit of one use of a file; none if a mistake was noted."""
         file = self.files.used(entry.entries["graph"], "graph", parent.file.paths, entry.node.key)
         if file is None:
             return
-        unit = replace(self._unit(below(parent.name, name), file), limits=limits)
         wired = {port: found for (to, port), found in parent.wired.items() if to == stage}
-        self._connect(unit, {**_own_inputs(entry, parent), **wired})
+        unit = replace(
+            self._unit(below(parent.name, use.name), file),
+            limits=use.limits,
+            optional=entry.node.key if use.optional else None,
+            inputs={**_own_inputs(entry, parent), **wired},
+        )
+        self._connect(unit, unit.inputs)
         self._give_params(unit, entry)
-        self._complete(unit, [override.below(name) for override in overrides])
+        self._complete(unit, [override.below(use.name) for override in overrides])
         yield unit
 
     def _apply(self, unit: Unit, override: Override) -> bool:
         """Apply an override if it is for a stage of this unit."""
         stage = override.stage
-        if stage not in unit.stages:
+        if stage not in unit.stages or (override.tune and not is_subgraph(unit.stages[stage])):
             return False
-        if stage in unit.replaced:
+        if override.tune:
+            self.tuned.add(override.stage_place)
+        if stage in unit.replaced and not override.tune:
             text = f'stage "{below(unit.name, stage)}" is replaced by an input of its sub-graph'
             place = override.stage_place.within(unit.replaced[stage].feeds.place)
             self.mistakes.append(Mistake(place, text, "set the stage that feeds this input"))
         else:
             unit.stages[stage] = overridden(unit.stages[stage], override, self.odd)
         return True
-
-    def _check_removed(self, file: GraphFile) -> None:
-        """Note removed stages that others still read, or the interface names."""
-        for name, place in file.removed.items():
-            readers = [*_readers(name, file)]
-            if not readers:
-                continue
-            listed = ", ".join(dict.fromkeys(reader for reader, _ in readers))
-            text = f'stage "{name}" is removed, but read by: {listed}'
-            remedy = "feed them from another stage, or remove them too"
-            self.mistakes.append(Mistake(place.beside(readers[0][1]), text, remedy))
 
     def _connect(self, unit: Unit, inputs: Mapping[str, Wired]) -> None:
         """Connect inputs of the interface."""
@@ -176,7 +186,8 @@ class Units:
         elif target.name is None:
             unit.replaced[target.stage] = wired
         else:
-            unit.wired[target.stage, target.name] = wired
+            key = wired.feeds.key.beside(target.node.place)
+            unit.wired[target.stage, target.name] = replace(wired, feeds=replace(wired.feeds, key=key))
         connected.append((target, name))
 
     def _give_params(self, unit: Unit, entry: Form) -> None:
@@ -209,6 +220,8 @@ class Units:
         self.mistakes.append(Mistake(place.beside(target.node.place), text, remedy))
 
     def _unknown(self, unit: Unit, noun: str, name: str, place: Place, known: Mapping[str, object]) -> None:
+        if SECTION[noun] in unit.file.unreadable:
+            return
         text = f'graph "{unit.file.name}", used as "{unit.name}", has no {noun} "{name}"'
         remedy = did_you_mean(name, known.keys(), f"{noun}s")
         self.mistakes.append(Mistake(place.beside(unit.file.place), text, remedy))
@@ -227,17 +240,3 @@ def _overlap(first: Target, second: Target) -> bool:
 def _own_inputs(entry: Form, parent: Unit) -> dict[str, Wired]:
     """The inputs that the stage connects, in the names of the unit around it."""
     return {name: Wired(parent, feeds) for name, feeds in entry.mapping("in").items()}
-
-
-def _readers(name: str, file: GraphFile) -> list[tuple[str, Place]]:
-    """Stages with inputs from this one, and entries of the interface that name it."""
-    found = []
-    for stage, node in file.stages.items():
-        inputs = node.value.get("in") if isinstance(node.value, Mapping) else None
-        if inputs is not None and isinstance(inputs.value, Mapping):
-            feeds = [feed for entry in inputs.value.values() for feed in items(entry)]
-            found += [(stage, feed.place) for feed in feeds if (sender(feed) or ("",))[0] == name]
-    for key, entries in (("params", file.params), ("inputs", file.inputs), ("outputs", file.outputs)):
-        named = [(f"{key}: {entry}", item) for entry, node in entries.items() for item in items(node)]
-        found += [(text, item.place) for text, item in named if (sender(item) or ("",))[0] == name]
-    return found

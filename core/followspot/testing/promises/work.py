@@ -100,6 +100,8 @@ def sends_what_it_declares(trial: Trial) -> Iterator[str]:
         try:
             if trial.ports.gives == "several":
                 _check_several(trial, result or (), frame)
+            elif trial.ports.gives == "lagged":
+                _check_lagged(trial, result or (), frame)
             elif result is not None:
                 check_returned(trial.ports.outputs, result)
             for message in outputs(result):
@@ -202,12 +204,24 @@ def _check_several(trial: Trial, items: Sequence[Any], frame: int) -> None:
         newest = time
 
 
+def _check_lagged(trial: Trial, items: Sequence[Any], frame: int) -> None:
+    """Check the results of the firing with a frame, or of what remains. Raises WrongOutput."""
+    newest = -1
+    for item in items:
+        given = check_one_of_several(trial.ports.outputs, item)
+        if given is UNSTAMPED or not newest < given.time <= frame * PERIOD:
+            raise WrongOutput("gave messages whose times do not rise up to that of the firing")
+        newest = given.time
+
+
 def _returned(trial: Trial) -> list[Any]:
     """What an instance returns for three frames; nothing where it fails, which other promises tell."""
     returned: list[Any] = []
     if trial.computes:
         with contextlib.suppress(Exception), trial.at_work(seed=1) as stage:
             returned.extend(trial.called(stage, trial.inputs("plausible", n, noise(n))) for n in range(3))
+            if trial.ports.gives == "lagged":
+                returned.append(tuple(stage.remaining()))
     return returned
 
 

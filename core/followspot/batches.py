@@ -1,0 +1,38 @@
+"""How many readings of an inertial sensor make a message."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.stage_params import Field, StageParams
+
+
+class BatchParams(StageParams):
+    """Parameters of sources of `followspot.inertial.Inertial`. A message is complete by what comes first."""
+
+    batch: int = Field(
+        10,
+        ge=1,
+        le=10_000,
+        unit="readings",
+        description="most readings of a message; more cost less, but wait",
+    )
+    batch_time: float = Field(
+        0.01,
+        gt=0,
+        le=10,
+        unit="s",
+        description="time from the first reading of a message within which others join",
+    )
+
+
+def batches(time: Array, params: BatchParams) -> Iterator[slice]:
+    """The rows of each message. time: (N,) rising, ns."""
+    span, start = round(params.batch_time * 1e9), 0
+    while start < len(time):
+        within = int(np.searchsorted(time[start : start + params.batch], time[start] + span))
+        yield slice(start, start + max(1, within))
+        start += max(1, within)

@@ -1,0 +1,101 @@
+"""The uses of a graph file that one entry of `stages` stands for, as the room has cameras and members."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from followspot.errors import Mistake
+from followspot.form import Form
+from followspot.graph.compose.narrowing import Limit, narrowed, read_cameras
+from followspot.graph.names import below
+from followspot.graph.selector import Selector, read_selector
+from followspot.room import Member, Room
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """What a graph file is used in.
+
+    room: None if it has mistakes; named: whether the graph names a room; prefix: full name of the sub-graph
+    around the use, "" for the graph itself; limits: of that sub-graph.
+    """
+
+    room: Room | None
+    named: bool
+    prefix: str
+    limits: tuple[Limit, ...]
+
+
+@dataclass(frozen=True)
+class Use:
+    """One use of a file. name: within the sub-graph around it; limits: what it serves."""
+
+    name: str
+    limits: tuple[Limit, ...]
+    optional: bool
+
+
+@dataclass(frozen=True)
+class FanOut:
+    """left_out: uses that the room has nothing for, each with the reason; the stage if none is left.
+
+    complete: False if one use stands for all members, which are not known.
+    """
+
+    uses: tuple[Use, ...]
+    left_out: Mapping[str, Mistake] = field(default_factory=dict)
+    complete: bool = True
+
+
+def fan_out(stage: str, entry: Form, around: Surroundings, mistakes: list[Mistake]) -> FanOut:
+    """The uses that the entry of a sub-graph stands for: one, or one for each member that it names.
+
+    Where the room is not known, one use stands for all.
+    """
+    optional = entry.switch("optional")
+    cameras, each = entry.get("cameras"), entry.get("each")
+    chosen = None if cameras is None else read_cameras(cameras, mistakes)
+    limits = around.limits if chosen is None else (*around.limits, chosen)
+    room = around.room
+    if room is None:
+        return FanOut((Use(stage, limits, optional),), complete=each is None)
+    served: Sequence[Member | None] = (None,)
+    if each is not None:
+        selector = read_selector(narrowed(each, limits), mistakes)
+        served = selector.select(room) if selector.readable else ()
+        if selector.readable and not served:
+            if optional:
+                return FanOut((), {stage: _absent(stage, selector, around)})
+            mistakes.append(_lacking(below(around.prefix, stage), selector, "fans out over", around))
+    uses, empty = [], {}
+    for member in served:
+        name = stage if member is None else f"{stage}/{member.name}"
+        own = around.limits if member is None else (*around.limits, member)
+        seen = None if cameras is None or chosen is None else read_selector(narrowed(cameras, own), [])
+        if seen is not None and not seen.select(room):
+            empty[name] = seen
+        else:
+            uses.append(Use(name, limits if member is None else (*limits, member), optional))
+    if empty and not optional:
+        name, seen = next(iter(empty.items()))
+        mistakes.append(_lacking(below(around.prefix, name), seen, "serves", around))
+        return FanOut(())
+    if empty and not uses and cameras is not None:
+        empty = {stage: read_selector(narrowed(cameras, around.limits), [])}
+    return FanOut(tuple(uses), {name: _absent(name, found, around) for name, found in empty.items()})
+
+
+def _absent(name: str, wanted: Selector, around: Surroundings) -> Mistake:
+    text = f'sub-graph "{below(around.prefix, name)}" is left out: the room has no {wanted.text}'
+    return Mistake(wanted.place, text)
+
+
+def _lacking(name: str, wanted: Selector, verb: str, around: Surroundings) -> Mistake:
+    """The mistake of a sub-graph that asks for what the room does not have; verb: how it asks."""
+    if not around.named or around.room is None:
+        text = f'sub-graph "{name}" {verb} {wanted.text}, but the graph names no room'
+        return Mistake(wanted.place, text, "add room: FILE.yaml")
+    text = f'sub-graph "{name}" {verb} {wanted.text}, and the room "{around.room.name}" has none'
+    remedy = "name a set or a tag that the room has, or write optional: true"
+    return wanted.unknown(around.room) or Mistake(wanted.place, text, remedy)

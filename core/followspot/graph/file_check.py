@@ -1,0 +1,42 @@
+"""Whether the files that parameters name can be read, as far as their stages find out at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from followspot.errors import InputError, Mistake, Place
+from followspot.graph.parameters import path_parameters
+from followspot.graph.warnings import Checked
+from followspot.room import Room
+from followspot.stage import Stage
+from followspot.stage_params import PathIn
+
+
+def check_files(stages: Sequence[Checked], room: Room, mistakes: list[Mistake]) -> None:
+    """Note what stages find in their files: at the place in the file, together with that of the path."""
+    for checked in stages:
+        if checked.stage.check_files.__func__ is not Stage.check_files.__func__:  # type: ignore[attr-defined]
+            place = _place(checked)
+            for mistake in _found(checked, room):
+                at = place if mistake.place is None else mistake.place.within(place)
+                mistakes.append(replace(mistake, place=at))
+
+
+def _found(checked: Checked, room: Room) -> Iterator[Mistake]:
+    """The result of `check_files`; that it fails is a mistake itself."""
+    params = checked.stage.Params(**checked.params)
+    try:
+        yield from checked.stage.check_files(params, room, checked.instance.member)
+    except InputError as error:
+        yield from error.mistakes
+    except Exception as error:  # the code of a plugin may do anything
+        text = f"{checked.instance.uses}.check_files failed: {type(error).__name__}: {error}"
+        yield Mistake(None, text, "tell the author of the plugin")
+
+
+def _place(checked: Checked) -> Place:
+    """Where the first path is written, else the stage."""
+    written = checked.instance.params
+    paths = [name for name in path_parameters(checked.stage.Params, PathIn) if name in written]
+    return written[paths[0]].place if paths else checked.instance.declared.place

@@ -1,0 +1,62 @@
+"""Rotations as quaternions (w, x, y, z) of length 1, after Sola 2017, arXiv 1711.02508.
+
+A quaternion turns a vector from one frame of reference into another. All functions are pure and vectorised
+over leading dimensions, which are broadcast; what is not known (NaN) stays so.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot.messages import Array
+
+_TINY = 1e-12
+"""Angle below which the axis of a rotation does not matter, rad."""
+
+
+def multiply(p: Array, q: Array) -> Array:
+    """The rotation q followed by p (eq. 12). p, q: (..., 4). Returns (..., 4)."""
+    pw, pv, qw, qv = p[..., :1], p[..., 1:], q[..., :1], q[..., 1:]
+    w = pw * qw - (pv * qv).sum(axis=-1, keepdims=True)
+    return np.concatenate([w, pw * qv + qw * pv + np.cross(pv, qv)], axis=-1)
+
+
+def inverse(q: Array) -> Array:
+    """The rotation back. q: (..., 4). Returns (..., 4)."""
+    return np.asarray(q * np.array([1.0, -1.0, -1.0, -1.0]))
+
+
+def turned(q: Array, v: Array) -> Array:
+    """Vectors after the rotation. q: (..., 4); v: (..., 3). Returns (..., 3)."""
+    across = 2.0 * np.cross(q[..., 1:], v)
+    return np.asarray(v + q[..., :1] * across + np.cross(q[..., 1:], across))
+
+
+def matrix(q: Array) -> Array:
+    """Rotation matrices. q: (..., 4). Returns (..., 3, 3); its columns are the turned axes."""
+    return np.swapaxes(turned(q[..., None, :], np.eye(3)), -1, -2)
+
+
+def canonical(q: Array) -> Array:
+    """The same rotation with length 1 and w >= 0. q: (..., 4), any length but 0. Returns (..., 4)."""
+    sign = np.where(q[..., :1] < 0, -1.0, 1.0)
+    return np.asarray(sign * q / np.linalg.norm(q, axis=-1, keepdims=True))
+
+
+def from_rotation_vector(vector: Array) -> Array:
+    """The rotation by |vector| about its direction (eq. 101). vector: (..., 3) rad. Returns (..., 4)."""
+    half = 0.5 * np.linalg.norm(vector, axis=-1, keepdims=True)
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * vector], axis=-1)
+
+
+def rotation_vector(q: Array) -> Array:
+    """Axis times angle of the shorter way, at most pi (eq. 105). q: (..., 4). Returns (..., 3) rad."""
+    q = np.where(q[..., :1] < 0, -q, q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(sine, q[..., :1])
+    return np.asarray(np.where(sine < _TINY, 2.0, angle / np.maximum(sine, _TINY)) * q[..., 1:])
+
+
+def angle_between(p: Array, q: Array) -> Array:
+    """Angle of the rotation from one to the other, 0 to pi. p, q: (..., 4). Returns (...) rad."""
+    return np.asarray(np.linalg.norm(rotation_vector(multiply(inverse(p), q)), axis=-1))

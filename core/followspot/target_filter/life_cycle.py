@@ -1,0 +1,129 @@
+"""The life cycle of a target: tentative, confirmed, coasting, deleted (Jin & Qian 2008, section 3.8).
+
+A lost target that shows candidates is tentative. Enough evidence confirms it: its status is TRACKED. Without
+measurements it coasts as MISSING, or as PREDICTED while one view bridges the gap, and is deleted after some
+frames: it is LOST again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Positions
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What confirms a tentative target.
+
+    support: number of candidates that agree in one frame; two are enough if one of them is evident.
+    frames: number of frames with an evident candidate, each within `reach` (m) of the one before, that
+    confirm it otherwise: one colour-infrared pair may be a coincidence, several in a row hardly are.
+    """
+
+    support: int
+    frames: int
+    reach: float
+    apart: float
+    """m; a position that is nearer than this to another target belongs to that target."""
+
+
+class LifeCycle(NamedTuple):
+    """The life cycles of T targets."""
+
+    status: Array
+    """(T,) u8: LOST, TRACKED, MISSING or PREDICTED."""
+    missed: Array
+    """(T,) frames since the last measurement: the paper's missing-frame counter."""
+    hits: Array
+    """(T,) frames with a measurement since the target was last lost."""
+    streak: Array
+    """(T,) successive frames with an evident candidate of a tentative target. A frame in which a roaming
+    target was sought near its last position does not count and does not end the streak."""
+    place: Array
+    """(T, 3) m, the candidate in the last of these frames."""
+
+    @classmethod
+    def lost(cls, count: int) -> Self:
+        """All targets lost."""
+        zeros = np.zeros(count, int)
+        return cls(np.full(count, LOST, np.uint8), zeros, zeros, zeros, np.zeros((count, 3)))
+
+
+def roaming(life: LifeCycle, near: int) -> Array:
+    """Missing targets that have not reappeared near their last position for `near` frames: (T,) bool."""
+    return np.asarray((life.status == MISSING) & (life.missed > near))
+
+
+def sought(life: LifeCycle, near: int, marked: Array) -> Array:
+    """The status that decides where the next frame is searched: (T,) u8.
+
+    A roaming target counts as lost in every second frame; near: frames before it roams. A lost target with
+    a mark counts as missing there, unless it is the only one that is not tracked; marked: (T,) bool.
+    """
+    status = life.status.copy()
+    everywhere = roaming(life, near)
+    if everywhere.any():
+        status[everywhere & ((life.missed - near) % 2 == 1)] = LOST
+    if marked.any() and np.count_nonzero(life.status == TRACKED) < len(marked) - 1:
+        status[marked & (life.status == LOST)] = MISSING
+    return status
+
+
+def confirmed(
+    life: LifeCycle, status: Array, near: int, positions: Positions, evidence: Evidence
+) -> tuple[LifeCycle, Array]:
+    """Which measurements count: those of tracked targets, and those that confirm a tentative target.
+
+    Only confirmed pairs recover a target that was sought as lost.
+    status, near: of :func:`sought`. Returns the life cycle with new streaks, and (M,) bool.
+    """
+    target, xyz = positions.target, positions.xyz
+    streak = np.where(roaming(life, near) & (status == MISSING), life.streak, 0)
+    status = status.take(target)
+    known = (status == TRACKED) | (status == PREDICTED)
+    if known.all():
+        return life._replace(streak=streak), known
+    possible = (positions.support > 0) & (positions.confirmed | (status != LOST)) & ~positions.predicted
+    possible &= ~occupied(xyz, known, evidence.apart)
+    again = np.linalg.norm(xyz - life.place[target], axis=1) <= evidence.reach
+    row = np.where(possible, np.where(again, life.streak[target], 0) + positions.evident, 0)
+    agreeing = positions.support >= np.where(positions.evident, 2, evidence.support)
+    strong = possible & (agreeing | (row >= evidence.frames))
+    place = life.place.copy()
+    streak[target], place[target] = row, xyz
+    return LifeCycle(life.status, life.missed, life.hits, streak, place), known | strong
+
+
+def occupied(xyz: Array, known: Array, apart: float) -> Array:
+    """Which tentative targets are at the position of another target that is known or comes first.
+
+    xyz: (M, 3) m; known: (M,) bool; apart: m. Returns (M,) bool.
+    """
+    offset = xyz[:, None] - xyz
+    beside = np.vecdot(offset, offset) < apart * apart
+    first = known | np.tri(len(xyz), k=-1, dtype=bool)
+    np.fill_diagonal(first, False)
+    return np.asarray((beside & first).any(axis=1) & ~known)
+
+
+def coasted(life: LifeCycle, measured: Array, bridged: Array, maximum_missed: int) -> LifeCycle:
+    """The life cycle one frame later: measured targets are tracked, others coast or are deleted.
+
+    A target is deleted after `maximum_missed` frames without a measurement, or after as many as it had
+    measurements, because a target with few of them may be false.
+    measured, bridged: (T,) bool; a bridged target is PREDICTED instead of MISSING.
+    """
+    hits = life.hits + measured
+    if measured.all():
+        status = np.full(len(hits), TRACKED, np.uint8)
+        return LifeCycle(status, np.zeros(len(hits), int), hits, life.streak, life.place)
+    missed = np.where(measured, 0, life.missed + 1)
+    coasting = ~measured & (life.status != LOST) & (missed <= np.minimum(hits, maximum_missed))
+    absent = np.where(coasting, np.where(bridged, PREDICTED, MISSING), LOST)
+    status = np.where(measured, TRACKED, absent).astype(np.uint8)
+    return LifeCycle(status, missed, hits * (status != LOST), life.streak, life.place)

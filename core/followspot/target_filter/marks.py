@@ -1,0 +1,48 @@
+"""Marks: places in the room at which lost targets are known, so that no colour has to tell them apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot.errors import InputError, Mistake, did_you_mean
+from followspot.messages import Array
+from followspot.tracking import Forecast
+
+SIGMA = 0.1
+"""Sigma of a target's place around its mark, m."""
+
+
+class Marks(NamedTuple):
+    """The marks of T targets."""
+
+    there: Array
+    """(T,) bool, which have a mark."""
+    xyz: Array
+    """(T, 3) m, 0 without a mark."""
+
+    def placed(self, forecast: Forecast, chosen: Array) -> Forecast:
+        """The forecast with some targets at rest at their marks. chosen: (T,) bool."""
+        row = chosen[:, None]
+        place = np.where(row, self.xyz, forecast.xyz)
+        return replace(
+            forecast,
+            xyz=place,
+            velocity=np.where(row, 0.0, forecast.velocity),
+            covariance=np.where(row[..., None], np.eye(3) * SIGMA**2, forecast.covariance),
+            last=np.where(row, self.xyz, forecast.last),
+            before=np.where(row, self.xyz, forecast.before),
+        )
+
+
+def marked(marks: Mapping[str, Sequence[float]], targets: Sequence[str]) -> Marks:
+    """The marks of a room's targets. Raises InputError if one is that of no target."""
+    for name in marks:
+        if name not in targets:
+            text = f'marks: the room has no target "{name}"'
+            raise InputError([Mistake(None, text, did_you_mean(name, targets, "targets"))])
+    places = [marks.get(name, (0.0, 0.0, 0.0)) for name in targets]
+    return Marks(np.array([name in marks for name in targets], bool), np.array(places).reshape(-1, 3))

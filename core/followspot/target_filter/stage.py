@@ -1,0 +1,220 @@
+"""The stage that filters targets, whatever their motion model (Jin & Qian 2008, sections 3.7 and 3.8)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from followspot.errors import Mistake
+from followspot.messages import Array
+from followspot.room import Camera, Room
+from followspot.stage import Stage
+from followspot.stage_params import Field, StageParams
+from followspot.target_filter.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
+from followspot.target_filter.marks import marked
+from followspot.target_filter.motion_model import MotionModel
+from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
+
+NANOSECOND = 1e-9
+DEFAULT_PERIOD = 1 / 30
+"""Frame interval before the second frame, s."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """The targets now, and their forecast for the next frame."""
+
+    tracks: Tracks
+    forecast: Forecast
+
+
+class TargetFilter(Stage):
+    """Base of filters of targets: their life cycle, marks and forecast. Subclasses give the motion model."""
+
+    advice = (
+        "no target was confirmed: check the calibration (`followspot calibrate check`), or lower "
+        "minimum_support and confirmation_frames"
+    )
+
+    class Params(StageParams):
+        """The life cycle."""
+
+        measurement_sigma: float = Field(
+            0.008,
+            gt=0,
+            unit="m",
+            description="sigma of a position without a covariance; raising it smooths more",
+        )
+        maximum_missed_frames: int = Field(
+            25,
+            ge=0,
+            unit="frames",
+            description="frames without measurement until a target is lost; raising it bridges more",
+        )
+        local_search_frames: int = Field(
+            4,
+            ge=0,
+            unit="frames",
+            description="frames of these in which a target is sought near its last position only, then "
+            "everywhere in every second frame; raising it finds targets later that reappear elsewhere",
+        )
+        maximum_predicted_sigma: float = Field(
+            0.1,
+            gt=0,
+            unit="m",
+            description="sigma beyond which a target in one view is missing; raising it bridges longer gaps",
+        )
+        minimum_support: int = Field(
+            3,
+            ge=1,
+            unit="1",
+            description="candidates that confirm a target or a bounce at once; raising it avoids mistakes",
+        )
+        confirmation_frames: int = Field(
+            3,
+            ge=1,
+            unit="frames",
+            description="evident frames that confirm a tentative target; raising it avoids mistakes",
+        )
+        confirmation_distance: float = Field(
+            0.3,
+            gt=0,
+            unit="m",
+            description="largest step between these frames; raising it confirms faster targets",
+        )
+        fade_time: float = Field(
+            0.1,
+            ge=0,
+            unit="s",
+            description="decay time of a coasting target's velocity; 0: a missing target stops at once",
+        )
+        marks: dict[str, tuple[float, float, float]] = Field(
+            {},
+            unit="m",
+            description="positions by target: a lost target is found there, unless all others are tracked; "
+            "tells targets apart where no camera sees colours",
+        )
+
+    params: Params
+
+    def motion_model(self, count: int) -> MotionModel:
+        """The motion model of `count` targets, before any measurement."""
+        raise NotImplementedError
+
+    @classmethod
+    def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if nothing tells several targets apart."""
+        untold = [name for name in room.targets if name not in params.marks]
+        if len(room.targets) > 1 and untold and cameras and all(c.kind == "infrared" for c in cameras):
+            text = f"infrared cameras alone cannot tell {', '.join(untold)} from the other targets"
+            yield Mistake(None, text, "with: {marks: {TARGET: [x, y, z]}}, where each is at the beginning")
+
+    def setup(self) -> None:
+        """Begin with every target lost. Raises InputError if a mark is that of no target."""
+        count = len(self.room.targets)
+        p = self.params
+        self.marks = marked(p.marks, tuple(self.room.targets))
+        apart = min((t.radius for t in self.room.targets.values()), default=0.0)
+        self.evidence = Evidence(p.minimum_support, p.confirmation_frames, p.confirmation_distance, apart)
+        self.constant = np.eye(3) * p.measurement_sigma**2
+        self.motion = self.motion_model(count)
+        self.life = LifeCycle.lost(count)
+        self.last, self.before = np.zeros((count, 3)), np.zeros((count, 3))
+        self.time, self.period = -1, DEFAULT_PERIOD
+
+    def process(self, positions: Positions) -> Outputs:
+        p = self.params
+        self.advance(positions.header.time)
+        status = sought(self.life, p.local_search_frames, self.marks.there)
+        life, counted = confirmed(self.life, status, p.local_search_frames, positions, self.evidence)
+        if not counted.all():
+            positions = positions.where(counted)
+        target, xyz = positions.target.astype(np.intp), positions.xyz
+        noise, sure = self.noise(positions.covariance), positions.support >= p.minimum_support
+        self.motion.predict(self.period)
+        new = ((status == LOST) | (self.life.status == LOST)).take(target)
+        old = slice(None)
+        if new.any():
+            self.motion.initiate(target[new], xyz[new], noise[new])
+            old = ~new
+        self.motion.update(target[old], xyz[old], noise[old], sure[old], self.period)
+        measured, bridged = np.zeros((2, len(life.status)), bool)
+        measured[target] = ~positions.predicted
+        if positions.predicted.any():
+            vague = self.motion.estimate.sigma.take(target, axis=0).max(axis=1) > p.maximum_predicted_sigma
+            bridged[target] = positions.predicted & ~vague
+        self.life = coasted(life, measured, bridged, p.maximum_missed_frames)
+        self.remember(target, target[new])
+        return Outputs(self.tracks(), self.forecast())
+
+    def advance(self, time: int) -> None:
+        """Measure the period from capture times, ns; frame intervals may vary."""
+        if self.time >= 0 and time > self.time:
+            self.period = (time - self.time) * NANOSECOND
+        self.time = time
+
+    def noise(self, covariance: Array) -> Array:
+        """Covariances of measurements, with the constant one if the fusion gives none."""
+        return np.where(np.isfinite(covariance), covariance, self.constant)
+
+    def remember(self, target: Array, new: Array) -> None:
+        """Store the last two estimates of measured targets, and slow down coasting targets."""
+        self.before[target] = self.last.take(target, axis=0)
+        self.last[target] = self.motion.estimate.xyz.take(target, axis=0)
+        self.before[new] = self.last[new]
+        status = self.life.status
+        if self.params.fade_time > 0:
+            unmeasured = ((status == MISSING) | (status == PREDICTED)).nonzero()[0]
+            self.motion.slow(unmeasured, np.exp(-self.period / self.params.fade_time))
+        else:
+            missing = (status == MISSING).nonzero()[0]
+            self.motion.stop(missing, self.last[missing])
+
+    def tracks(self) -> Tracks:
+        """Rows of the targets that are tracked or predicted."""
+        target = ((self.life.status == TRACKED) | (self.life.status == PREDICTED)).nonzero()[0]
+        now = self.motion.estimate
+        return Tracks(
+            target=target.astype(np.int32),
+            state=self.life.status.take(target),
+            xyz=now.xyz.take(target, axis=0),
+            velocity=now.velocity.take(target, axis=0),
+            sigma=now.sigma.take(target, axis=0),
+        )
+
+    def forecast(self) -> Forecast:
+        """The targets one period later; the rows of lost targets are zero."""
+        status = sought(self.life, self.params.local_search_frames, self.marks.there)
+        known = status != LOST
+        ahead = self.motion.ahead(self.period)
+        keep = known[:, None]
+        forecast = Forecast(
+            period=self.period,
+            state=status,
+            xyz=ahead.xyz * keep,
+            velocity=ahead.velocity * keep,
+            covariance=ahead.covariance * keep[..., None],
+            last=self.last * keep,
+            before=self.before * keep,
+        )
+        at_mark = known & (self.life.status == LOST)
+        return self.marks.placed(forecast, at_mark) if at_mark.any() else forecast
+
+    def state(self) -> Any:
+        return {
+            **self.motion.state(),
+            **self.life._asdict(),
+            "last": self.last,
+            "before": self.before,
+            "time": self.time,
+            "period": self.period,
+        }
+
+    def restore(self, state: Any) -> None:
+        self.motion.restore(state)
+        self.life = LifeCycle(*(np.array(state[name]) for name in LifeCycle._fields))
+        self.last, self.before = np.array(state["last"]), np.array(state["before"])
+        self.time, self.period = int(state["time"]), float(state["period"])
