@@ -13,19 +13,29 @@ from followspot_persons.motion import limited
 ACROSS, DISTANCE, STATURE = range(3)
 STEPS = {ACROSS: 0.03, DISTANCE: 0.12, STATURE: 0.02, HEADING: 0.25, PAN: 0.25, TILT: 0.12}
 """Steps of the first round, m and rad. The distance changes with the head's top kept at its place in the
-picture,
-for along that line the picture changes least."""
+picture, for along that line the picture changes least."""
+FINEST = 1 / 8
+"""Share of these steps at which a pose has converged."""
 
 
 def ascend(
     pose: Array, value: Array, fitness: Callable[[Array], Array], eye: Array, rounds: int
 ) -> tuple[Array, Array]:
-    """Poses moved uphill and their fitness. pose: (P, 6); value: (P,), theirs; eye: (3,) m, the camera."""
-    size = 1.0
+    """Poses moved uphill and their fitness: at most this number of rounds over all coordinates.
+
+    A pose that a round did not improve has half the step in the next one, and is at its maximum when its step
+    is `FINEST` of the first. pose: (P, 6); value: (P,), theirs; eye: (3,) m, the camera.
+    """
+    pose, value, size = pose.copy(), value.copy(), np.ones(len(pose))
     for _ in range(rounds):
+        going = np.flatnonzero(size > FINEST)
+        if not len(going):
+            break
+        higher, reached = pose[going], value[going]
         for coordinate, step in STEPS.items():
-            pose, value = _climb(pose, value, fitness, eye, coordinate, size * step)
-        size /= 2
+            higher, reached = _climb(higher, reached, fitness, eye, coordinate, size[going] * step)
+        size[going] = np.where(reached > value[going], size[going], size[going] / 2)
+        pose[going], value[going] = higher, reached
     return pose, value
 
 
@@ -35,7 +45,7 @@ def _climb(
     fitness: Callable[[Array], Array],
     eye: Array,
     coordinate: int,
-    step: float,
+    step: Array,
 ) -> tuple[Array, Array]:
     """The best of each pose and its two neighbours along one coordinate."""
     tried = np.concatenate([moved(pose, eye, coordinate, step), moved(pose, eye, coordinate, -step)])
@@ -48,8 +58,8 @@ def _climb(
     return pose, np.where(up, best, value)
 
 
-def moved(pose: Array, eye: Array, coordinate: int, step: float) -> Array:
-    """Copies of poses, moved along one coordinate of `STEPS`."""
+def moved(pose: Array, eye: Array, coordinate: int, step: float | Array) -> Array:
+    """Copies of poses, moved along one coordinate of `STEPS`. step: of all, or (P,) one each."""
     out = pose.copy()
     if coordinate in (ACROSS, DISTANCE):
         radial = pose[:, :2] - eye[:2]
@@ -59,7 +69,8 @@ def moved(pose: Array, eye: Array, coordinate: int, step: float) -> Array:
             out[:, 0] -= step * unit[:, 1]
             out[:, 1] += step * unit[:, 0]
         else:
-            out[:, :2] += step * unit
+            out[:, 0] += step * unit[:, 0]
+            out[:, 1] += step * unit[:, 1]
             out[:, HEIGHT] += (pose[:, HEIGHT] - eye[2]) * step / distance[:, 0]
     else:
         out[:, coordinate] += step

@@ -12,6 +12,7 @@ from followspot.geometry import wrap
 from followspot_persons.ascent import ascend
 from followspot_persons.body_view import HEADING, PAN, TILT
 from followspot_persons.motion import limited, predicted
+from followspot_persons.swarm import swarmed
 
 MODE = np.radians(60)
 """Largest angle from the best heading of the particles in the estimate."""
@@ -27,8 +28,11 @@ class Search:
     random: float = 0.15
     """Share of random particles."""
     climbing: float = 0.2
-    """Share of the best particles with gradient ascent."""
+    """Share of the best particles with a local search."""
     rounds: int = 1
+    """Rounds of the local search at most."""
+    swarm: bool = False
+    """Whether particles that search locally are a swarm; otherwise they climb by gradient ascent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +61,10 @@ def condense(
     climbers = int(search.climbing * len(cloud))
     if climbers and search.rounds:
         best = np.argpartition(value, -climbers)[-climbers:]
-        cloud[best], value[best] = ascend(cloud[best], value[best], fitness, eye, search.rounds)
+        if search.swarm:
+            cloud[best], value[best] = swarmed(cloud[best], value[best], fitness, search.rounds, rng)
+        else:
+            cloud[best], value[best] = ascend(cloud[best], value[best], fitness, eye, search.rounds)
     weight = np.exp(value - value.max())
     weight /= weight.sum()
     estimate = estimated(cloud, weight)

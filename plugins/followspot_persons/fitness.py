@@ -9,6 +9,7 @@ import numpy as np
 from followspot import Array, Camera
 from followspot_persons.body_view import HEADING, HEIGHT, PAN, TILT, BodyView, pixel_index, view
 from followspot_persons.color.likelihood import color_likelihood, feature_responses
+from followspot_persons.color.pairs import difference_likelihood, pair_responses
 from followspot_persons.combination import gamma_operation
 from followspot_persons.edge_likelihood import edge_likelihood
 from followspot_persons.hog.likelihood import box_likelihood, heading_log_likelihood
@@ -19,10 +20,11 @@ from followspot_persons.shape import ShapeModel
 
 @dataclass(frozen=True)
 class Weights:
-    """Weights of the cues."""
+    """Weights of the cues, alpha of eq. 7; a cue of weight 0 does not count."""
 
     edge: float = 1.0
     color: float = 1.0
+    difference: float = 0.0
     hog: float = 1.0
     gamma: float = 0.8
     """Share of the product in eq. 7."""
@@ -90,6 +92,8 @@ class Fitness:
     colors: tuple[Array, Array] | None = None
     """Mean and variance (F, 3) HSI of the surface features."""
     detection: Detection | None = None
+    pairs: Array | None = None
+    """(2, N) of the surface features, for the colour difference."""
 
     def __call__(self, pose: Array) -> Array:
         """Log-weights, up to a constant. pose: (P, 6). Returns (P,)."""
@@ -109,15 +113,13 @@ class Fitness:
     def agreement(self, seen: BodyView) -> Array:
         """Eq. 7 of the given cues, for bodies in view."""
         w = self.weights
-        cues, shares = [self.edge(seen)], [w.edge]
+        cues = [(self.edge, w.edge)]
         if self.colors is not None:
-            cues.append(self.color(seen))
-            shares.append(w.color)
+            cues += [(self.color, w.color), (self.difference, w.difference if self.pairs is not None else 0)]
         if self.detection is not None:
-            around = self.picture.camera.size[0] if full_turn(self.picture.camera) else 0
-            cues.append(box_likelihood(seen.box, self.detection.box[None], w.box_width, around))
-            shares.append(w.hog)
-        return gamma_operation(cues, shares, w.gamma)
+            cues.append((self.box, w.hog))
+        counting = [(cue, share) for cue, share in cues if share > 0]
+        return gamma_operation([cue(seen) for cue, _ in counting], [share for _, share in counting], w.gamma)
 
     def edge(self, seen: BodyView) -> Array:
         """F^E of bodies in view, (P,)."""
@@ -135,6 +137,22 @@ class Fitness:
         responses = feature_responses(hsi(self.picture.colors.take(index, axis=0)), *self.colors)
         responses[self.hidden(index, inside)] = UNSEEN_COLOR
         return color_likelihood(responses * inside, seen.visibility)
+
+    def difference(self, seen: BodyView) -> Array:
+        """F^CD of bodies in view, (P,)."""
+        assert self.colors is not None
+        assert self.pairs is not None
+        index, inside = pixel_index(self.picture.camera, seen.surface)
+        shown = (inside & ~self.hidden(index, inside)) * seen.visibility
+        responses = pair_responses(hsi(self.picture.colors.take(index, axis=0)), *self.colors, self.pairs)
+        return difference_likelihood(responses, shown, self.pairs)
+
+    def box(self, seen: BodyView) -> Array:
+        """F^HOG of bodies in view, (P,)."""
+        assert self.detection is not None
+        camera = self.picture.camera
+        around = camera.size[0] if full_turn(camera) else 0
+        return box_likelihood(seen.box, self.detection.box[None], self.weights.box_width, around)
 
     def hidden(self, index: Array, inside: Array) -> Array:
         """Which features at these pixels a nearer person hides."""

@@ -7,18 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from followspot import Array, Field, InputPath, Latest, Stage, StageParams
+from followspot import Array, Latest, Stage
 from followspot.people import Appearances, Boxes, Gradients, Poses
 from followspot.tracking import PREDICTED, TRACKED, Frame
 from followspot_persons.appearance import NANOSECOND, pictured
 from followspot_persons.association import box_distance, matched
 from followspot_persons.body_view import HEADING, HEIGHT, view
+from followspot_persons.color.difference import read_relations
+from followspot_persons.color.pairs import telling_pairs
 from followspot_persons.condensation import Search, scattered
 from followspot_persons.fitness import Detection, Fitness, Picture, Weights
 from followspot_persons.girth import girths_of
 from followspot_persons.occlusion import covered
 from followspot_persons.panorama import full_turn
-from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
+from followspot_persons.pose_tracker_params import PoseTrackerParams
 from followspot_persons.shape import read_shape, with_girth
 from followspot_persons.track import HIDDEN, Track, coasted, followed
 from followspot_persons.trail import SlowPose, Trail, carried_detection, carried_pose
@@ -56,52 +58,8 @@ class PoseTracker(Stage):
 
     per_camera = True
 
-    class Params(StageParams):
-        shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
-        particles: int = Field(
-            300,
-            ge=20,
-            le=10_000,
-            unit="1",
-            description="particles per person; raising it improves poses and costs time",
-        )
-        random_share: float = Field(
-            0.15,
-            ge=0,
-            le=0.9,
-            unit="1",
-            description="share of random particles; raising it leaves a wrong pose sooner",
-        )
-        ascent_share: float = Field(
-            0.2,
-            ge=0,
-            le=1,
-            unit="1",
-            description="share of particles with gradient ascent; raising it costs time",
-        )
-        use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
-        minimum_likelihood_share: float = Field(
-            0.5,
-            gt=0,
-            lt=1,
-            unit="1",
-            description="share of the usual likelihood below which a person is missed",
-        )
-        box_timeout: float = Field(
-            0.6,
-            gt=0,
-            unit="s",
-            description="time without a box in which this share rises to 1; raising it keeps persons longer",
-        )
-        maximum_missed_time: float = Field(
-            0.5, gt=0, unit="s", description="time until a missed person is deleted; raising it bridges more"
-        )
-        maximum_unseen_time: float = Field(
-            2.0,
-            gt=0,
-            unit="s",
-            description="time until a person that the slow instance does not see is deleted",
-        )
+    class Params(PoseTrackerParams):
+        """The search, the cues and the life cycle."""
 
     params: Params
 
@@ -109,8 +67,14 @@ class PoseTracker(Stage):
         self.shape = read_shape(self.params.shape)
         self.bodies = girths_of(self.shape)
         self.around = self.camera.size[0] if full_turn(self.camera) else 0
-        self.weights = Weights()
-        self.search = Search(self.params.particles, self.params.random_share, self.params.ascent_share)
+        p = self.params
+        self.weights = Weights(
+            p.edge_weight, p.color_weight, p.difference_weight, p.hog_weight, p.gamma, p.likelihood_power
+        )
+        self.pairs = telling_pairs(self.shape, read_relations(p.color_relations))
+        self.search = Search(
+            p.particles, p.random_share, p.ascent_share, p.search_rounds, p.local_search == "swarm"
+        )
         self.people: dict[int, Followed] = {}
         self.known: dict[int, Track] = {}
         self.slow_poses: dict[int, SlowPose] = {}
@@ -216,7 +180,9 @@ class PoseTracker(Stage):
         """Track one person in one picture; returns the picture with this person's occlusions."""
         known = self.people[number]
         known_colors = colors if self.params.use_colors else None
-        fitness = Fitness(picture, self.shape, self.weights, colors=known_colors, detection=detection)
+        fitness = Fitness(
+            picture, self.shape, self.weights, colors=known_colors, detection=detection, pairs=self.pairs
+        )
         track = followed(known.track, seconds, fitness, self.bodies, self.search, self.rng)
         unboxed = (self.boxed - known.boxed) * NANOSECOND
         enough = self.params.minimum_likelihood_share + (1 - self.params.minimum_likelihood_share) * min(

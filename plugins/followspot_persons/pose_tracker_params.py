@@ -1,0 +1,103 @@
+"""Parameters of `persons.pose_tracker`."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from followspot import Field, InputPath, StageParams
+from followspot_persons.color.difference import SHIPPED as SHIPPED_RELATIONS
+from followspot_persons.shape import SHIPPED as SHIPPED_SHAPE
+
+
+class PoseTrackerParams(StageParams):
+    """The search, the cues and the life cycle."""
+
+    shape: InputPath = Field(SHIPPED_SHAPE, description="shape model of head and upper body")
+    particles: int = Field(
+        300,
+        ge=20,
+        le=10_000,
+        unit="1",
+        description="particles per person; raising it improves poses and costs time",
+    )
+    random_share: float = Field(
+        0.15,
+        ge=0,
+        le=0.9,
+        unit="1",
+        description="share of random particles; raising it leaves a wrong pose sooner",
+    )
+    ascent_share: float = Field(
+        0.2,
+        ge=0,
+        le=1,
+        unit="1",
+        description="share of particles with gradient ascent; raising it costs time",
+    )
+    search_rounds: int = Field(
+        1,
+        ge=1,
+        le=100,
+        unit="rounds",
+        description="rounds of the local search at most; ascent ends when it has converged, and raising it "
+        "costs time",
+    )
+    local_search: Literal["ascent", "swarm"] = Field(
+        "ascent", description="local search: gradient ascent, or particle swarm optimisation"
+    )
+    edge_weight: float = Field(
+        1.0, gt=0, le=100, unit="1", description="alpha of the edges in eq. 7; raising it trusts outlines"
+    )
+    color_weight: float = Field(
+        1.0, ge=0, le=100, unit="1", description="alpha of the colours in eq. 7; 0 leaves them out"
+    )
+    difference_weight: float = Field(
+        0.0,
+        ge=0,
+        le=100,
+        unit="1",
+        description="alpha of the differences between colours in eq. 7; 0 leaves them out",
+    )
+    hog_weight: float = Field(
+        1.0, ge=0, le=100, unit="1", description="alpha of the boxes in eq. 7; 0 leaves them out"
+    )
+    gamma: float = Field(
+        0.8,
+        ge=0,
+        le=1,
+        unit="1",
+        description="share of the product in eq. 7; raising it lets one bad cue decide",
+    )
+    likelihood_power: float = Field(
+        40.0,
+        gt=0,
+        le=1000,
+        unit="1",
+        description="power of eq. 7 in a particle's weight; raising it concentrates particles",
+    )
+    color_relations: InputPath = Field(
+        SHIPPED_RELATIONS, description="how the colours of features relate, to choose pairs of features"
+    )
+    use_colors: bool = Field(True, description="whether the persons' colours weigh their poses")
+    minimum_likelihood_share: float = Field(
+        0.5,
+        gt=0,
+        lt=1,
+        unit="1",
+        description="share of the usual likelihood below which a person is missed",
+    )
+    box_timeout: float = Field(
+        0.6,
+        gt=0,
+        unit="s",
+        description="time without a box in which this share rises to 1; raising it keeps persons longer",
+    )
+    maximum_missed_time: float = Field(
+        0.5, gt=0, unit="s", description="time until a missed person is deleted; raising it bridges more"
+    )
+    maximum_unseen_time: float = Field(
+        2.0,
+        gt=0,
+        unit="s",
+        description="time until a person that the slow instance does not see is deleted",
+    )

@@ -1,0 +1,171 @@
+"""The slow instance: who is confirmed, whose colours are learnt, who is remembered and known again."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.persons.drawn import (
+    BACK,
+    SHIRT,
+    boxes_of,
+    drawn,
+    frame_of,
+    gradients_of,
+    perspective,
+    ready,
+    standing,
+)
+
+from followspot_persons.appearance import SHARP_VISIBILITY, Appearance
+from followspot_persons.body_view import view
+from followspot_persons.hsi import hsi
+from followspot_persons.shape import read_shape, with_girth
+
+GREEN = (60, 150, 50)
+
+
+class Show:
+    """A slow instance that is shown pictures, two a second, and boxes of a perfect detector."""
+
+    def __init__(self, **params: object) -> None:
+        self.camera = perspective()
+        self.stage = ready(Appearance, self.camera, **{"particles": 60, **params})
+        self.number = 0
+
+    def see(self, *poses, boxed=None, score=2.0, front=SHIRT, back=BACK):
+        """What the stage says of a picture with bodies of these poses."""
+        frame = frame_of(self.camera, drawn(self.camera, *poses, front=front, back=back), self.number / 2)
+        frame = frame_of(self.camera, frame.pixels, self.number / 2, self.number)
+        self.number += 1
+        boxes = boxes_of(self.camera, frame, *(poses if boxed is None else boxed), score=score)
+        return self.stage.process(frame, gradients_of(self.camera, frame), boxes)
+
+    def leave(self, pictures=8):
+        """Nobody is there for some pictures; four take the time after which a person is absent."""
+        for _ in range(pictures):
+            told = self.see()
+        return told
+
+
+def numbers(told):
+    return told.person.tolist()
+
+
+def test_two_boxes_confirm_a_person_if_the_sum_of_their_scores_is_high_enough():
+    show = Show()
+    assert numbers(show.see(standing(2.5), score=9.0)) == []
+    assert numbers(show.see(standing(2.5), score=9.0)) == [1]
+    weak = Show()
+    told = [numbers(weak.see(standing(2.5), score=1.0)) for _ in range(8)]
+    assert told[:3] == [[]] * 3
+    assert told[-1] == [1]
+
+
+def test_unusual_heights_need_more_boxes():
+    def boxes_needed(height):
+        show = Show()
+        return next(n for n in range(1, 12) if numbers(show.see(standing(2.5, height=height), score=1.0)))
+
+    assert boxes_needed(1.35) > boxes_needed(1.7)
+
+
+def test_weak_boxes_initiate_nobody():
+    show = Show(minimum_score=1.5)
+    for _ in range(6):
+        assert numbers(show.see(standing(2.5), score=1.4)) == []
+
+
+def test_a_tentative_person_is_forgotten_without_boxes():
+    show = Show()
+    show.see(standing(2.5), score=1.0)
+    assert len(show.stage.people) == 1
+    show.leave(1)
+    assert show.stage.people == []
+
+
+def test_only_features_that_are_seen_well_are_learnt():
+    show = Show()
+    show.see(standing(2.5, heading=2.7), score=9.0)
+    told = show.see(standing(2.5, heading=2.7), score=9.0)  # the first update, which makes the only evidence
+    track = show.stage.people[0].track
+    body = with_girth(read_shape(), track.girth.mean)
+    seen = view(show.camera, body, track.pose[None]).visibility[0]
+    assert ((seen > 0) & (seen < SHARP_VISIBILITY)).any()
+    np.testing.assert_array_equal(told.evidence[0] > 0, seen >= SHARP_VISIBILITY)
+    assert SHARP_VISIBILITY > 0.2
+
+
+def test_the_colours_of_the_clothes_are_learnt():
+    show = Show()
+    for _ in range(4):
+        told = show.see(standing(2.5))
+    shape = read_shape()
+    front = ~shape.surface.head & (shape.surface.outward[:, 0] > 0.8) & (shape.surface.position[:, 2] < 0.8)
+    shirt = hsi(np.array([SHIRT], np.uint8))[0]
+    assert np.median(told.mean[0, front, 0]) == pytest.approx(shirt[0], abs=0.03)
+    assert np.median(told.mean[0, front, 2]) == pytest.approx(shirt[2], abs=0.05)
+
+
+def test_unseen_sides_are_predicted_unless_that_is_switched_off():
+    told = {}
+    for predict in (True, False):
+        show = Show(predict_colors=predict)
+        for _ in range(3):
+            told[predict] = show.see(standing(2.5))
+    back = told[True].evidence[0] == 0
+    assert back.sum() > 10
+    assert (told[False].mean[0, back] == 0).all()
+    assert (told[True].mean[0, back, 2] > 0.05).all()
+
+
+def test_who_returns_in_the_same_clothes_has_the_same_number_and_height():
+    show = Show()
+    for _ in range(6):
+        show.see(standing(2.5, height=1.85))
+    known = show.stage.people[0].track
+    show.leave()
+    assert [p.absent for p in show.stage.people] == [True]
+    for _ in range(3):
+        told = show.see(standing(3.0, 0.5, height=1.85))
+    assert numbers(told) == [1]
+    assert show.stage.people[0].track.weight >= known.weight >= 5
+    assert told.pose[0, 0] == pytest.approx(3.0, abs=0.4)
+
+
+def test_who_comes_in_other_clothes_is_another_person():
+    show = Show()
+    for _ in range(6):
+        show.see(standing(2.5))
+    show.leave()
+    for _ in range(4):
+        told = show.see(standing(2.5), front=GREEN, back=GREEN)
+    assert numbers(told) == [1, 2]
+
+
+def test_people_are_remembered_for_a_time():
+    show = Show(memory_time=3.0)
+    for _ in range(6):
+        show.see(standing(2.5))
+    assert numbers(show.leave(4)) == [1]
+    assert numbers(show.leave(5)) == []
+    for _ in range(4):
+        told = show.see(standing(2.5))
+    assert numbers(told) == [2]
+
+
+def test_a_second_box_on_a_body_initiates_nobody():
+    show = Show()
+    for _ in range(3):
+        show.see(standing(2.5))
+    for _ in range(4):
+        told = show.see(standing(2.5), boxed=[standing(2.5), standing(2.5, 0.2, 1.5)])
+    assert numbers(told) == [1]
+    assert len(show.stage.people) == 1
+
+
+def test_two_people_have_two_numbers_that_stay():
+    show = Show()
+    for step in range(6):
+        told = show.see(standing(3.0, -0.9 + 0.1 * step), standing(3.0, 0.9 - 0.1 * step), score=2.0)
+    assert numbers(told) == [1, 2]
+    assert sorted(np.sign(told.pose[:, 1])) == [-1, 1]

@@ -1,0 +1,44 @@
+"""Features of posed bodies stand where the camera's own model puts them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tests.plugins.persons.drawn import perspective, standing
+
+from followspot.geometry import project
+from followspot_persons.body_view import view
+from followspot_persons.shape import read_shape
+
+SHAPE = read_shape()
+
+
+def placed(pose):
+    """Torso features of a body in the room, (F, 3) m: forward, left and up from the foot of its axis."""
+    forward, left, up = (SHAPE.surface.position * pose[2]).T
+    sine, cosine = np.sin(pose[3]), np.cos(pose[3])
+    return np.column_stack(
+        [pose[0] + forward * cosine - left * sine, pose[1] + forward * sine + left * cosine, up]
+    )
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.1, np.pi, -2.0])
+@pytest.mark.parametrize(("x", "y"), [(2.0, 0.0), (2.5, 0.6), (4.0, -1.2)])
+def test_surface_features_lie_where_the_camera_sees_them(x, y, heading):
+    """To first order of the body's depth: within a fiftieth of the upper body's height."""
+    camera, pose = perspective(), standing(x, y, heading=heading)
+    seen = view(camera, SHAPE, pose[None])
+    height = seen.box[0, 3] - seen.box[0, 1]
+    apart = np.hypot(*(seen.surface[0] - project(camera, placed(pose))).T)
+    assert apart.max() < height / 25
+    assert np.median(apart) < height / 100
+
+
+def test_a_taller_or_nearer_body_is_larger_and_one_to_the_left_is_left_in_the_picture():
+    camera = perspective()
+    usual, tall, near, left = view(
+        camera, SHAPE, np.stack([standing(3), standing(3, height=1.9), standing(2), standing(3, 0.5)])
+    ).box
+    assert tall[1] < usual[1]
+    assert near[3] - near[1] > 1.4 * (usual[3] - usual[1])
+    assert left[0] < usual[0] - 20
