@@ -8,6 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from followspot.messages import Array
+from followspot.target_filter.manoeuvre import bounce_covariance
 
 
 class Motion(NamedTuple):
@@ -87,19 +88,9 @@ def manoeuvred(
     sudden = squared > gate * gate
     if not sudden.any():
         return motion
-    target, n = target[sudden], innovation[sudden]
-    place = n[:, :, None] * n[:, None] * (1 - 1 / squared[sudden])[:, None, None]
     covariance = motion.covariance.copy()
-    covariance[target] += np.kron(jump(seconds), place)
+    covariance[target[sudden]] += bounce_covariance(innovation[sudden], squared[sudden], seconds)
     return Motion(motion.state, covariance)
-
-
-def jump(seconds: float) -> Array:
-    """Covariance (2, 2) of place and velocity after a jump of the velocity at any moment of the last step.
-
-    Relative to that of the place: a jump w at s before the end moves it by s w, and s is uniform.
-    """
-    return np.array([[1.0, 1.5 / seconds], [1.5 / seconds, 3.0 / seconds**2]])
 
 
 def update(motion: Motion, target: Array, xyz: Array, noise: Array) -> tuple[Motion, Array]:

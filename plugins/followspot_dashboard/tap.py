@@ -5,17 +5,19 @@ from __future__ import annotations
 import time
 
 from followspot import Field, InputPath, Message
+from followspot.inertial import Inertial
 from followspot.taps.port_tap import PortTap
-from followspot.tracking import Frame
 from followspot_dashboard.gate import Gate
-from followspot_dashboard.picture import picture_of
+from followspot_dashboard.gathering import Gathering
+from followspot_dashboard.picture import FARTHEST, PICTURES, picture_of
 from followspot_dashboard.turn import GateTurn, GridTurn, Turn
 
 
 class Tap(PortTap):
     """Send previews of a port to the page; `followspot run --dashboard` adds a tap for each port.
 
-    The tap shrinks pictures, and only while a browser shows them. It drops what the page does not take at
+    The tap shrinks pictures, and only while a browser shows them. It joins inertial readings since the last
+    preview. It drops what the page does not take at
     once: a tap never waits.
     """
 
@@ -37,6 +39,13 @@ class Tap(PortTap):
         maximum_side: int = Field(
             320, ge=16, le=1920, unit="px", description="longest side of a picture; raising it costs time"
         )
+        farthest: float = Field(
+            FARTHEST, gt=0, le=1000, unit="m", description="depth that has the last colour of a depth image"
+        )
+        watched_only: bool = Field(
+            False,
+            description="whether messages are sent only while a browser shows the page, as pictures are",
+        )
 
     params: Params
     gate: Gate | None = None
@@ -47,6 +56,7 @@ class Tap(PortTap):
         given = self.params
         self.between = int(1e9 / given.message_rate) if given.message_rate else 0
         self.next_at = 0
+        self.gathering = Gathering()
         period = int(1e9 / given.picture_rate)
         self.turn: Turn = GridTurn(period)
         if given.folder is not None:
@@ -61,15 +71,20 @@ class Tap(PortTap):
         """Show or ignore the message. Raises EOFError if the page has ended."""
         if self.gone:
             raise EOFError("the page has ended")
+        if isinstance(message, Inertial):
+            self.gathering.add(message)
         if not (self.turn.has_come(message.header.time) or self._between_pictures()):
             return
         self.next_at = time.monotonic_ns() + self.between
-        if isinstance(message, Frame):
-            picture = picture_of(message, self.params.maximum_side) if self._watched() else None
+        given = self.params
+        if isinstance(message, PICTURES):
+            picture = picture_of(message, given.maximum_side, given.farthest) if self._watched() else None
             if picture is not None:
                 self.send(picture)
-        elif self.gate is not None or self._watched():
-            self.send(message)
+        elif not (self._watched() or (self.gate is not None and not given.watched_only)):
+            self.gathering.forget()
+        else:
+            self.send(self.gathering.take() if isinstance(message, Inertial) else message)
 
     def close(self) -> None:
         """Disconnect from the page."""

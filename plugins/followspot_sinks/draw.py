@@ -2,38 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Literal
 
 import cv2
 import numpy as np
 
-from followspot import Array, Field, Joined, OutputPath, Stage, StageParams
+from followspot import Array, Field, Joined, Latest, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot.geometry import project
 from followspot.people import Boxes, Poses
-from followspot.room import Camera, Target
-from followspot.tracking import Frame, Tracks
+from followspot.room import Camera
+from followspot.tracking import Blobs, Forecast, Frame, Tracks
 from followspot_sinks.line_sink import below
-from followspot_sinks.picture_files import PictureFile, PictureFolder, VideoFile
+from followspot_sinks.picture_files import PictureFile, PictureFolder, VideoFile, side_by_side
 from followspot_sinks.pose_drawing import arrows, images, outline
+from followspot_sinks.primitives import label, polyline, visible, whole
+from followspot_sinks.target_drawing import PALETTE, draw_blobs, draw_search_regions, draw_tracks
 
-PALETTE = ((66, 135, 245), (80, 200, 90), (240, 120, 60), (200, 90, 220), (60, 210, 230), (150, 150, 250))
-"""BGR, for one person or target after the other."""
-RADIUS = 0.05
-"""Of a target that the room does not have, m."""
 BOX = (200, 200, 200)
-FONT = cv2.FONT_HERSHEY_SIMPLEX
-FRACTION = 4
-"""Binary places of coordinates that OpenCV draws with."""
-FARTHEST = 1 << 14
-"""Pixels beyond which nothing is drawn."""
+TOGETHER = "all"
+"""Name of the file for the pictures of all cameras side by side."""
 
 
 class Draw(Stage):
-    """Draw poses, boxes and tracks into the pictures: a video or a folder of pictures per camera.
+    """Draw what stages found into the pictures: a video or a folder of pictures per camera, or of all.
 
     Poses: outline of head and shoulders, arrows where face and chest point, number and confidence; those
-    without a camera are drawn in all. Boxes with their score; tracks as circles with the target's name.
+    without a camera are drawn in all. Boxes with their score. Tracks as bold circles as large as the target,
+    in its colour, with its name; blobs as slim red circles; the regions in which the forecast of the frame
+    before has targets sought as slim yellow ones (figure 6 of Jin & Qian 2008).
     """
 
     class Params(StageParams):
@@ -42,6 +40,15 @@ class Draw(Stage):
         )
         format: Literal["mp4", "jpg", "png"] = Field(
             "mp4", description="mp4: a video; jpg, png: a folder of pictures"
+        )
+        layout: Literal["each", "grid"] = Field(
+            "each", description="each: a file per camera; grid: one of all cameras side by side"
+        )
+        minimum_search_radius: float = Field(
+            10.0, gt=0, unit="px", description="smallest radius of a search region, as the detectors have it"
+        )
+        search_radius_scale: float = Field(
+            1.5, gt=0, unit="1", description="its radius over the expected travel, likewise"
         )
 
     params: Params
@@ -62,21 +69,52 @@ class Draw(Stage):
         poses: Joined[Poses] = (),
         boxes: Joined[Boxes] = (),
         tracks: Joined[Tracks] = (),
+        blobs: Joined[Blobs] = (),
+        forecast: Latest[Forecast] = None,
     ) -> None:
         """Draw into copies of the pictures of one time and write them. Raises FollowspotError."""
+        drawn: dict[str, Array] = {}
         for frame in frames:
             camera = self.room.cameras[frame.camera]
-            gray = frame.pixels.shape[2] == 1
-            picture = cv2.cvtColor(frame.pixels, cv2.COLOR_GRAY2BGR) if gray else frame.pixels.copy()
+            picture = drawn[frame.camera] = colored(frame.pixels)
             for found in boxes:
                 if found.camera == frame.camera:
                     draw_boxes(picture, found)
             for one in poses:
                 if one.camera in ("", frame.camera):
                     draw_poses(picture, camera, one)
-            for moving in tracks:
-                self.draw_tracks(picture, camera, moving)
-            self.file(frame.camera).write(picture, frame.header.seq, frame.header.time)
+            self.draw_targets(picture, camera, tracks, blobs, forecast)
+        for name, picture in self.arranged(drawn).items():
+            self.file(name).write(picture, frames[0].header.seq, frames[0].header.time)
+
+    def draw_targets(
+        self,
+        picture: Array,
+        camera: Camera,
+        tracks: Joined[Tracks],
+        blobs: Joined[Blobs],
+        forecast: Forecast | None,
+    ) -> None:
+        """Search regions, then blobs, then tracks, so that the result is on top."""
+        p = self.params
+        if forecast is not None:
+            draw_search_regions(picture, camera, forecast, p.minimum_search_radius, p.search_radius_scale)
+        for seen in blobs:
+            if seen.camera == camera.name:
+                draw_blobs(picture, seen)
+        for moving in tracks:
+            draw_tracks(picture, camera, moving, self.targets)
+
+    def arranged(self, drawn: Mapping[str, Array]) -> Mapping[str, Array]:
+        """The picture of each file by its name; of a camera that gave none, a black one in the grid."""
+        if self.params.layout == "each" or not drawn:
+            return drawn
+        sizes = [camera.size for camera in self.room.cameras.values()]
+        pictures = [
+            drawn.get(name, np.zeros((height, width, 3), np.uint8))
+            for name, (width, height) in zip(self.room.cameras, sizes, strict=True)
+        ]
+        return {TOGETHER: side_by_side(pictures)}
 
     def file(self, camera: str) -> PictureFile:
         """The file for the camera's pictures."""
@@ -88,24 +126,15 @@ class Draw(Stage):
             )
         return self.files[camera]
 
-    def draw_tracks(self, picture: Array, camera: Camera, tracks: Tracks) -> None:
-        """A circle as large as the target, and its name."""
-        for target, xyz in zip(tracks.target.tolist(), tracks.xyz, strict=True):
-            known = self.targets[target] if 0 <= target < len(self.targets) else Target(str(target), RADIUS)
-            edge = xyz + known.radius * camera.rotation[0]
-            for middle, rim in images(camera, np.array([xyz, edge])):
-                radius = max(3.0, float(np.linalg.norm(rim - middle)))
-                color = PALETTE[target % len(PALETTE)]
-                if visible(picture, middle):
-                    cv2.circle(
-                        picture, fixed(middle), round(radius * 2**FRACTION), color, 1, cv2.LINE_AA, FRACTION
-                    )
-                    label(picture, middle + np.array([radius, -radius]), known.name, color)
-
     def close(self) -> None:
         """Complete all files."""
         for file in getattr(self, "files", {}).values():
             file.close()
+
+
+def colored(pixels: Array) -> Array:
+    """A BGR copy of a picture."""
+    return cv2.cvtColor(pixels, cv2.COLOR_GRAY2BGR) if pixels.shape[2] == 1 else pixels.copy()
 
 
 def draw_poses(picture: Array, camera: Camera, poses: Poses) -> None:
@@ -132,33 +161,3 @@ def draw_boxes(picture: Array, boxes: Boxes) -> None:
             corners = np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)]) - [shift, 0]
             polyline(picture, corners, BOX)
         label(picture, np.array([x0, y1 + 12]), f"{score:.2f}", BOX)
-
-
-def polyline(picture: Array, points: Array, color: tuple[int, int, int]) -> None:
-    """Lines through (K, 2) px."""
-    if (np.abs(points) < FARTHEST).all():
-        at = np.rint(points * 2**FRACTION).astype("i4")[:, None]
-        cv2.polylines(picture, [at], False, color, 1, cv2.LINE_AA, FRACTION)
-
-
-def label(picture: Array, at: Array, text: str, color: tuple[int, int, int]) -> None:
-    """Text with a dark rim, from its lower left corner (2,) px."""
-    if visible(picture, at):
-        cv2.putText(picture, text, whole(at), FONT, 0.42, (0, 0, 0), 3, cv2.LINE_AA)
-        cv2.putText(picture, text, whole(at), FONT, 0.42, color, 1, cv2.LINE_AA)
-
-
-def visible(picture: Array, at: Array) -> bool:
-    """Whether a point (2,) px is in the picture or near it."""
-    height, width = picture.shape[:2]
-    return bool(-width < at[0] < 2 * width and -height < at[1] < 2 * height)
-
-
-def whole(at: Array) -> tuple[int, int]:
-    """The nearest pixel."""
-    return round(float(at[0])), round(float(at[1]))
-
-
-def fixed(at: Array) -> tuple[int, int]:
-    """Coordinates as OpenCV draws them."""
-    return whole(at * 2**FRACTION)

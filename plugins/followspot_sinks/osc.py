@@ -33,8 +33,9 @@ class OscSink(DatagramSink):
 class Osc(OscSink):
     """Send each target of the room to slot 1, 2, ... in the order of the room file.
 
-    `/followspot/1/tracked` 1 or 0, and while its place is known `/followspot/1/position` x y z (m) and
-    `/followspot/1/velocity` vx vy vz (m/s).
+    `/followspot/1/tracked` 1 or 0, while its place is known `/followspot/1/position` x y z (m) and
+    `/followspot/1/velocity` vx vy vz (m/s), and of tracks with orientations `/followspot/1/orientation`
+    qw qx qy qz.
     """
 
     def setup(self) -> None:
@@ -72,12 +73,15 @@ class OscPoses(OscSink):
 def bundle(prefix: str, slots: Slots, heading: bool) -> bytes:
     """One OSC bundle; slots are numbered from 1."""
     build = OscBundleBuilder(IMMEDIATELY)
+    oriented = slots.oriented.tolist()
     for row, known in enumerate(slots.known.tolist()):
         address = f"{prefix}/{row + 1}"
         _add(build, f"{address}/tracked", [float(known)])
         if known:
             _add(build, f"{address}/position", slots.position[row].tolist())
             _add(build, f"{address}/velocity", slots.velocity[row].tolist())
+            if oriented[row]:
+                _add(build, f"{address}/orientation", slots.quaternion[row].tolist())
             if heading:
                 _add(build, f"{address}/heading", [float(slots.heading[row])])
     return build.build().dgram

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol
 
@@ -58,7 +60,7 @@ class VideoFile:
         self.writer = cv2.VideoWriter(str(self.path), cv2.VideoWriter.fourcc(*"mp4v"), rate, (width, height))
         if not self.writer.isOpened():
             raise FollowspotError(
-                f"{self.path} cannot be written as a video\n    draw pictures instead: form: jpg"
+                f"{self.path} cannot be written as a video\n    draw pictures instead: format: jpg"
             )
         self.writer.write(first)
         return self.writer
@@ -70,6 +72,21 @@ def fitted(picture: Array) -> Array:
     if not any(missing):
         return picture
     return np.pad(picture, ((0, missing[0]), (0, missing[1]), (0, 0)))
+
+
+def side_by_side(pictures: Sequence[Array]) -> Array:
+    """Pictures in rows and columns, each in a cell of the size of the largest: about as wide as three to two.
+
+    pictures: (H, W, 3) each, one or more.
+    """
+    columns = math.ceil(math.sqrt(len(pictures) * 1.5)) if len(pictures) > 1 else 1
+    height, width = (max(sides) for sides in zip(*(p.shape[:2] for p in pictures), strict=True))
+    rows = math.ceil(len(pictures) / columns)
+    grid = np.zeros((rows * height, columns * width, 3), np.uint8)
+    for number, picture in enumerate(pictures):
+        top, left = number // columns * height, number % columns * width
+        grid[top : top + picture.shape[0], left : left + picture.shape[1]] = picture
+    return grid
 
 
 class PictureFolder:

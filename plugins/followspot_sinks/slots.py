@@ -11,13 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from followspot import Field, StageParams
+from followspot.inertial import PosedTracks
 from followspot.messages import Array
 from followspot.people import Poses
+from followspot.rotation import canonical, rotation_vector
 from followspot.tracking import Tracks
 
 SECOND = 1_000_000_000
 FARTHEST = 1e6
 """Largest number (m, m/s, rad) that is sent; larger ones exceed the range of receivers."""
+LEAST = 1e-6
+"""Size of a quaternion below which it says nothing."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,8 @@ class Slots:
     """N slots, 1 to N in rows 0 to N - 1; an object that is not tracked now keeps its last values.
 
     names: (N,), "" for a free slot; known: (N,) bool; position: (N, 3) m, velocity: (N, 3) m/s;
-    heading: (N,) rad counter-clockwise from the room's x axis, 0 for objects without one.
+    heading: (N,) rad counter-clockwise from the room's x axis, 0 for objects without one; quaternion: (N, 4)
+    as in `followspot.inertial.PosedTracks`, NaN for objects without one.
     """
 
     names: tuple[str, ...]
@@ -33,12 +38,24 @@ class Slots:
     position: Array
     velocity: Array
     heading: Array
+    quaternion: Array
 
     @staticmethod
     def free(count: int) -> Slots:
         """Free slots."""
-        zeros = np.zeros((count, 3))
-        return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count))
+        zeros, unknown = np.zeros((count, 3)), np.full((count, 4), np.nan)
+        return Slots(("",) * count, np.zeros(count, bool), zeros, zeros, np.zeros(count), unknown)
+
+    @property
+    def oriented(self) -> Array:
+        """(N,) bool: whether an object has a quaternion."""
+        return np.asarray(np.isfinite(self.quaternion).all(axis=1))
+
+    @property
+    def rotation(self) -> Array:
+        """(N, 3) rotation vectors, rad; by the heading where there is no quaternion."""
+        about_up = self.heading[:, None] * np.array([0.0, 0.0, 1.0])
+        return np.where(self.oriented[:, None], rotation_vector(self.quaternion), about_up)
 
 
 def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
@@ -52,7 +69,17 @@ def with_tracks(slots: Slots, tracks: Tracks) -> Slots:
     known[tracks.target] = True
     position[tracks.target] = tracks.xyz
     velocity[tracks.target] = tracks.velocity
-    return Slots(slots.names, known, position, velocity, slots.heading)
+    quaternion = _turned(slots.quaternion, tracks) if isinstance(tracks, PosedTracks) else slots.quaternion
+    return Slots(slots.names, known, position, velocity, slots.heading, quaternion)
+
+
+def _turned(quaternion: Array, tracks: PosedTracks) -> Array:
+    """The orientations (N, 4) after one frame; a target whose orientation is not known now keeps its last."""
+    size = np.abs(tracks.quaternion).max(axis=1)
+    tracks = tracks.where((size > LEAST) & (size < FARTHEST))
+    quaternion = quaternion.copy()
+    quaternion[tracks.target] = canonical(tracks.quaternion)
+    return quaternion
 
 
 def _meant(numbers: Array) -> Array:
@@ -108,7 +135,7 @@ class PersonSlots:
         names = [""] * len(known)
         for person, row in self._row.items():
             names[row] = f"person {person}"
-        self.slots = Slots(tuple(names), known, position, velocity, heading)
+        self.slots = Slots(tuple(names), known, position, velocity, heading, before.quaternion)
         return self.slots
 
     def _release(self, oldest: int) -> None:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from followspot import Field, Source, Stage, at
+from followspot import Field, Mistake, Room, Source, Stage, at
 from followspot.csv_rows import Row
 from followspot.people import Boxes
 from followspot.points import Points2D
-from followspot_vision.frame_table import FrameParams, FrameRows, read_frames
+from followspot.room import Member
+from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameRows, FrameTable, read_frames
 from followspot_vision.picture_points import (
     Found,
     PictureParams,
@@ -70,17 +72,15 @@ class BoxesCsv(Stage):
 
     params: Params
 
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Read the first rows. Raises InputError."""
+        _read(params, member.name if member is not None else None, room, FIRST_ROWS)
+        return ()
+
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
-        columns = tuple(self.params.box.split())
-        self.frames = read_frames(
-            self.params,
-            columns,
-            ("label", "score"),
-            lambda row: _box(row, columns),
-            self.camera.name,
-            self.room.cameras,
-        )
+        self.frames = _read(self.params, self.camera.name, self.room)
         if not self.frames.own:
             self.context.warn(f"{self.params.path} has no boxes of camera {self.camera.name}")
 
@@ -106,6 +106,12 @@ class BoxesCsv(Stage):
         box[:, 3] = box[:, 1] + self.params.upper_share * (box[:, 3] - box[:, 1])
         none = np.zeros((len(found), 0))
         return Boxes(self.camera.name, box, np.array([b.score for b in found], "f8"), none, none)
+
+
+def _read(given: BoxesCsv.Params, camera: str | None, room: Room, most: int | None = None) -> FrameTable[Box]:
+    columns = tuple(given.box.split())
+    names = ("label", "score")
+    return read_frames(given, columns, names, lambda row: _box(row, columns), camera, room.cameras, most)
 
 
 def _box(row: Row, columns: tuple[str, ...]) -> Box:

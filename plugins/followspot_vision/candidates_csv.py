@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
 import numpy as np
 from pydantic import field_validator
 
-from followspot import Field, Source, Stage, at
+from followspot import Field, Mistake, Room, Source, Stage, at
 from followspot.csv_rows import Row
 from followspot.messages import Array
 from followspot.points import Points3D
-from followspot_vision.frame_table import FrameParams, FrameRows, read_frames
+from followspot.room import Member
+from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameRows, FrameTable, read_frames
 from followspot_vision.picture_points import label_of, score_of
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}
@@ -59,13 +61,17 @@ class CandidatesCsv(Stage):
 
     params: Params
 
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Read the first rows. Raises InputError."""
+        _read(params, METRES[params.unit], FIRST_ROWS)
+        return ()
+
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
         scale = METRES[self.params.unit]
         self.axes = scale * signed_axes(self.params.axes)
-        self.frames = read_frames(
-            self.params, ("x", "y", "z"), ("label", "score", "sigma"), lambda row: _point(row, scale)
-        )
+        self.frames = _read(self.params, scale)
 
     def length(self) -> int:
         """Number of frames."""
@@ -101,6 +107,11 @@ def signed_axes(text: str) -> Array:
     for row, word in enumerate(text.split()):
         axes[row, "xyz".index(word[-1])] = -1.0 if word[0] == "-" else 1.0
     return axes
+
+
+def _read(given: FrameParams, scale: float, most: int | None = None) -> FrameTable[Point]:
+    names = ("label", "score", "sigma")
+    return read_frames(given, ("x", "y", "z"), names, lambda row: _point(row, scale), most=most)
 
 
 def _point(row: Row, scale: float) -> Point:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
 from functools import lru_cache
+from itertools import islice
 from pathlib import Path
 from typing import Generic, Literal, TypeVar
 
@@ -13,14 +13,14 @@ from followspot import Field, InputPath, StageParams
 from followspot.csv_rows import Row, header_of, read_rows
 from followspot.errors import InputError, Mistake, Place, did_you_mean
 from followspot.frame_times import capture_time, exact_rate
-from followspot.messages import MAX_TIME
 
 T = TypeVar("T")
 MOST_IN_A_FRAME = 10_000
 """Rows of one frame and camera."""
+FIRST_ROWS = 100
+"""Rows that are read before a run."""
 MOST_FRAMES = 10_000_000
 """From the first frame of a file to the last."""
-_DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
 
 
 class FrameParams(StageParams):
@@ -87,20 +87,23 @@ def read_frames(
     read: Callable[[Row], T],
     camera: str | None = None,
     cameras: Collection[str] = (),
+    most: int | None = None,
 ) -> FrameTable[T]:
     """The frames of a file, or of one camera in it.
 
     columns, optional: beside frame, time and camera; camera: whose rows are kept, of the known cameras; None
-    if the file has no column camera. Raises InputError with file, line and remedy.
+    if the file has no column camera; most: rows that are read, None for all. Raises InputError with file,
+    line and remedy.
     """
     needs = (*columns, *(() if camera is None else ("camera",)))
     has_frame, has_time = _check_head(given, (*needs, *optional))
     time_of = None if has_time else _times(given)
+    start = round(given.start_time * 1e9)
     own: list[tuple[int, int, list[T]]] = []
     moments: dict[int, int] = {}
-    for row in read_rows(given.path, needs, (*optional, "frame", "time"), given.columns):
+    for row in islice(read_rows(given.path, needs, (*optional, "frame", "time"), given.columns), most):
         number = row.integer("frame") if has_frame else -1
-        time = time_of(number) if time_of is not None else _time(row, given)
+        time = time_of(number) if time_of is not None else row.nanoseconds("time", given.time_unit) + start
         if has_frame:
             moments.setdefault(number, time)
         if camera is not None and row.known("camera", cameras, "cameras of the room") != camera:
@@ -144,17 +147,6 @@ def _times(given: FrameParams) -> Callable[[int], int]:
     """Capture times, ns, of frames by number."""
     rate, start = exact_rate(given.fps or 1.0), round(given.start_time * 1e9)
     return lru_cache(maxsize=16)(lambda number: start + capture_time(number, rate))
-
-
-def _time(row: Row, given: FrameParams) -> int:
-    """Capture time, ns, without the error of binary fractions."""
-    try:
-        value = Decimal(row.cell("time")).scaleb(_DECIMALS[given.time_unit])
-        if value.is_finite() and abs(value) < MAX_TIME // 2:
-            return int(value.to_integral_value()) + round(given.start_time * 1e9)
-    except InvalidOperation:
-        pass
-    raise row.mistake("time", f"a time in {given.time_unit}")
 
 
 def _check_order(row: Row, last: tuple[int, int] | None, now: tuple[int, int]) -> None:

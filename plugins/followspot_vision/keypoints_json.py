@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
-from followspot import Field, InputPath, Source, Stage, at
+from followspot import Field, InputPath, Mistake, Room, Source, Stage, at
 from followspot.errors import InputError
 from followspot.frame_times import capture_time, exact_rate
 from followspot.points import Points2D
+from followspot.room import Member
 from followspot_vision.frame_table import MOST_FRAMES
 from followspot_vision.keypoint_files import Person, openpose_files, read_coco, read_openpose
 from followspot_vision.picture_points import Found, PictureParams, points_of
 from followspot_vision.skeletons import joint_names
+
+_SMALL = 1_000_000
+"""Bytes of a file that is read before a run."""
 
 
 class KeypointsJson(Stage):
@@ -39,6 +43,20 @@ class KeypointsJson(Stage):
         )
 
     params: Params
+
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Read the first picture of a folder, or the file if it is small. Raises InputError."""
+        place = of_camera(params.path, member.name) if member is not None else params.path
+        if place.is_dir():
+            persons = [one for _, path in openpose_files(place)[:1] for one in read_openpose(path)]
+        elif place.stat().st_size <= _SMALL:
+            persons = [person for found in read_coco(place).values() for person in found]
+        else:
+            persons = []
+        for count in sorted({len(person) for person in persons if person}):
+            joint_names(count, params.joints, str(params.path))
+        return ()
 
     def setup(self) -> None:
         """Find the files. Raises InputError if they are none."""

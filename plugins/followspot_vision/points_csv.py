@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from followspot import Source, Stage, at
+from collections.abc import Iterable
+
+from followspot import Mistake, Room, Source, Stage, at
 from followspot.csv_rows import Row
 from followspot.points import Points2D
-from followspot_vision.frame_table import FrameParams, read_frames
+from followspot.room import Member
+from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameTable, read_frames
 from followspot_vision.picture_points import Found, PictureParams, coordinate, label_of, points_of, score_of
 
 
@@ -23,10 +26,15 @@ class PointsCsv(Stage):
 
     params: Params
 
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Read the first rows. Raises InputError."""
+        _read(params, member.name if member is not None else None, room, FIRST_ROWS)
+        return ()
+
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""
-        names = ("label", "score", "instance")
-        self.frames = read_frames(self.params, ("x", "y"), names, _point, self.camera.name, self.room.cameras)
+        self.frames = _read(self.params, self.camera.name, self.room)
         if not self.frames.own:
             self.context.warn(f"{self.params.path} has no points of camera {self.camera.name}")
 
@@ -38,6 +46,11 @@ class PointsCsv(Stage):
         """One message for each frame of the file."""
         for frame in self.frames:
             yield at(frame.time, points_of(frame.rows, self.camera, self.params), seq=frame.number)
+
+
+def _read(given: FrameParams, camera: str | None, room: Room, most: int | None = None) -> FrameTable[Found]:
+    names = ("label", "score", "instance")
+    return read_frames(given, ("x", "y"), names, _point, camera, room.cameras, most)
 
 
 def _point(row: Row) -> Found:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import threading
 import time
 import zlib
+from collections import deque
+from collections.abc import Iterator
 from concurrent.futures import Future
 from functools import partial
 from itertools import accumulate
@@ -17,6 +19,7 @@ from followspot import (
     Deferred,
     Field,
     Joined,
+    Lagged,
     Latest,
     Message,
     Nearest,
@@ -195,6 +198,30 @@ class Crowd(Stage):
             return reading
 
         return answer
+
+
+class Behind(Stage):
+    """Each reading, as many readings late as it is told; 0: all at the end."""
+
+    class Params(StageParams):
+        lag: int = Field(2, ge=0, description="readings", unit="1")
+
+    params: Params
+
+    def setup(self) -> None:
+        self.kept: deque[Reading] = deque()
+
+    def process(self, reading: Reading) -> Lagged[Reading]:
+        self.kept.append(reading)
+        return tuple(self.given(self.params.lag)) if self.params.lag else ()
+
+    def remaining(self) -> Iterator[Reading]:
+        return self.given(0)
+
+    def given(self, kept: int) -> Iterator[Reading]:
+        while len(self.kept) > kept:
+            reading = self.kept.popleft()
+            yield at(reading.header.time, Reading(10 * reading.value))
 
 
 class Write(Stage):

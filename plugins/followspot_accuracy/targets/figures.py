@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,6 +48,27 @@ def recoveries(trackable: Array, hidden: Array, pair: Array, right: Array) -> tu
     if returned >= 0:
         delays.append(len(right) - returned)
     return tuple(delays)
+
+
+class Recoveries(NamedTuple):
+    """What a tracker found while it sought a target (Jin & Qian 2008, section 4)."""
+
+    sought: int
+    """Frames in which it sought the target: the first one, and those after a frame without a position."""
+    found: int
+    """Frames of these with a position."""
+    false: int
+    """Frames of these whose position is not that of the target."""
+
+
+def found_while_sought(there: Array, right: Array) -> Recoveries:
+    """Recoveries of a target, and the false ones among them.
+
+    there: (F,) whether there is a position; right: (F,) whether it is that of the target.
+    """
+    sought = ~np.concatenate([[False], there[:-1]]) if len(there) else np.zeros(0, bool)
+    found = sought & there
+    return Recoveries(int(sought.sum()), int(found.sum()), int((found & ~right).sum()))
 
 
 def jerk_cost(xyz: Array) -> float:

@@ -24,11 +24,18 @@ HEADINGS = (
     "jerk cost",
     "reprojection",
 )
+TURNED = "orientation"
+"""Heading of a further column, if any orientation was scored."""
 
 
 def table(scores: Mapping[str, TargetScore]) -> str:
     """One line per target under a line of headings; a dash if there was nothing to measure."""
-    return dedent(drawn(HEADINGS, [_cells(name, one) for name, one in scores.items()]))
+    posed = any(math.isfinite(one.orientation_deg) for one in scores.values())
+    rows = [
+        (*_cells(name, one), *((_number(one.orientation_deg, ".1f", " deg"),) if posed else ()))
+        for name, one in scores.items()
+    ]
+    return dedent(drawn((*HEADINGS, TURNED) if posed else HEADINGS, rows))
 
 
 def to_json(scores: Mapping[str, TargetScore]) -> dict[str, dict[str, Any]]:

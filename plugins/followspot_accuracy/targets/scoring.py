@@ -9,6 +9,7 @@ import numpy as np
 
 from followspot.messages import Array
 from followspot.room import Camera, Room
+from followspot.rotation import angle_between
 from followspot.tracking import TRACKED
 from followspot_accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
 from followspot_accuracy.targets.figures import jerk_cost, recoveries, reprojection, switches
@@ -47,17 +48,21 @@ class TargetScore:
     reprojection_px: float
     """Mean distance of the projections of position and truth over the cameras that have it in view."""
     reprojection_std_px: float
+    orientation_deg: float = np.nan
+    """Root mean square of the angle to the true orientation, over all trackable frames with one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Positions of one target at the F times of the truth.
 
-    xyz: (F, 3) m, NaN for none; tracked: (F,) True if the state was "tracked".
+    xyz: (F, 3) m, NaN for none; tracked: (F,) True if the state was "tracked"; quaternion: (F, 4), NaN for
+    none.
     """
 
     xyz: Array
     tracked: Array
+    quaternion: Array
 
     @property
     def there(self) -> Array:
@@ -92,6 +97,7 @@ def with_absent(truth: TruthTable, names: Sequence[str]) -> TruthTable:
         added(truth.hidden, True),
         added(truth.trackable, False),
         added(truth.pair, False),
+        truth.quaternion,
     )
 
 
@@ -99,13 +105,16 @@ def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
     """Rows of one target at the nearest of ascending times (F,), s, none farther than half an interval."""
     xyz = np.full((len(time), 3), np.nan)
     tracked = np.zeros(len(time), bool)
+    quaternion = np.full((len(time), 4), np.nan)
     if name in tracks.objects and len(time):
         rows = np.flatnonzero(tracks.target == tracks.objects.index(name))
         frame, distance = nearest(time, tracks.time[rows])
         near = distance <= half_interval(time)
         xyz[frame[near]] = tracks.xyz[rows[near]]
         tracked[frame[near]] = tracks.state[rows[near]] == TRACKED
-    return Trajectory(xyz, tracked)
+        if tracks.quaternion is not None:
+            quaternion[frame[near]] = tracks.quaternion[rows[near]]
+    return Trajectory(xyz, tracked, quaternion)
 
 
 def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Sequence[Camera]) -> TargetScore:
@@ -133,4 +142,13 @@ def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Seque
         jerk_cost=jerk_cost(track.xyz),
         reprojection_px=statistic(pixels, np.mean),
         reprojection_std_px=statistic(pixels, np.std),
+        orientation_deg=_orientation_deg(track.quaternion[measured], truth, own, measured),
     )
+
+
+def _orientation_deg(quaternion: Array, truth: TruthTable, own: int, measured: Array) -> float:
+    """RMS angle to the truth, degrees, of orientations (K, 4) in the measured frames (F,)."""
+    if truth.quaternion is None or own >= truth.quaternion.shape[1]:
+        return np.nan
+    angle = np.degrees(angle_between(truth.quaternion[measured, own], quaternion))
+    return statistic(angle[np.isfinite(angle)], root_mean_square)

@@ -26,8 +26,8 @@ def data_packets(slots: Slots, axes: Array, time: int, frame: int) -> list[bytes
 
     axes: (3, 3), PSN's x, y, z from the room's; time: capture time, ns; frame: 0 to 255, repeating.
     """
-    turn = np.linalg.det(axes) * axes @ np.array([0.0, 0.0, 1.0])
-    columns = (slots.position @ axes.T, slots.velocity @ axes.T, slots.heading[:, None] * turn, slots.known)
+    turned = np.linalg.det(axes) * slots.rotation @ axes.T  # a mirror reverses the sense of a rotation
+    columns = (slots.position @ axes.T, slots.velocity @ axes.T, turned, slots.known)
     stamp = _chunk(TIMESTAMP, struct.pack("<Q", max(0, time) // 1000))
     trackers = [
         _chunk(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from followspot import Field, OutputHost
@@ -55,13 +57,16 @@ class PsnSink(DatagramSink):
 
 
 class Psn(PsnSink):
-    """Send each target as tracker 1, 2, ... in the order of the room file; status 1: its place is known."""
+    """Send each target as tracker 1, 2, ... in the order of the room file; status 1: its place is known.
+
+    Its orientation is sent if the tracks have one.
+    """
 
     def setup(self) -> None:
         """Open the socket. Raises InputError if the host is unknown."""
         super().setup()
         free = Slots.free(len(self.room.targets))
-        self.slots = Slots(tuple(self.room.targets), free.known, free.position, free.velocity, free.heading)
+        self.slots = replace(free, names=tuple(self.room.targets))
 
     def process(self, tracks: Tracks) -> None:
         """Send one frame."""

@@ -8,8 +8,10 @@ import cv2
 import numpy as np
 
 from followspot import Message, Room
+from followspot.inertial import PosedTracks
 from followspot.messages import Array
 from followspot.people import Poses, PoseTruth
+from followspot.rotation import matrix
 from followspot.tracking import STATES, Frame, Tracks, Truth
 
 ROOT = "room"
@@ -18,6 +20,10 @@ _RADIUS = 0.02
 """Radius of points in the room whose size is unknown, m."""
 _HEADING = 0.4
 """Length of the arrow of a chest's heading, m."""
+_AXIS = 0.2
+"""Length of the arrow of an axis, m."""
+SIGMAS = 3.0
+"""Half an axis of the ellipsoid of uncertainty, in standard deviations."""
 
 
 def entity_of(message: Message, name: str) -> str:
@@ -44,6 +50,14 @@ def shape_of(rerun: Any, message: Message, room: Room) -> Any:
     if columns.get("pixel", ())[1:] == (2,):
         return rerun.Points2D(_known(message.__dict__["pixel"]))
     return None
+
+
+def parts_of(rerun: Any, message: Message) -> dict[str, Any]:
+    """What is shown beside a shape, by the name of an entity below: uncertainty and axes of tracks."""
+    if not isinstance(message, Tracks):
+        return {}
+    parts = {"uncertainty": _uncertainty(rerun, message)}
+    return {**parts, "axes": _axes(rerun, message)} if isinstance(message, PosedTracks) else parts
 
 
 def log_cameras(rerun: Any, stream: Any, room: Room) -> None:
@@ -74,6 +88,23 @@ def _targets(rerun: Any, tracks: Tracks, room: Room) -> Any:
         name = target.name if target else f"target {index}"
         labels.append(name if state == 1 else f"{name} ({STATES[state] if state < len(STATES) else state})")
     return rerun.Points3D(tracks.xyz[known], radii=radii, labels=labels)
+
+
+def _uncertainty(rerun: Any, tracks: Tracks) -> Any:
+    """An ellipsoid of three sigma about each target whose uncertainty is known."""
+    known = np.isfinite(np.hstack([tracks.xyz, tracks.sigma])).all(axis=1)
+    return rerun.Ellipsoids3D(centers=tracks.xyz[known], half_sizes=SIGMAS * tracks.sigma[known])
+
+
+def _axes(rerun: Any, tracks: PosedTracks) -> Any:
+    """The axes x, y and z of each target whose orientation is known, in red, green and blue."""
+    known = np.isfinite(np.hstack([tracks.xyz, tracks.quaternion])).all(axis=1)
+    axes = np.swapaxes(matrix(tracks.quaternion[known]), 1, 2).reshape(-1, 3)
+    return rerun.Arrows3D(
+        origins=np.repeat(tracks.xyz[known], 3, axis=0),
+        vectors=_AXIS * axes,
+        colors=np.tile(255 * np.eye(3, dtype="u1"), (int(known.sum()), 1)),
+    )
 
 
 def _persons(rerun: Any, poses: Poses | PoseTruth) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 from followspot import Field, Message, OutputHost, OutputPath, Stage, StageParams
 from followspot.errors import FollowspotError
 from followspot_sinks.line_sink import below
-from followspot_sinks.rerun.scene import entity_of, log_cameras, shape_of
+from followspot_sinks.rerun.scene import entity_of, log_cameras, parts_of, shape_of
 
 APPLICATION = "followspot"
 TIMELINE = "capture"
@@ -16,6 +16,8 @@ TIMELINE = "capture"
 
 class Rerun(Stage):
     """Show pictures, blobs, points, tracks and poses in the Rerun viewer, with the room's cameras.
+
+    Tracks have an ellipsoid of three sigma, and their axes if their orientation is known.
 
     Use one sink per port. Sinks with the same viewer share a recording there; each file is a recording of its
     own: open several together.
@@ -56,7 +58,10 @@ class Rerun(Stage):
         shape = shape_of(self.rerun, message, self.room)
         if shape is not None:
             self.stream.set_time(TIMELINE, duration=message.header.time / 1e9)
-            self.stream.log(entity_of(message, self.params.name or self.context.name), shape)
+            entity = entity_of(message, self.params.name or self.context.name)
+            self.stream.log(entity, shape)
+            for name, part in parts_of(self.rerun, message).items():
+                self.stream.log(f"{entity}/{name}", part)
         elif self.shown:
             self.shown = False
             self.context.warn(f"Rerun shows nothing like {type(message).__name__}")

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from followspot import Camera, InputError, Room, at
+from followspot.rotation import from_rotation_vector
 from followspot.tracking import MISSING, TRACKED, Truth
 from followspot_accuracy import (
     TargetScore,
@@ -23,7 +25,7 @@ from followspot_accuracy import (
     truth_of,
 )
 from followspot_accuracy.statistics import nearest
-from followspot_accuracy.targets.figures import PAPER_UNIT, jerk_cost, recoveries
+from followspot_accuracy.targets.figures import PAPER_UNIT, found_while_sought, jerk_cost, recoveries
 
 GLOWBALLS = Path(__file__).parents[2] / "../shared/data/glowballs-dev"
 needs_shared = pytest.mark.skipif(not GLOWBALLS.parents[1].exists(), reason="needs ../shared")
@@ -173,6 +175,23 @@ def test_recovery_counts_from_the_pair_of_views_to_the_first_right_position(
     assert recoveries(bits(trackable), bits(hidden), bits(pair), bits(right)) == delays
 
 
+@pytest.mark.parametrize(
+    ("there", "right", "found"),
+    [
+        ("0011100111", "0011100111", (5, 2, 0)),
+        ("0011100111", "0011100011", (5, 2, 1)),
+        ("1111", "0111", (1, 1, 1)),
+        ("1111", "1000", (1, 1, 0)),
+        ("0000", "0000", (4, 0, 0)),
+    ],
+    ids=["right", "wrong at first", "wrong from the start", "wrong later", "never"],
+)
+def test_a_false_recovery_is_a_first_position_after_a_frame_without_that_is_not_the_targets(
+    there: str, right: str, found: tuple[int, int, int]
+) -> None:
+    assert found_while_sought(bits(there), bits(right)) == found
+
+
 def test_jerk_cost_is_the_papers_integral_in_units_of_15_ft() -> None:
     t = np.arange(101.0)
     cubic = np.column_stack([2 * t**3, t**2, t]) * PAPER_UNIT  # third derivative (12, 0, 0)
@@ -264,3 +283,31 @@ def test_recorded_truth_is_perfect_against_itself() -> None:
         assert (one.coverage, one.rmse_mm, one.identity_switches, one.false_positions) == (1, 0, 0, 0)
         assert one.recovery_worst == 0
         assert one.recovery_frames
+
+
+def test_orientations_are_scored_where_both_are_known() -> None:
+    xyz = still(4, (1, 2, 3), (2, 2, 2))
+    true = np.tile([1.0, 0.0, 0.0, 0.0], (4, 2, 1))
+    turned = from_rotation_vector(np.radians([[3.0, 0, 0], [0, 0, -5.0], [0, 0, 0], [0, 0, 0]]))
+    turned[2] = np.nan
+    rows = tracks(xyz[:, :1])
+    scores = score(replace(rows, quaternion=-turned), replace(truth(xyz), quaternion=true))
+    assert scores["a"].orientation_deg == pytest.approx(np.sqrt((9 + 25) / 3))
+    assert math.isnan(scores["b"].orientation_deg)
+    assert "orientation" in table(scores)
+    assert "3.4 deg" in table(scores)
+    assert "orientation" not in table(score(rows, truth(xyz)))
+
+
+def test_orientations_are_read_from_files_and_may_be_missing(tmp_path: Path) -> None:
+    head = "frame,time,object,state,x,y,z,qw,qx,qy,qz\n"
+    rows = "0,0,red,tracked,0,0,0,nan,nan,nan,nan\n1,1,red,tracked,0,0,0,,,,\n2,2,red,tracked,0,0,0,0,0,1,0\n"
+    path = tmp_path / "tracks.csv"
+    path.write_text(head + rows)
+    found = read_tracks_csv(path).quaternion
+    assert found is not None
+    assert np.isnan(found[:2]).all()
+    assert found[2].tolist() == [0, 0, 1, 0]
+    path.write_text(head + "0,0,red,tracked,0,0,0,1,0,0,x\n")
+    with pytest.raises(InputError, match=r"tracks.csv:2:29"):
+        read_tracks_csv(path)

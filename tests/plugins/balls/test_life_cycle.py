@@ -7,8 +7,9 @@ import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.stage import Context
+from followspot.target_filter.stage import Outputs
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
-from followspot_balls.kalman import Kalman, Outputs
+from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, predict, update
 
 FPS = 30

@@ -15,12 +15,13 @@ from tests.plugins.balls.scene import make_room, picture
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.stage import Context, Stage
+from followspot.target_filter.stage import Outputs
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge
 from followspot_balls.bundle.stage import Bundle
 from followspot_balls.color_blobs import ColorBlobs
 from followspot_balls.ir_blobs import IrBlobs
-from followspot_balls.kalman import Kalman, Outputs
+from followspot_balls.kalman import Kalman
 from followspot_balls.mean import Mean
 from followspot_balls.mean_shift import MeanShift
 from followspot_balls.search_gate import SearchGate

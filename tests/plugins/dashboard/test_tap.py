@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
+from followspot.inertial import Inertial
 from followspot.messages import Header, Message, stamped
 from followspot.stage import Context
 from followspot.taps import sender
@@ -89,6 +90,46 @@ def test_nothing_is_compressed_where_nobody_looks(tmp_path: Path, gate: Gate, li
     made = tap(tmp_path)
     made.process(at(5, frame()))
     assert listener.heard(made) == []
+
+
+@pytest.mark.parametrize(("watched_only", "sent"), [(True, 0), (False, 1)])
+def test_readings_are_sent_only_where_somebody_looks_and_tracks_always(
+    tmp_path: Path, gate: Gate, listener: Listener, *, watched_only: bool, sent: int
+) -> None:
+    gate.watched = False
+    made = tap(tmp_path, watched_only=watched_only)
+    made.process(at(5, Tracks.empty()))
+    assert len(listener.heard(made)) == sent
+
+
+def test_no_reading_is_left_out_between_two_previews(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    made = tap(tmp_path, "imu/wrist.out", message_rate=0.001)
+    for number in range(5):
+        if number == 4:
+            made.next_at = 0  # the next preview is due
+        rows = np.full((2, 3), float(number))
+        times = np.array([10 * number - 5, 10 * number], "i8") * MS
+        made.process(at(10 * number, Inertial("wrist", times, rows, rows, rows)))
+    first, last = (unpack(packed, Inertial) for _, packed in listener.heard(made))
+    assert isinstance(first, Inertial)
+    assert isinstance(last, Inertial)
+    assert first.time.tolist() == [-5 * MS, 0]
+    assert last.time.tolist() == [number * 5 * MS for number in range(1, 9)]
+    assert last.turn_rate[:, 0].tolist() == [1, 1, 2, 2, 3, 3, 4, 4]
+    assert (last.sensor, last.header.time) == ("wrist", 40 * MS)
+
+
+def test_readings_that_nobody_waits_for_are_forgotten(tmp_path: Path, gate: Gate, listener: Listener) -> None:
+    made = tap(tmp_path, "imu/wrist.out", message_rate=60.0, watched_only=True)
+    rows = np.zeros((1, 3))
+    for number, watched in enumerate((False, True)):
+        gate.watched = watched
+        made.next_at = 0
+        made.process(at(number, Inertial("wrist", np.array([number], "i8"), rows, rows, rows)))
+    [(_, packed)] = listener.heard(made)
+    only = unpack(packed, Inertial)
+    assert isinstance(only, Inertial)
+    assert only.time.tolist() == [1]
 
 
 def test_taps_of_one_graph_show_the_same_moments(tmp_path: Path, gate: Gate, listener: Listener) -> None:

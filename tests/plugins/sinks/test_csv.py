@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from followspot import Context, FollowspotError, Header, InputError, Room, Target
+from followspot.inertial import PosedTracks
 from followspot.messages import stamped
 from followspot.tracking import Blobs, Tracks
 from followspot_accuracy import read_tracks_csv
@@ -102,3 +103,19 @@ def test_blobs_are_one_row_per_blob_and_target(tmp_path: Path) -> None:
         "3,0.100000000,cam0,red,10.250,20.500,64,0.9100",
         "3,0.100000000,cam0,red,30.000,40.000,12,1.0000",
     ]
+
+
+def test_orientations_have_columns_of_their_own_and_are_read_back(tmp_path: Path) -> None:
+    plain = tracks(0, 0)
+    posed = PosedTracks(
+        **{column.name: getattr(plain, column.name) for column in Tracks.columns},
+        quaternion=np.array([[0.6, 0.0, 0.8, 0.0], [np.nan] * 4]),
+        orientation_sigma=np.array([0.01, np.nan]),
+    )
+    path = saved(tmp_path, stamped(posed, plain.header))
+    head, red, green = path.read_text().splitlines()
+    assert head.endswith(",sx,sy,sz,qw,qx,qy,qz,orientation_sigma")
+    assert red.endswith(",0.600000,0.000000,0.800000,0.000000,0.010000")
+    assert green.endswith(",nan,nan,nan,nan,nan")
+    found = read_tracks_csv(path).quaternion
+    np.testing.assert_array_equal(found, posed.quaternion)

@@ -11,9 +11,11 @@ from followspot.geometry import project
 from followspot.messages import stamped
 from followspot.people import Boxes, Poses
 from followspot.testing import check_stage
-from followspot.tracking import Frame, Tracks
+from followspot.tracking import LOST, TRACKED, Blobs, Forecast, Frame, Tracks
 from followspot_sinks.draw import Draw
+from followspot_sinks.picture_files import VideoFile, side_by_side
 from followspot_sinks.pose_drawing import arrows, images, outline
+from followspot_sinks.target_drawing import PALETTE, target_color
 
 ALONG_X = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])
 SIZE = (640, 480)
@@ -146,7 +148,90 @@ def test_track_is_a_circle_as_large_as_its_target(tmp_path: Path) -> None:
     )
     image = picture(drawn(tmp_path, ROOM, (frame(),), (), (), (tracks,)))
     left = extent(image)[0]
-    assert abs(left - (319.5 - 23)) <= 2
+    assert abs(left - (319.5 - 23)) <= 3
+
+
+def forecast(state: int = TRACKED, travel: float = 0.0) -> Forecast:
+    place = np.array([[2.0, 0.0, 1.2]])
+    return Forecast(
+        period=0.1,
+        state=np.array([state], "u1"),
+        xyz=place,
+        velocity=np.zeros((1, 3)),
+        covariance=np.zeros((1, 3, 3)),
+        last=place,
+        before=place - [0, travel, 0],
+    )
+
+
+@pytest.mark.parametrize(("travel", "radius"), [(0.0, 10), (0.04, 10), (0.1, 34.5)])
+def test_search_region_is_10_px_or_one_and_a_half_times_the_travel(
+    tmp_path: Path, travel: float, radius: float
+) -> None:
+    image = picture(drawn(tmp_path, ROOM, (frame(),), (), (), (), (), forecast(travel=travel)))
+    left, top, right, bottom = extent(image)
+    assert (right - left) / 2 == pytest.approx(radius, abs=1.5)
+    assert (left + right) / 2 == pytest.approx(319.5, abs=1)
+    assert (top + bottom) / 2 == pytest.approx(239.5, abs=1)
+    assert image[:, :, 0].max() < 30 < image[:, :, 1].max()  # yellow
+
+
+def test_a_lost_target_has_no_search_region(tmp_path: Path) -> None:
+    assert not picture(drawn(tmp_path, ROOM, (frame(),), (), (), (), (), forecast(LOST))).any()
+
+
+def test_blob_is_a_red_circle_of_its_area_in_the_picture_of_its_camera(tmp_path: Path) -> None:
+    place = np.array([[100.0, 50.0]])
+    seen = Blobs(
+        camera="left",
+        xy=place,
+        pixel=place,
+        area=np.array([314.0]),
+        similarity=np.ones(1),
+        targets=np.ones((1, 1), bool),
+    )
+    folder = drawn(tmp_path, ROOM, (frame(), frame(name="right")), (), (), (), (seen,))
+    assert extent(picture(folder)) == pytest.approx((90, 40, 110, 60), abs=1)
+    assert picture(folder)[:, :, 2].max() > 200
+    assert not picture(folder, "right").any()
+
+
+def test_target_has_the_color_of_its_template_and_of_the_palette_without() -> None:
+    green = np.zeros(16)
+    green[5] = 1.0
+    b, g, r = target_color(Target("green", 0.1, {"left": green}), 3)
+    assert g > 200 > max(b, r)
+    assert target_color(Target("any", 0.1), 7) == PALETTE[1]
+
+
+def test_all_cameras_side_by_side_are_one_picture_and_a_silent_one_is_black(tmp_path: Path) -> None:
+    sent = frame(name="right")
+    sent = stamped(Frame(camera="right", pixels=sent.pixels + 90), sent.header)
+    sink = Draw(Context(room=ROOM, out=tmp_path), format="png", layout="grid")
+    sink.setup()
+    sink.process((sent,))
+    sink.close()
+    image = picture(tmp_path / "drawn", "all")
+    assert image.shape == (480, 1280, 3)
+    assert not image[:, :640].any()
+    assert (image[:, 640:] == 90).all()
+
+
+def test_grid_has_a_cell_for_the_largest_of_six_pictures() -> None:
+    pictures = [np.full((20 + i, 30, 3), 10 * i + 10, "u1") for i in range(6)]
+    grid = side_by_side(pictures)
+    assert grid.shape == (50, 90, 3)
+    assert grid[[0, 0, 0, 25, 25, 25], [0, 30, 60, 0, 30, 60], 0].tolist() == [10, 20, 30, 40, 50, 60]
+
+
+def test_a_video_that_cannot_be_written_names_the_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cv2.VideoWriter.isOpened", lambda self: False, raising=False)
+    file = VideoFile(tmp_path, "left")
+    file.write(np.zeros((48, 64, 3), "u1"), 0, 0)
+    with pytest.raises(FollowspotError, match="format: jpg"):
+        file.close()
 
 
 def test_infrared_picture_is_drawn_on_in_color(tmp_path: Path) -> None:

@@ -10,11 +10,12 @@ import pytest
 
 from followspot import Context, Message
 from followspot.errors import FollowspotError
+from followspot.inertial import PosedTracks
 from followspot.messages import Header, seal, stamped
 from followspot.people import Poses, PoseTruth
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
-from followspot_sinks.rerun.scene import entity_of
+from followspot_sinks.rerun.scene import entity_of, parts_of
 from followspot_sinks.rerun.viewer import Rerun
 
 ROOM = tiny_room()
@@ -26,6 +27,16 @@ def sent(message: Message) -> Message:
 
 
 TRACKS = Tracks(np.array([0, 9], "i4"), np.array([1, 3], "u1"), np.zeros((2, 3)), np.zeros((2, 3)), XYZ)
+
+POSED = PosedTracks(
+    np.array([0, 1], "i4"),
+    np.ones(2, "u1"),
+    np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]),
+    np.zeros((2, 3)),
+    np.array([[0.1, 0.2, 0.3], [np.nan, 0.0, 0.0]]),
+    np.array([[np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)], [np.nan] * 4]),
+    np.zeros(2),
+)
 
 
 def test_without_the_package_it_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -47,6 +58,7 @@ def test_what_a_camera_saw_stands_below_the_camera() -> None:
         Frame("cam0", np.zeros((4, 6, 3), "u1")),
         Frame("cam0", np.zeros((4, 6, 1), "u1")),
         TRACKS,
+        POSED,
         *(kind.empty() for kind in (Frame, Tracks, Blobs, Candidates, Positions, Poses, PoseTruth, Truth)),
     ],
 )
@@ -70,3 +82,27 @@ def test_a_type_that_the_viewer_does_not_know_is_told_once(tmp_path: Path) -> No
         stage.process(sent(Pairs.empty()))
     stage.close()
     assert told == ["Rerun shows nothing like Pairs"]
+
+
+class Kept:
+    """Stands for the module `rerun`: an archetype is what it was made of."""
+
+    def __getattr__(self, name: str) -> object:
+        return lambda **columns: (name, columns)
+
+
+def test_tracks_have_an_ellipsoid_of_three_sigma_and_axes_where_they_are_known() -> None:
+    parts = parts_of(Kept(), POSED)
+    name, found = parts["uncertainty"]
+    assert name == "Ellipsoids3D"
+    assert found["centers"].tolist() == [[1, 2, 3]]
+    np.testing.assert_allclose(found["half_sizes"], [[0.3, 0.6, 0.9]])
+    name, found = parts["axes"]
+    assert name == "Arrows3D"
+    assert found["origins"].tolist() == [[1, 2, 3]] * 3
+    np.testing.assert_allclose(
+        found["vectors"], 0.2 * np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]), atol=1e-9
+    )
+    assert found["colors"].tolist() == [[255, 0, 0], [0, 255, 0], [0, 0, 255]]
+    assert set(parts_of(Kept(), TRACKS)) == {"uncertainty"}
+    assert not parts_of(Kept(), Frame.empty())

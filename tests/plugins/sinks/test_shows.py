@@ -13,11 +13,14 @@ from pathlib import Path
 import numpy as np
 import pypsn
 import pytest
+from pythonosc.osc_packet import OscPacket
 
 from followspot import Context, Header, Message, Room, Target
 from followspot.errors import InputError
+from followspot.inertial import PosedTracks
 from followspot.messages import stamped
 from followspot.people import Poses
+from followspot.rotation import from_rotation_vector
 from followspot.tracking import Tracks
 from followspot_sinks.osc import Osc, OscPoses
 from followspot_sinks.psn.stage import Psn, PsnPoses, axes_matrix
@@ -220,3 +223,58 @@ def test_a_network_that_takes_nothing_is_told_of_and_the_graph_goes_on() -> None
 def test_an_unknown_host_is_named() -> None:
     with pytest.raises(InputError, match=r"no-such-host\.invalid"):
         Osc(Context(room=ROOM), host="no-such-host.invalid").setup()
+
+
+def posed(frame: int, turn: tuple[float, float, float] | None, *targets: int) -> PosedTracks:
+    """Tracks of targets that are all turned by a rotation vector; None: nobody knows how."""
+    plain = tracks(frame, *targets)
+    one = np.full(4, np.nan) if turn is None else from_rotation_vector(np.array(turn))
+    columns = {column.name: getattr(plain, column.name) for column in Tracks.columns}
+    count = len(targets)
+    message = PosedTracks(**columns, quaternion=np.tile(one, (count, 1)), orientation_sigma=np.zeros(count))
+    return stamped(message, plain.header)
+
+
+@pytest.mark.parametrize(
+    ("axes", "turned"),
+    [("x z y", [-0.1, -0.3, -0.2]), ("x z -y", [0.1, 0.3, -0.2]), ("x y z", [0.1, 0.2, 0.3])],
+)
+def test_lights_receive_orientations_in_the_axes_of_the_stage(
+    axes: str, turned: list[float], receiver: socket.socket
+) -> None:
+    sink = Psn(Context(room=ROOM), host="127.0.0.1", port=receiver.getsockname()[1], axes=axes)
+    first, _, second, third = received(
+        sink, [posed(0, (0.1, 0.2, 0.3), 0), posed(1, None, 0, 1), tracks(1, 0, 2)], receiver
+    )
+    for packet in (first, second, third):  # the last that was known, as places are
+        red, green, _ = pypsn.parse_psn_packet(packet).trackers
+        assert list(red.ori) == pytest.approx(turned)
+        assert list(green.ori) == [0, 0, 0]
+
+
+def test_osc_has_an_address_for_orientations_that_are_known(receiver: socket.socket) -> None:
+    sink = Osc(Context(room=ROOM), port=receiver.getsockname()[1])
+    packets = received(sink, [posed(0, None, 0, 1), posed(1, (0, 0, np.pi / 2), 0)], receiver)
+    first, second = ([m.message for m in OscPacket(packet).messages] for packet in packets)
+    assert not [m for m in first if m.address.endswith("orientation")]
+    (found,) = [m for m in second if m.address.endswith("orientation")]
+    assert found.address == "/followspot/1/orientation"
+    assert found.params == pytest.approx([np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+
+
+def test_a_quaternion_that_is_none_is_not_sent(receiver: socket.socket) -> None:
+    for wrong in (0.0, np.inf, 1e300):
+        bad = stamped(replace(posed(0, None, 0), quaternion=np.full((1, 4), wrong)), Header("track", 0, 0))
+        sink = Osc(Context(room=ROOM), port=receiver.getsockname()[1])
+        (packet,) = received(sink, [bad], receiver)
+        assert not [m for m in OscPacket(packet).messages if m.message.address.endswith("orientation")]
+
+
+def test_orientations_in_json_datagrams(receiver: socket.socket) -> None:
+    sink = UdpJson(Context(room=ROOM), port=receiver.getsockname()[1])
+    known, unknown = (
+        json.loads(p)["rows"][0]
+        for p in received(sink, [posed(0, (0, 0, 0), 1), posed(1, None, 1)], receiver)
+    )
+    assert (known["object"], known["qw"], known["qz"], known["orientation_sigma"]) == ("green", 1.0, 0.0, 0.0)
+    assert unknown["qw"] is None

@@ -1,0 +1,182 @@
+"""Existence of targets as log-odds that evidence moves, and rival places of targets that are sought.
+
+The odds of a place multiply by the likelihood ratio of each frame (a sequential probability ratio test) and
+are forgotten at a constant rate, because people cover and carry what made them. They are bounded, so that a
+long-standing target can still be given up within a few frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from followspot.messages import Array
+
+MOST = 4
+"""Rival places of a target."""
+BIRTHS = 3
+"""New places in a frame."""
+
+
+class Rules(NamedTuple):
+    """How evidence moves log-odds, natural logarithms."""
+
+    memory: float
+    """Share of the log-odds that a frame keeps."""
+    drift: float
+    """What a frame takes from them, so that evidence of nothing ends a target."""
+    absent: float
+    """What a frame takes besides from a place without candidates."""
+    bound: float
+    """Largest log-odds."""
+    silent: float
+    """Log-odds below which a tracked target is given up."""
+    confirmed: float
+    """Log-odds from which a place may be the target's."""
+    margin: float
+    """Smallest lead over a rival place."""
+    reach: float
+    """m, largest step of a target from frame to frame, and least distance of rival places."""
+
+
+class Places(NamedTuple):
+    """Rival places of one target, the likeliest first."""
+
+    xyz: Array
+    """(H, 3) m."""
+    odds: Array
+    """(H,) log-odds."""
+
+    @classmethod
+    def none(cls) -> Places:
+        """No place."""
+        return cls(np.zeros((0, 3)), np.zeros(0))
+
+
+class Seen(NamedTuple):
+    """N candidates of one target."""
+
+    xyz: Array
+    """(N, 3) m."""
+    gain: Array
+    """(N,) log-likelihood ratio of a ball there."""
+    complete: Array
+    """(N,) bool, whether three views that all make pairs with each other show it."""
+
+
+class Existence(NamedTuple):
+    """What is known of one target's existence."""
+
+    odds: float
+    """Log-odds that the target is where it is tracked."""
+    found: bool
+    """Whether a sought target's place is certain."""
+    places: Places
+    """Rival places of a sought target."""
+
+    @classmethod
+    def unknown(cls) -> Existence:
+        """Nothing is known."""
+        return cls(0.0, False, Places.none())
+
+
+def restored(state: Mapping[str, Any]) -> Existence:
+    """The existence from its fields as plain values."""
+    places = state["places"]
+    rivals = Places(np.array(places["xyz"], float).reshape(-1, 3), np.array(places["odds"], float))
+    return Existence(float(state["odds"]), bool(state["found"]), rivals)
+
+
+def followed(before: Existence, gain: float, place: Array, rules: Rules) -> Existence:
+    """A tracked target one frame later. A place that is given up stays a rival, with its odds.
+
+    gain: log-likelihood ratio of the frame; place: (3,) m.
+    """
+    odds = float(np.clip(rules.memory * before.odds + gain - rules.drift, -rules.bound, rules.bound))
+    given_up = Places(place[None].copy(), np.array([odds])) if odds < rules.silent else Places.none()
+    return Existence(odds, False, given_up)
+
+
+def sought(
+    before: Existence, seen: Seen, near: Array | None, alike: int, rules: Rules
+) -> tuple[Existence, int]:
+    """A sought target one frame later, and the candidate at its place, -1 unless that is certain.
+
+    near: (3,) m where it was searched, None for everywhere; alike: see :func:`certain`.
+    """
+    searched = np.ones(len(before.places.odds), bool)
+    if near is not None:
+        searched = within(before.places.xyz, near, rules.reach)
+    places, candidate = weighed(before.places, seen.xyz, seen.gain, searched, rules)
+    if not len(candidate) or candidate[0] < 0:
+        return Existence(before.odds, False, places), -1
+    first = int(candidate[0])
+    already = before.found and bool(within(places.xyz[:1], before.places.xyz[0], rules.reach)[0])
+    found = certain(places, rules, alike, already, bool(seen.complete[first]))
+    odds = min(float(places.odds[0]), rules.bound) if found else before.odds
+    return Existence(odds, found, places), first if found else -1
+
+
+def weighed(places: Places, xyz: Array, gain: Array, searched: Array, rules: Rules) -> tuple[Places, Array]:
+    """The rival places one frame later, and the candidate that each continues with: (H,), -1 for none.
+
+    xyz: (N, 3) m, candidates; gain: (N,), their log-likelihood ratios; searched: (H,) bool, places where
+    candidates could have been found; others wait.
+    """
+    free, kept = np.ones(len(xyz), bool), []
+    for place, odds, looked in zip(places.xyz, places.odds, searched, strict=True):
+        near = within(xyz, place, rules.reach)
+        if near.any():
+            chosen = int(np.where(near, gain, -np.inf).argmax())
+            kept.append((xyz[chosen], rules.memory * odds + gain[chosen] - rules.drift, chosen))
+            free &= ~near
+        else:
+            fallen = rules.memory * odds - rules.absent - rules.drift
+            kept.append((place, fallen if looked else odds, -1))
+    for _ in range(BIRTHS):
+        if not free.any():
+            break
+        chosen = int(np.where(free, gain, -np.inf).argmax())
+        kept.append((xyz[chosen], gain[chosen] - rules.drift, chosen))
+        free &= ~within(xyz, xyz[chosen], rules.reach)
+    return _apart(sorted(kept, key=lambda place: -place[1]), rules)
+
+
+def within(xyz: Array, place: Array, reach: float) -> Array:
+    """Which of N places are near one: (N, 3) m -> (N,) bool."""
+    off = xyz - place
+    return np.asarray(np.vecdot(off, off) < reach * reach)
+
+
+def certain(places: Places, rules: Rules, alike: int, already: bool, complete: bool) -> bool:
+    """Whether the likeliest place is the target's: sure by itself, or far ahead of its rivals.
+
+    alike: targets that look the same and are sought, too; each may be at one of the next places; already:
+    whether it was so in the frame before; then it stays while more speaks for it than against it; complete:
+    whether three views that all make pairs with each other show it; that counts as half the lead, and twice
+    for its being sure.
+    """
+    odds = places.odds
+    if not len(odds):
+        return False
+    if already:
+        return bool(odds[0] > 0)
+    bonus = rules.margin / 2 * complete
+    first = odds[0] + bonus
+    lead = first - odds[alike + 1] if len(odds) > alike + 1 else np.inf
+    sure = first + bonus >= rules.confirmed or (first > 0 and lead >= 2 * rules.margin)
+    return bool(sure and lead >= rules.margin)
+
+
+def _apart(ordered: list[tuple[Array, float, int]], rules: Rules) -> tuple[Places, Array]:
+    """The likeliest places that are no closer than the reach, and their candidates."""
+    chosen: list[tuple[Array, float, int]] = []
+    for place in ordered:
+        if len(chosen) < MOST and not any(within(place[0], other, rules.reach) for other, _, _ in chosen):
+            chosen.append(place)
+    if not chosen:
+        return Places.none(), np.zeros(0, int)
+    xyz, odds, candidate = zip(*chosen, strict=True)
+    return Places(np.array(xyz), np.clip(odds, -rules.bound, 2 * rules.bound)), np.array(candidate)

@@ -1,0 +1,78 @@
+"""Readings and orientations of one sensor over the last second, in the order of their capture times."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot import Array
+from followspot.inertial import Inertial, Orientation
+from followspot.messages import MAX_TIME
+
+MOST_ROWS = 8192
+"""Rows that are kept at most, whatever the rate."""
+FASTEST = 100.0
+"""Largest turn rate that is believed, rad/s."""
+STRONGEST = 4000.0
+"""Largest specific force that is believed, m/s^2."""
+
+
+class Rows(NamedTuple):
+    """Values by capture time: time (N,) ns, rising; values (N, K)."""
+
+    time: Array
+    values: Array
+
+    @classmethod
+    def none(cls, width: int) -> Rows:
+        """No rows."""
+        return cls(np.zeros(0, np.int64), np.zeros((0, width)))
+
+    def since(self, time: int) -> Rows:
+        """The rows after a capture time, ns, the newest `MOST_ROWS` of them."""
+        first = max(int(self.time.searchsorted(time, side="right")), len(self.time) - MOST_ROWS)
+        return Rows(self.time[first:], self.values[first:])
+
+    def between(self, after: int, until: int) -> Rows:
+        """The rows later than one capture time, up to another, ns."""
+        first, last = self.time.searchsorted([after, until], side="right")
+        return Rows(self.time[first:last], self.values[first:last])
+
+    def with_rows(self, other: Rows) -> Rows:
+        """Both together; of equal times the earlier arrival stays."""
+        if not len(other.time):
+            return self
+        time = np.concatenate([self.time, other.time])
+        values = np.concatenate([self.values, other.values])
+        time, first = np.unique(time, return_index=True)
+        return Rows(time, values[first])
+
+
+def readings_of(messages: Sequence[Inertial], sensor: str) -> Rows:
+    """Turn rates and specific forces of one sensor, (N, 6); those that no sensor can give are left out."""
+    rows = Rows.none(6)
+    for message in messages:
+        if message.sensor == sensor:
+            values = np.concatenate([message.turn_rate, message.specific_force], axis=1)
+            kept = _in_time(message.time) & np.isfinite(values).all(axis=1)
+            kept &= (np.abs(values) <= [FASTEST] * 3 + [STRONGEST] * 3).all(axis=1)
+            rows = rows.with_rows(Rows(message.time[kept], values[kept]))
+    return rows
+
+
+def orientations_of(messages: Sequence[Orientation], sensor: str) -> Rows:
+    """Quaternions and sigmas of the inclination of one sensor, (N, 5), where they are known."""
+    rows = Rows.none(5)
+    for message in messages:
+        if message.sensor == sensor:
+            values = np.concatenate([message.quaternion, message.inclination_sigma[:, None]], axis=1)
+            length = np.linalg.norm(message.quaternion, axis=1)
+            kept = _in_time(message.time) & (np.abs(length - 1) < 1e-3) & (values[:, 4] >= 0)
+            rows = rows.with_rows(Rows(message.time[kept], values[kept]))
+    return rows
+
+
+def _in_time(time: Array) -> Array:
+    return np.asarray(np.abs(time) <= MAX_TIME)

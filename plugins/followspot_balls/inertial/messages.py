@@ -1,0 +1,57 @@
+"""Tracks and forecasts with what the sensors say."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from followspot.inertial import PosedTracks
+from followspot.tracking import LOST, Forecast, Tracks
+from followspot_balls.inertial.fix import Fix
+
+Fixes = Mapping[int, Fix]
+"""What the sensors say, by number of the target."""
+
+
+def posed(tracks: Tracks, fixes: Fixes) -> PosedTracks:
+    """The tracks with what the sensors say; orientations of other targets are NaN."""
+    count = len(tracks.target)
+    xyz, velocity, sigma = tracks.xyz.copy(), tracks.velocity.copy(), tracks.sigma.copy()
+    quaternion, orientation_sigma = np.full((count, 4), np.nan), np.full(count, np.nan)
+    for row, number in enumerate(tracks.target.tolist()):
+        fix = fixes.get(number)
+        if fix is not None:
+            xyz[row], velocity[row], sigma[row] = fix.xyz, fix.velocity, fix.sigma
+            quaternion[row], orientation_sigma[row] = fix.quaternion, fix.orientation_sigma
+    return PosedTracks(tracks.target, tracks.state, xyz, velocity, sigma, quaternion, orientation_sigma)
+
+
+def foreseen(forecast: Forecast, tracks: Tracks, fixes: Fixes) -> Forecast:
+    """The forecast with that of the sensors for targets that are tracked or predicted."""
+    chosen = [number for number in tracks.target.tolist() if number in fixes]
+    if not chosen:
+        return forecast
+    xyz, velocity = forecast.xyz.copy(), forecast.velocity.copy()
+    covariance = forecast.covariance.copy()
+    for number in chosen:
+        xyz[number], velocity[number] = fixes[number].xyz, fixes[number].velocity
+        covariance[number] = fixes[number].covariance
+    return replace(forecast, xyz=xyz, velocity=velocity, covariance=covariance)
+
+
+def unplaced(forecast: Forecast, targets: Sequence[int]) -> Forecast:
+    """The forecast with some targets, by number, sought everywhere as if they were lost."""
+    kept = np.ones(len(forecast.state))
+    kept[list(targets)] = 0.0
+    row = kept[:, None]
+    return replace(
+        forecast,
+        state=np.where(kept > 0, forecast.state, LOST).astype(np.uint8),
+        xyz=forecast.xyz * row,
+        velocity=forecast.velocity * row,
+        covariance=forecast.covariance * row[..., None],
+        last=forecast.last * row,
+        before=forecast.before * row,
+    )

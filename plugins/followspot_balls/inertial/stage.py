@@ -1,0 +1,220 @@
+"""The stage that fuses positions with the readings of inertial sensors on the targets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from followspot import Camera, Field, Mistake, Room, Window
+from followspot.inertial import Inertial, Orientation, PosedTracks
+from followspot.messages import stamped
+from followspot.target_filter import stage as target_filter
+from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
+from followspot_balls.bridge import with_predicted
+from followspot_balls.inertial.fix import fix_at
+from followspot_balls.inertial.history import orientations_of, readings_of
+from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
+from followspot_balls.inertial.navigator import Frame, Navigator
+from followspot_balls.inertial.sensor_errors import SensorErrors
+from followspot_balls.kalman import Kalman
+
+WELL_KNOWN = 0.03
+"""Sigma of a hidden target up to which it is sought near its forecast only, m."""
+
+
+@dataclass(frozen=True)
+class Outputs(target_filter.Outputs):
+    """The targets now, with their orientations, and their forecast for the next frame."""
+
+    tracks: PosedTracks
+    forecast: Forecast
+
+
+class InertialFilter(Kalman):
+    """Fuse positions with inertial sensors on the targets: place and orientation, also while hidden.
+
+    The heading between sensor and room, the sensor's biases, its place on the target and its delay are learnt
+    from the motion. A target without a sensor, or whose heading is not yet learnt, is filtered as by
+    `balls.kalman`. Readings that come late are used.
+    """
+
+    class Params(Kalman.Params):
+        """The life cycle, the motion of targets without readings, and the errors of the sensors."""
+
+        gyroscope_noise: float = Field(
+            2e-4, gt=0, unit="rad/s/sqrt(Hz)", description="noise density; raising it trusts turn rates less"
+        )
+        accelerometer_noise: float = Field(
+            4e-3, gt=0, unit="m/s^2/sqrt(Hz)", description="noise density; raising it trusts forces less"
+        )
+        gyroscope_scale: float = Field(
+            0.002,
+            ge=0,
+            unit="1",
+            description="sigma of its relative errors; raising it trusts fast turns less",
+        )
+        accelerometer_scale: float = Field(
+            0.002,
+            ge=0,
+            unit="1",
+            description="sigma of its relative errors; raising it trusts strong forces less",
+        )
+        gyroscope_bias: float = Field(
+            0.02, gt=0, unit="rad/s", description="sigma of its bias at first; raising it learns larger ones"
+        )
+        accelerometer_bias: float = Field(
+            0.1, gt=0, unit="m/s^2", description="sigma of its bias at first; raising it learns larger ones"
+        )
+        lever_arm: float = Field(
+            0.03,
+            gt=0,
+            unit="m",
+            description="sigma of the sensor's offset from the target; raising it allows larger ones",
+        )
+        delay: float = Field(
+            0.005,
+            gt=0,
+            unit="s",
+            description="sigma of the readings' time stamps; raising it learns larger delays",
+        )
+        history: float = Field(
+            1.0,
+            gt=0,
+            le=10,
+            unit="s",
+            description="lateness up to which readings are used; raising it uses later ones",
+        )
+        maximum_reading_gap: float = Field(
+            0.05,
+            gt=0,
+            unit="s",
+            description="gap between readings up to which motion is known; raising it suits slow sensors",
+        )
+
+    params: Params
+
+    @classmethod
+    def check_room(cls, params: Any, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:
+        """Warn if no target carries a sensor, or one carries several."""
+        yield from super().check_room(params, room, cameras)
+        carried = [s.mount.name for s in room.sensors.values() if s.mount and s.mount.set == "targets"]
+        if room.targets and not carried:
+            yield Mistake(None, "no sensor of the room is mounted on a target", "mount: {target: NAME}")
+        for name in {name for name in carried if carried.count(name) > 1}:
+            first = next(s.name for s in room.sensors.values() if s.mount and s.mount.name == name)
+            yield Mistake(None, f"target {name} carries several sensors", f"only {first} is used")
+
+    def setup(self) -> None:
+        """Begin with every target lost and every heading unknown."""
+        super().setup()
+        numbers = {name: number for number, name in enumerate(self.room.targets)}
+        self.sensors: dict[int, str] = {}
+        for sensor in self.room.sensors.values():
+            if sensor.mount is not None and sensor.mount.set == "targets":
+                self.sensors.setdefault(numbers[sensor.mount.name], sensor.name)
+        p = self.params
+        errors = SensorErrors(**{f.name: getattr(p, f.name) for f in fields(SensorErrors)})
+        self.navigators = {n: Navigator(errors, p.history, p.maximum_reading_gap) for n in self.sensors}
+        self.told = self.wide = False
+
+    def process(
+        self,
+        positions: Positions,
+        readings: Window[Inertial] = (),
+        orientations: Window[Orientation] = (),
+    ) -> Outputs:
+        time = positions.header.time
+        for number, sensor in self.sensors.items():
+            navigator = self.navigators[number]
+            navigator.receive(readings_of(readings, sensor), orientations_of(orientations, sensor))
+            self.tell_late(sensor, navigator.late)
+        bridges = self.fixes(time)
+        trusted = self.trusted(positions, bridges)
+        outputs = super().process(stamped(self.bridged(trusted, bridges), positions.header))
+        carried = list(bridges)
+        bridging = self.life.status[carried] == PREDICTED
+        self.life.missed[carried] *= ~bridging  # a target whose sensor says where it is does not grow old
+        self.follow(time, positions, trusted, outputs.tracks)
+        fixes = self.fixes(time)
+        ahead = self.fixes(time, outputs.forecast.period)
+        forecast = foreseen(outputs.forecast, outputs.tracks, ahead)
+        return Outputs(posed(outputs.tracks, fixes), self.roaming(forecast, fixes))
+
+    def roaming(self, forecast: Forecast, fixes: Fixes) -> Forecast:
+        """The forecast in which every second frame seeks the targets everywhere whose sensors are vague."""
+        self.wide = not self.wide
+        vague = [
+            number
+            for number, fix in fixes.items()
+            if self.life.status[number] == PREDICTED and fix.sigma.max() > WELL_KNOWN
+        ]
+        if not vague or not self.wide:
+            return forecast
+        return unplaced(forecast, vague)
+
+    def fixes(self, time: int, ahead: float = 0.0) -> Fixes:
+        """What the sensors whose headings are known say. time: ns; ahead: s."""
+        found = {n: fix_at(navigator.now(time), time, ahead) for n, navigator in self.navigators.items()}
+        return {number: fix for number, fix in found.items() if fix is not None}
+
+    def trusted(self, positions: Positions, fixes: Fixes) -> Positions:
+        """The positions without those that contradict the sensor of their target."""
+        if not fixes:
+            return positions
+        noise = self.noise(positions.covariance)
+        false = [
+            number in fixes and not predicted and fixes[number].rejects(xyz, spread)
+            for number, predicted, xyz, spread in zip(
+                positions.target.tolist(), positions.predicted, positions.xyz, noise, strict=True
+            )
+        ]
+        return positions.where(~np.array(false, bool)) if any(false) else positions
+
+    def bridged(self, positions: Positions, fixes: Fixes) -> Positions:
+        """The positions, and those of the sensors for targets that were not measured."""
+        vague = self.params.maximum_predicted_sigma
+        measured = set(positions.target[~positions.predicted].tolist())
+        target = [n for n, fix in fixes.items() if n not in measured and fix.sigma.max() <= vague]
+        if not target:
+            return positions
+        chosen = [fixes[number] for number in target]
+        xyz, covariance = np.array([f.xyz for f in chosen]), np.array([f.covariance for f in chosen])
+        return with_predicted(positions, np.array(target, np.intp), xyz, covariance)
+
+    def follow(self, time: int, positions: Positions, trusted: Positions, tracks: Tracks) -> None:
+        """Give the navigation of each target its measured position, if it counted or was not trusted."""
+        tracked = set(tracks.target[tracks.state == TRACKED].tolist())
+        tracked |= set(positions.target.tolist()) - set(trusted.target.tolist())
+        noise = self.noise(positions.covariance)
+        rows = {int(n): row for row, n in enumerate(positions.target) if not positions.predicted[row]}
+        for number, navigator in self.navigators.items():
+            row = rows.get(number)
+            counted = row is not None and number in tracked and np.isfinite(positions.xyz[row]).all()
+            navigator.add(Frame(time, (positions.xyz[row], noise[row]) if counted else None))
+
+    def tell_late(self, sensor: str, late: int) -> None:
+        """Warn once about readings that came too late."""
+        if late and not self.told:
+            self.told = True
+            self.context.warn(
+                f"readings of {sensor} come more than {self.params.history:g} s late and are left out: "
+                "raise `history`, or compare the clocks"
+            )
+
+    def state(self) -> Any:
+        return super().state() | {
+            "wide": self.wide,
+            "sensors": {self.sensors[n]: navigator.state() for n, navigator in self.navigators.items()},
+        }
+
+    def restore(self, state: Any) -> None:
+        """Carry on from a checkpoint of this filter; from one of another filter with unknown headings."""
+        super().restore(state)
+        self.wide = bool(state.get("wide", False))
+        for number, navigator in self.navigators.items():
+            known = state.get("sensors", {}).get(self.sensors[number])
+            if known is not None:
+                navigator.restore(known)

@@ -1,0 +1,74 @@
+"""3D candidates inside the search spheres, and nothing more (Jin & Qian 2008, sections 3.5 and 3.8)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array, Field, Latest, Stage, StageParams
+from followspot.geometry import back_projection, triangulate_pairs
+from followspot.tracking import Candidates, Forecast, Pairs
+from followspot_balls.search import lost_targets, search_spheres
+
+
+class PlainTriangulate(Stage):
+    """Turn every pair into a 3D candidate; reject those outside the spheres, as published.
+
+    A lost target has no sphere; only pairs of a colour and an infrared camera may be it.
+    """
+
+    class Params(StageParams):
+        minimum_search_radius: float = Field(
+            0.225,
+            gt=0,
+            unit="m",
+            description="smallest search radius around the forecast; raising it survives jumps",
+        )
+        search_radius_scale: float = Field(
+            2.0,
+            gt=0,
+            unit="1",
+            description="search radius over the last displacement (beta); raising it survives turns",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        cameras = self.room.cameras.values()
+        self.centers = np.array([c.center for c in cameras]).reshape(-1, 3)
+        self.back = np.array([back_projection(c) for c in cameras]).reshape(-1, 3, 3)
+
+    def process(self, pairs: Pairs, forecast: Latest[Forecast] = None) -> Candidates:
+        back, xy = self.back.take(pairs.view, axis=0), pairs.xy[..., None]
+        rays = back[..., 0] * xy[:, :, 0] + back[..., 1] * xy[:, :, 1] + back[..., 2]
+        rays /= np.sqrt(np.vecdot(rays, rays))[..., None]
+        xyz = triangulate_pairs(self.centers.take(pairs.view, axis=0), rays)
+        targets = pairs.targets & self.within(xyz, pairs.confirmed, forecast)
+        rows = np.flatnonzero(targets.any(axis=1))
+        return Candidates(
+            cameras=pairs.cameras,
+            xyz=xyz[rows],
+            view=pairs.view[rows],
+            blob=pairs.blob[rows],
+            xy=pairs.xy[rows],
+            area=pairs.area[rows],
+            epipolar=pairs.epipolar[rows],
+            labelled=pairs.labelled[rows],
+            confirmed=pairs.confirmed[rows],
+            evident=pairs.evident[rows],
+            targets=targets[rows],
+        )
+
+    def within(self, xyz: Array, confirmed: Array, forecast: Forecast | None) -> Array:
+        """Which points may be which target by their place: (N, T) bool.
+
+        xyz: (N, 3) m, NaN for rays that do not meet; confirmed: (N,) bool.
+        """
+        lost = lost_targets(forecast, len(self.room.targets))
+        real = ~np.isnan(xyz[:, :1])
+        anywhere = real & confirmed[:, None] & lost
+        if forecast is None or lost.all():
+            return np.asarray(anywhere)
+        p = self.params
+        radius = search_spheres(forecast, p.minimum_search_radius, p.search_radius_scale)
+        distance = np.linalg.norm(xyz[:, None] - forecast.xyz, axis=2)
+        return np.asarray(anywhere | (~lost & (distance <= radius)))

@@ -1,0 +1,1 @@
+"""Smoothing of tracks by later positions."""

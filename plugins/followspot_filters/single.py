@@ -1,0 +1,88 @@
+"""A Kalman filter of filterpy for one target, with one model of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+
+from followspot import Array
+from followspot.target_filter.manoeuvre import bounce_covariance
+from followspot_filters.bank import FIRST_ORDER
+from followspot_filters.models import Model, transition
+
+
+def filter_of(model: Model) -> KalmanFilter:
+    """A filter of positions, with an empty state."""
+    made = KalmanFilter(dim_x=model.size, dim_z=3)
+    made.x, made.P = np.zeros(model.size), np.zeros((model.size, model.size))
+    made.H = np.eye(3, model.size)
+    return made
+
+
+def widened(x: Array, P: Array, size: int, acceleration: float) -> tuple[Array, Array]:
+    """A state and its covariance with an acceleration of zero, if they have none and the size has.
+
+    acceleration: one sigma, m/s^2.
+    """
+    if len(x) == size:
+        return x.copy(), P.copy()
+    x_wide, P_wide = np.zeros(size), np.eye(size) * acceleration**2
+    x_wide[: len(x)], P_wide[: len(x), : len(x)] = x, P
+    return x_wide, P_wide
+
+
+class SingleModel:
+    """Follows one target; a sure measurement beyond the gate is a bounce.
+
+    gate: sigmas; initial_acceleration: one sigma of a new target's, m/s^2, if the model has accelerations.
+    """
+
+    def __init__(self, model: Model, gate: float, initial_acceleration: float) -> None:
+        self.model = model
+        self.gate = gate
+        self.initial_acceleration = initial_acceleration
+        self.filter = filter_of(model)
+
+    @property
+    def x(self) -> Array:
+        return np.asarray(self.filter.x)
+
+    @property
+    def P(self) -> Array:  # noqa: N802
+        return np.asarray(self.filter.P)
+
+    def begin(self, x: Array, P: Array) -> None:
+        self.filter.x, self.filter.P = widened(x, P, self.model.size, self.initial_acceleration)
+
+    def predict(self, seconds: float) -> None:
+        self.filter.predict(**transition(self.model, seconds)._asdict())
+
+    def ahead(self, seconds: float) -> tuple[Array, Array]:
+        F, Q = transition(self.model, seconds)
+        return F @ self.x, F @ self.P @ F.T + Q
+
+    def update(self, xyz: Array, noise: Array, sure: bool, seconds: float) -> None:
+        offset = xyz - self.x[:3]
+        squared = float(offset @ np.linalg.solve(self.P[:3, :3] + noise, offset))
+        if sure and squared > self.gate**2:
+            wider = self.P.copy()
+            wider[:FIRST_ORDER, :FIRST_ORDER] += bounce_covariance(
+                offset[None], np.array([squared]), seconds
+            )[0]
+            self.filter.P = wider
+        self.filter.update(xyz, R=noise)
+        self.filter.P = (self.P + self.P.T) / 2
+
+    def slow(self, factor: float) -> None:
+        self.filter.x = np.concatenate([self.x[:3], self.x[3:] * factor])
+
+    def stop(self, xyz: Array) -> None:
+        self.filter.x = np.concatenate([xyz, np.zeros(self.model.size - 3)])
+
+    def parts(self) -> Sequence[Array]:
+        return self.x, self.P
+
+    def restore(self, parts: Sequence[Array]) -> None:
+        self.filter.x, self.filter.P = parts

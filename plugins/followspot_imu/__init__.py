@@ -1,0 +1,1 @@
+"""Inertial sensors: sources of readings, and the orientation that follows from them."""

@@ -1,0 +1,45 @@
+"""Stage `imu.csv`: readings of an inertial sensor from a file."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from followspot import Source, Stage, at
+from followspot.batches import BatchParams, batches
+from followspot.inertial import Inertial
+from followspot_imu.readings_file import FileParams, read_readings
+from followspot_imu.units import converted
+
+
+class ImuCsv(Stage):
+    """Readings from a CSV file: time, gx, gy, gz (gyroscope), ax, ay, az (accelerometer), and if there are
+    any, mx, my, mz (magnetometer).
+
+    Rows are sorted by time. A file of several sensors has a column `sensor` with their names in the room. A
+    magnetometer that reads less often leaves its cells empty.
+    """
+
+    per_sensor: ClassVar[bool] = True
+
+    class Params(FileParams, BatchParams):
+        """The file, its times, units and axes, and the size of messages."""
+
+    params: Params
+
+    def setup(self) -> None:
+        """Read the file whole. Raises InputError with file, line and remedy."""
+        p, name = self.params, self.sensor.name
+        time, values = read_readings(p, name, self.room.sensors)
+        if not len(time):
+            self.context.warn(f"{p.path} has no readings of sensor {name}")
+        self.readings = Inertial(name, time, *converted(values, p.scale, p.axes))
+
+    def length(self) -> int:
+        """Number of messages."""
+        return sum(1 for _ in batches(self.readings.time, self.params))
+
+    def process(self) -> Source[Inertial]:
+        """The readings, several in a message."""
+        for rows in batches(self.readings.time, self.params):
+            message = self.readings.where(rows)
+            yield at(int(message.time[-1]), message)

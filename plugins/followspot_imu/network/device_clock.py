@@ -1,0 +1,55 @@
+"""The time of a sensor's own clock in that of this computer."""
+
+from __future__ import annotations
+
+WINDOW = 10_000_000_000
+"""Time after which an old delay is forgotten, ns: clocks of devices drift by less than 1 ms in it."""
+RESTART = 1_000_000_000
+"""A device whose time goes back by more, ns, was started anew."""
+LEAST = 1000
+"""Smallest interval of capture times, ns."""
+
+
+class DeviceClock:
+    """Capture times of readings, which rise: device time plus the least offset of the last 10 to 20 s.
+
+    The offset is that of the clocks and the delay on the way, which varies; the least one is nearest to its
+    constant part, which no receiver can tell from the offset of the clocks.
+
+    restarts: of the device; interval: device time between the last two readings, ns, 0 if it is not known.
+    """
+
+    def __init__(self) -> None:
+        self.restarts = 0
+        self.interval = 0
+        self._device: int | None = None
+        self._last = -(1 << 62)
+        self._begin = 0
+        self._least: int | None = None
+        self._before: int | None = None
+
+    def capture_time(self, device: int | None, arrival: int) -> int | None:
+        """Time of a reading by this computer's clock; None for one that is not later than the one before.
+
+        device: None for a sensor that does not say; arrival: both ns.
+        """
+        self.interval = 0
+        if device is not None:
+            if self._device is not None and device < self._device - RESTART:
+                self.restarts += 1
+                self._device = self._least = self._before = None
+            if self._device is not None:
+                if device <= self._device:
+                    return None
+                self.interval = device - self._device
+            self._device = device
+        told = arrival if device is None else device + self._offset(arrival - device, arrival)
+        self._last = max(told, self._last + LEAST)
+        return self._last
+
+    def _offset(self, offset: int, arrival: int) -> int:
+        """The least offset, with one more."""
+        if self._least is None or not -WINDOW <= arrival - self._begin <= WINDOW:
+            self._before, self._least, self._begin = self._least, offset, arrival
+        self._least = min(self._least, offset)
+        return self._least if self._before is None else min(self._least, self._before)

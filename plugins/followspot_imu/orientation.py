@@ -1,0 +1,172 @@
+"""The orientation of an inertial sensor from its readings alone."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from followspot import Array, Field, Stage, StageParams
+from followspot.inertial import Inertial, Orientation
+from followspot.messages import MAX_TIME
+from followspot.rotation import canonical
+from followspot_imu.attitude import AttitudeFilter, Complementary
+from followspot_imu.versatile import Versatile
+
+NANOSECOND = 1e-9
+COUNTED = 32
+"""Readings over which the rate is measured if the room does not say it."""
+FIRST_INCLINATION = 0.2
+"""Sigma of the inclination at the first reading, rad."""
+BELIEVED = (100.0, 4000.0)
+"""Largest turn rate, rad/s, and specific force, m/s^2, of a sensor."""
+
+
+class FindOrientation(Stage):
+    """Find the orientation of a sensor from its readings; z is upward, the heading is arbitrary.
+
+    Readings are taken to come at the rate that the room says of the sensor, or else at that of the first
+    ones. Missing readings are interpolated; after a longer gap the filter begins anew.
+    """
+
+    class Params(StageParams):
+        """The filter."""
+
+        method: Literal["vqf", "complementary"] = Field(
+            "vqf",
+            description="vqf: accurate, learns the gyroscope's bias (pip install 'followspot[imu]'); "
+            "complementary: simple, needs no package",
+        )
+        rate: float = Field(
+            0.0, ge=0, le=1e5, unit="Hz", description="readings per second; 0: as the room says, or measured"
+        )
+        time_constant: float = Field(
+            3.0,
+            gt=0,
+            unit="s",
+            description="time over which the accelerometer corrects the inclination; raising it suits longer "
+            "accelerations, lowering it larger biases",
+        )
+        magnetometer: bool = Field(
+            False, description="use the magnetometer for the heading (vqf): only where no iron is near"
+        )
+        inclination_sigma: float = Field(
+            0.02, gt=0, unit="rad", description="sigma of the inclination in motion, as it is sent"
+        )
+        maximum_gap: float = Field(
+            0.5,
+            gt=0,
+            unit="s",
+            description="gap in the readings after which it begins anew; raising it bridges longer ones",
+        )
+
+    params: Params
+
+    def setup(self) -> None:
+        """Begin with an unknown orientation. Raises InputError if the method is not installed."""
+        served = self.context.member
+        sensor = self.room.sensors.get(served.name) if served and served.set == "sensors" else None
+        self.rate = self.params.rate or ((sensor.rate or 0.0) if sensor else 0.0)
+        self.filter_of(1 / COUNTED)
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget the orientation."""
+        self.filter: AttitudeFilter | None = None
+        self.period, self.count, self.magnetic = 0.0, 0, False
+        self.time, self.values = np.zeros(0, np.int64), np.zeros((0, 9))
+
+    def filter_of(self, period: float) -> AttitudeFilter:
+        """A new filter for readings of a period, s."""
+        kind = Versatile if self.params.method == "vqf" else Complementary
+        return kind(period, self.params.time_constant)
+
+    def process(self, readings: Inertial) -> Orientation | None:
+        time, values = believed(readings)
+        if len(self.time):
+            new = time > self.time[-1]
+            time, values = time[new], values[new]
+        if not len(time):
+            return None
+        if len(self.time) and (time[0] - self.time[-1]) * NANOSECOND > self.params.maximum_gap:
+            self.begin_anew()
+        self.time, self.values = np.concatenate([self.time, time]), np.concatenate([self.values, values])
+        first = len(self.time) - len(time)
+        if self.filter is None:
+            if not self.rate and len(self.time) < COUNTED:
+                return None
+            first = self.begin()
+        message = self.filtered(readings.sensor, first)
+        self.time, self.values = self.time[-1:], self.values[-1:]
+        return message
+
+    def begin(self) -> int:
+        """Make the filter for the readings so far; the first of them is number 0."""
+        self.period = 1 / self.rate if self.rate else float(np.median(np.diff(self.time))) * NANOSECOND
+        self.filter = self.filter_of(self.period)
+        self.magnetic = self.params.magnetometer and bool(np.isfinite(self.values[0, 6:]).all())
+        if self.params.magnetometer and not self.magnetic:
+            self.context.warn("the sensor has no magnetometer: the heading is arbitrary")
+        return 0
+
+    def filtered(self, sensor: str, first: int) -> Orientation:
+        """The orientations of the readings from one on, with the filter brought up to them."""
+        assert self.filter is not None
+        before = max(first - 1, 0)
+        values, index = evenly(self.time[before:], self.values[before:], self.period)
+        if first:
+            values, index = values[1:], index[1:] - 1
+        field = held(values[:, 6:]) if self.magnetic else None
+        found = self.filter.update(values[:, :3], values[:, 3:6], field)
+        age = (self.count + index + 1) * self.period
+        self.count += len(values)
+        sigma = np.hypot(
+            self.params.inclination_sigma, FIRST_INCLINATION * np.exp(-age / self.params.time_constant)
+        )
+        return Orientation(sensor, self.time[first:], canonical(found[index]), sigma)
+
+    def state(self) -> Any:
+        return {
+            "filter": self.filter.state() if self.filter else {},
+            "period": self.period,
+            "count": self.count,
+            "magnetic": self.magnetic,
+            "time": self.time,
+            "values": self.values,
+        }
+
+    def restore(self, state: Any) -> None:
+        self.period, self.count = float(state["period"]), int(state["count"])
+        self.magnetic = bool(state["magnetic"])
+        self.time, self.values = np.array(state["time"]), np.array(state["values"])
+        if state["filter"]:
+            self.filter = self.filter_of(self.period)
+            self.filter.restore(state["filter"])
+
+
+def believed(readings: Inertial) -> tuple[Array, Array]:
+    """Times (N,) ns, rising, and values (N, 9) of the readings that a sensor can give."""
+    values = np.concatenate([readings.turn_rate, readings.specific_force, readings.field], axis=1)
+    turning, force = np.abs(values[:, :3]).max(axis=1), np.abs(values[:, 3:6]).max(axis=1)
+    kept = (turning <= BELIEVED[0]) & (force <= BELIEVED[1]) & (np.abs(readings.time) <= MAX_TIME)
+    time, first = np.unique(readings.time[kept], return_index=True)
+    return time, values[kept][first]
+
+
+def evenly(time: Array, values: Array, period: float) -> tuple[Array, Array]:
+    """The readings, with those that are missing between them interpolated, and the row of each reading.
+
+    time: (N,) ns; values: (N, K). Returns (M, K), M >= N, and (N,).
+    """
+    steps = np.maximum(np.rint(np.diff(time) * (NANOSECOND / period)), 1).astype(np.int64)
+    index = np.concatenate([[0], np.cumsum(steps)])
+    if index[-1] == len(time) - 1:
+        return values, index
+    row = np.arange(index[-1] + 1)
+    return np.stack([np.interp(row, index, column) for column in values.T], axis=1), index
+
+
+def held(field: Array) -> Array:
+    """The field with the value before instead of unknown ones. field: (N, 3); the first row is known."""
+    known = np.isfinite(field).all(axis=1)
+    return np.asarray(field[np.maximum.accumulate(np.where(known, np.arange(len(field)), 0))])

@@ -1,0 +1,1 @@
+"""Inertial sensors on the balls of the simulated room."""

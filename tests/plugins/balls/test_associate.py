@@ -1,0 +1,131 @@
+"""Association of candidates with targets: the ball among paint, reflectors and other balls."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.plugins.balls.scene import blobs_of, forecast_at, make_room
+
+from followspot.messages import Array, seal
+from followspot.stage import Context
+from followspot.tracking import Blobs, Candidates, Forecast
+from followspot_balls.associate import Associate
+from followspot_balls.triangulate import Triangulate
+from followspot_balls.verify_pairs import VerifyPairs
+
+Place = tuple[float, float, float]
+ROOM = make_room()
+BALL: Place = (0.1, 0.2, 1.2)
+PATCH: Place = (0.4, 0.35, 1.4)
+COLOR, INFRARED = ("cam0", "cam2"), ("cam1", "cam3")
+EVERYWHERE = (*COLOR, *INFRARED)
+
+
+def views(shown: dict[Place, tuple[str, ...]], targets: list[list[bool]] | None = None) -> tuple[Blobs, ...]:
+    """Blobs of places in those cameras that show them. Infrared blobs may be anyone's."""
+    made = []
+    for name, camera in ROOM.cameras.items():
+        rows = [row for row, cameras in enumerate(shown.values()) if name in cameras]
+        owners = [[True, False]] * len(shown) if targets is None else targets
+        mine = [[True, True] if camera.kind == "infrared" else owners[row] for row in rows]
+        made.append(blobs_of(camera, [list(shown)[row] for row in rows], mine))
+    return tuple(made)
+
+
+def stage(**params: float) -> Associate:
+    made = Associate(Context(room=ROOM), **params)
+    made.setup()
+    return made
+
+
+def associated(to: Associate, blobs: tuple[Blobs, ...], forecast: Forecast | None) -> Candidates:
+    verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
+    verify.setup()
+    triangulate.setup()
+    pairs = seal(verify.process(blobs))
+    return to.process(seal(triangulate.process(pairs, forecast)), forecast)
+
+
+def red(found: Candidates) -> Array:
+    """Places of candidates of the first target."""
+    return np.asarray(found.xyz[found.targets[:, 0]])
+
+
+@pytest.mark.parametrize("forecast", [None, seal(Forecast.empty())])
+def test_a_ball_in_clear_view_is_found_at_once(forecast: Forecast | None) -> None:
+    found = red(associated(stage(), views({BALL: EVERYWHERE}), forecast))
+    assert found == pytest.approx(np.tile(BALL, (6, 1)), abs=1e-6)
+
+
+def test_paint_that_infrared_cameras_do_not_see_is_no_ball() -> None:
+    associate = stage()
+    for _ in range(30):
+        assert not len(associated(associate, views({PATCH: COLOR}), None).xyz)
+
+
+def test_a_track_on_paint_goes_silent_and_one_on_a_ball_stays() -> None:
+    for cameras, ends in ((COLOR, True), (EVERYWHERE[1:], False)):
+        associate = stage()
+        lengths = []
+        for _ in range(30):
+            found = associated(associate, views({PATCH: cameras}), forecast_at([PATCH, (-1, 0, 0.5)]))
+            lengths.append(len(red(found)))
+        assert (lengths[-1] == 0) == ends
+        assert not ends or lengths.index(0) <= 15, "within half a second"
+
+
+def test_infrared_blobs_alone_prolong_a_track_for_a_bounded_time() -> None:
+    associate = stage()
+    there = forecast_at([BALL, (-1, 0, 0.5)])
+    for _ in range(20):
+        associated(associate, views({BALL: EVERYWHERE}), there)
+    lengths = [len(red(associated(associate, views({BALL: INFRARED}), there))) for _ in range(40)]
+    assert lengths[0] > 0
+    assert lengths.index(0) <= 20
+    assert not any(lengths[lengths.index(0) :])
+
+
+def test_the_whole_ball_outvotes_fragments_beside_it() -> None:
+    """A right pair against more, but smaller blobs that agree on another place."""
+    beside = (BALL[0] + 0.06, BALL[1] - 0.05, BALL[2] + 0.08)
+    shown = {BALL: ("cam2", "cam1"), beside: ("cam0", "cam3", "cam1")}
+    small = tuple(
+        seal(replace(b, area=np.where(np.arange(len(b.area)) == len(b.area) - 1, 4.0, 28.0)))
+        if b.camera != "cam2"
+        else b
+        for b in views(shown)
+    )
+    found = red(associated(stage(), small, forecast_at([BALL, (-1, 0, 0.5)])))
+    assert len(found)
+    assert np.linalg.norm(found - BALL, axis=1).min() < 1e-6
+
+
+def test_an_infrared_blob_of_another_tracked_ball_is_not_taken() -> None:
+    other = (BALL[0] + 0.16, BALL[1], BALL[2])
+    owners = [[True, False], [False, True]]
+    shown = {BALL: ("cam0", "cam2", "cam3"), other: EVERYWHERE}
+    found = associated(stage(), views(shown, owners), forecast_at([BALL, other]))
+    assert np.linalg.norm(red(found) - BALL, axis=1).max() < 0.02
+    theirs = found.xyz[found.targets[:, 1]]
+    assert np.linalg.norm(theirs - other, axis=1).max() < 0.02
+
+
+def test_two_places_that_are_as_likely_wait() -> None:
+    twice = {BALL: EVERYWHERE, (-0.6, -0.5, 0.9): EVERYWHERE}
+    associate = stage()
+    for _ in range(5):
+        assert not len(associated(associate, views(twice), None).xyz)
+    for _ in range(5):
+        found = associated(associate, views({BALL: EVERYWHERE}), None)
+    assert len(red(found)) == 6
+
+
+def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:
+    associate, again = stage(), stage()
+    for _ in range(3):
+        associated(associate, views({PATCH: COLOR}), forecast_at([PATCH, (-1, 0, 0.5)]))
+    again.restore(associate.state())
+    assert [one.odds for one in again.existence] == [one.odds for one in associate.existence]
+    assert not len(associated(again, views({}), None).xyz)

@@ -1,0 +1,123 @@
+"""Existence of targets: evidence confirms, its absence ends, rivals make it wait."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from followspot_balls.existence import Existence, Places, Rules, Seen, followed, restored, sought
+
+RULES = Rules(
+    memory=0.9, drift=0.5, absent=0.5, bound=8.0, silent=-1.0, confirmed=2.0, margin=3.0, reach=0.15
+)
+HERE, THERE = (0.0, 0.0, 1.0), (0.5, 0.0, 1.0)
+
+
+def candidates(gains: dict[tuple[float, float, float], float], complete: bool = False) -> Seen:
+    count = len(gains)
+    xyz = np.array(list(gains), float).reshape(-1, 3)
+    return Seen(xyz, np.array(list(gains.values()), float), np.full(count, complete))
+
+
+def after(
+    frames: int, gains: dict[tuple[float, float, float], float], alike: int = 0, complete: bool = False
+) -> list[int]:
+    """The candidate that is certain in each frame."""
+    existence, chosen = Existence.unknown(), []
+    for _ in range(frames):
+        existence, one = sought(existence, candidates(gains, complete), None, alike, RULES)
+        chosen.append(one)
+    return chosen
+
+
+def test_evidence_of_nothing_ends_a_long_standing_target_in_a_bounded_time() -> None:
+    existence = Existence.unknown()
+    for _ in range(1000):
+        existence = followed(existence, 6.0, np.array(HERE), RULES)
+    assert existence.odds == RULES.bound
+    frames = 0
+    while existence.odds >= RULES.silent:
+        existence = followed(existence, 0.0, np.array(HERE), RULES)
+        frames += 1
+    assert 10 <= frames <= 20
+    assert existence.places.xyz == pytest.approx(np.array([HERE]))
+    assert existence.places.odds == pytest.approx([existence.odds])
+
+
+def test_weak_evidence_in_every_frame_keeps_a_target() -> None:
+    existence = Existence.unknown()
+    for _ in range(100):
+        existence = followed(existence, 0.6, np.array(HERE), RULES)
+    assert existence.odds == pytest.approx(1.0, abs=0.01)
+    assert not len(existence.places.odds)
+
+
+def test_odds_are_bounded_below_too() -> None:
+    existence = Existence.unknown()
+    for _ in range(50):
+        existence = followed(existence, -20.0, np.array(HERE), RULES)
+    assert existence.odds == -RULES.bound
+
+
+def test_strong_evidence_is_certain_at_once_and_weak_evidence_after_some_frames() -> None:
+    assert after(1, {HERE: 6.0}) == [0]
+    assert after(4, {HERE: 1.2, THERE: 0.0}) == [-1, -1, -1, 0]
+    assert after(30, {HERE: 0.4, THERE: -0.5}) == [-1] * 30
+
+
+def test_a_place_far_ahead_of_its_rivals_needs_little_evidence() -> None:
+    assert after(1, {HERE: 1.0, THERE: -6.0}) == [0]
+    assert after(1, {HERE: 1.0, THERE: -4.9}) == [-1]
+    assert after(1, {HERE: 0.4, THERE: -9.0}) == [-1]
+
+
+def test_two_places_wait_until_one_leads() -> None:
+    assert after(20, {HERE: 3.0, THERE: 3.0}) == [-1] * 20
+    assert after(4, {THERE: 1.5, HERE: 3.0})[-1] == 1
+
+
+def test_places_of_targets_that_look_the_same_are_no_rivals() -> None:
+    assert after(1, {HERE: 6.0, THERE: 5.0}, alike=1) == [0]
+    assert after(1, {HERE: 6.0, THERE: 5.0, (0, 1, 1): 5.0}, alike=1) == [-1]
+
+
+def test_three_views_that_agree_need_less() -> None:
+    assert after(1, {HERE: 1.2, THERE: -1.5}, complete=True) == [0]
+    assert after(1, {HERE: 1.2, THERE: -1.5}) == [-1]
+    assert after(1, {HERE: 1.2, THERE: 0.0}, complete=True) == [-1], "but still a lead"
+
+
+def test_a_place_that_was_certain_stays_so_while_more_speaks_for_it() -> None:
+    existence, _ = sought(Existence.unknown(), candidates({HERE: 6.0}), None, 0, RULES)
+    assert existence.found
+    existence, one = sought(existence, candidates({HERE: -1.0, THERE: 3.0}), None, 0, RULES)
+    assert one == 0
+    existence, one = sought(existence, candidates({HERE: -6.0, THERE: -0.5}), None, 0, RULES)
+    assert one == -1, "and does not pass its certainty on"
+
+
+def test_a_place_moves_with_its_candidates() -> None:
+    existence = Existence.unknown()
+    for step in range(20):
+        place = (0.1 * step, 0.0, 1.0)
+        existence, one = sought(existence, candidates({place: 1.2}), None, 0, RULES)
+    assert one == 0
+    assert existence.places.xyz == pytest.approx(np.array([place]))
+
+
+def test_a_place_where_nobody_looked_waits_and_an_empty_one_falls() -> None:
+    places = Places(np.array([HERE, THERE]), np.array([2.0, 1.0]))
+    before = Existence(0.0, False, places)
+    existence, one = sought(before, candidates({}), np.array(HERE), 0, RULES)
+    assert one == -1
+    assert dict(zip(existence.places.xyz[:, 0], existence.places.odds, strict=True)) == pytest.approx(
+        {0.0: 0.9 * 2 - 1.0, 0.5: 1.0}
+    )
+
+
+def test_the_state_of_a_stage_brings_it_back() -> None:
+    before = Existence(1.5, True, Places(np.array([HERE]), np.array([2.0])))
+    again = restored({**before._asdict(), "places": before.places._asdict()})
+    assert again[:2] == before[:2]
+    assert again.places.xyz == pytest.approx(before.places.xyz)
+    assert again.places.odds == pytest.approx(before.places.odds)

@@ -1,0 +1,122 @@
+"""A ball's likelihood ratio: which blobs speak for a ball, which for paint, light, reflectors or chance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from followspot.messages import Array
+from followspot_balls.likelihood import (
+    Likely,
+    Model,
+    Sight,
+    ball_ratio,
+    clutter_density,
+    coincidences,
+    densities,
+    information,
+    likeliest,
+    view_ratios,
+)
+
+MODEL = Model(0.6, 0.015, 3.0, 0.8, 0.12, 0.6)
+COLOR = np.array([True, True, False, False])
+NO_CHANCE = np.zeros((3, 1))
+
+
+def seen(distances: list[float], shares: list[float], radius: float = 4.0) -> Sight:
+    """Blobs of one view at distances (px) from the image of one place."""
+    count = len(distances)
+    return Sight(
+        np.square(distances).reshape(1, 1, count),
+        np.array(shares).reshape(1, 1, count),
+        np.full((1, 1), radius),
+        np.ones((1, 1, count), bool),
+        np.ones((1, 1), bool),
+    )
+
+
+def ratio(views: list[float], other: float = 1.0, color: Array = COLOR) -> float:
+    return float(ball_ratio(np.array([views]), color, NO_CHANCE, other)[0])
+
+
+def test_a_density_is_one_over_all_places_of_the_blob() -> None:
+    across = np.linspace(-20, 20, 401)
+    x, y = np.meshgrid(across, across)
+    sight = seen(np.hypot(x, y).ravel().tolist(), [0.5] * x.size)
+    assert densities(MODEL, sight)[0].sum() * 0.1**2 == pytest.approx(1.0, rel=1e-3)  # 2 * share
+
+
+def test_a_fragment_says_less_than_a_whole_ball_and_may_be_farther_off() -> None:
+    (whole, small), (near, far) = densities(MODEL, seen([0, 0], [1.0, 0.2]))[0][0, 0], (0, 3)
+    assert small < 0.2 * whole
+    whole_far, small_far = densities(MODEL, seen([far, far], [1.0, 0.2]))[0][0, 0]
+    assert small_far / small > 10 * whole_far / whole
+    assert near == 0
+
+
+def test_merged_light_and_a_vague_place_widen_the_density() -> None:
+    alone, merged = densities(MODEL, seen([0, 0], [1.0, 1.8]))[1][0, 0]
+    assert merged > alone + 2.0
+    assert densities(MODEL, seen([0], [1.0]), 3.0)[1][0, 0, 0] == pytest.approx(alone + 3.0)
+
+
+def test_what_cannot_be_the_target_has_no_density() -> None:
+    sight = seen([0], [1.0])._replace(possible=np.zeros((1, 1, 1), bool))
+    assert densities(MODEL, sight)[0] == 0
+
+
+def test_other_blobs_nearby_count_as_clutter_and_far_ones_do_not() -> None:
+    least = MODEL.clutter / 4.0**2
+    assert clutter_density(MODEL, seen([0], [1.0])) == pytest.approx(least)
+    assert clutter_density(MODEL, seen([0, 12.1], [1.0, 1.0])) == pytest.approx(least)
+    three = clutter_density(MODEL, seen([0, 5, 6, 7], [1.0, 0.2, 0.2, 0.2]))
+    assert three == pytest.approx(3 / (np.pi * 12**2))
+
+
+def test_a_blob_that_is_another_target_is_no_evidence() -> None:
+    sight, nobody = seen([0], [1.0]), np.zeros((1, 1, 1))
+    alone = view_ratios(MODEL, likeliest(MODEL, sight, nobody), sight.inside)
+    theirs = view_ratios(MODEL, likeliest(MODEL, sight, nobody + 0.5), sight.inside)
+    assert alone > 3
+    assert theirs < 0
+
+
+def test_the_likeliest_blob_is_the_nearest_of_equal_ones() -> None:
+    likely = likeliest(MODEL, seen([2, 0.5, 3], [1.0, 1.0, 1.0]), np.zeros((1, 1, 3)))
+    assert likely.slot == 1
+
+
+def test_a_view_without_the_blob_speaks_against_the_place_unless_it_cannot_see_it() -> None:
+    sight = seen([30], [1.0])
+    likely = likeliest(MODEL, sight, np.zeros((1, 1, 1)))
+    assert view_ratios(MODEL, likely, sight.inside)[0, 0] == pytest.approx(np.log(0.4), abs=1e-6)
+    assert view_ratios(MODEL, likely, np.zeros((1, 1), bool))[0, 0] == 0
+
+
+def test_only_both_kinds_of_cameras_tell_a_ball() -> None:
+    assert ratio([5, 5, 5, 5]) > 9
+    assert ratio([9, 9, -1, -1]) < -1.9, "paint or light"
+    assert ratio([-1, -1, 9, 9]) < -1.9, "a reflector"
+    assert ratio([9, 9, -1, -1], other=0.1) == pytest.approx(ratio([9, 9, -1, -1]) + np.log(10), abs=1e-3)
+
+
+@pytest.mark.parametrize("kind", [True, False])
+def test_with_one_kind_of_camera_all_views_add_up(kind: bool) -> None:
+    assert ratio([2, 3, -1, 4], color=np.full(4, kind)) == pytest.approx(8)
+
+
+def test_a_lone_pair_may_be_a_coincidence_the_more_so_the_less_was_known() -> None:
+    rays = np.array([[[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-0.6, 0.8, 0]]])
+    slot = np.zeros((1, 4), int)
+
+    def chance(views: list[float], sigma: float) -> Array:
+        likely = Likely(slot, np.ones((1, 4)), np.ones((1, 4)))
+        known = information(rays, np.full((1, 4), 40.0), likely, np.array([views], float))
+        return coincidences(known, COLOR, np.array([1 / sigma**2]))[:, 0]
+
+    pair = [5, -1, 5, -1]
+    assert (chance(pair, 0.15) < 0).all()
+    assert (chance(pair, 0.15) < chance(pair, 0.05) - 0.5).all()
+    assert chance([5, 5, 5, -1], 0.15)[1] > chance(pair, 0.15)[1] + 0.5, "two colour views fix the place"
+    assert chance([-1] * 4, 0.15) == pytest.approx(0)

@@ -1,0 +1,137 @@
+"""`imu.orientation`: inclination from readings alone, by either method."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from followspot import Array, Context, Member, Room, Sensor, at
+from followspot.errors import InputError
+from followspot.inertial import Inertial, Orientation
+from followspot.messages import identical, seal
+from followspot.rotation import from_rotation_vector, inverse, multiply, rotation_vector, turned
+from followspot_imu.orientation import FindOrientation
+
+RATE = 100.0
+METHODS = ["vqf", "complementary"]
+
+
+def quaternion(time: Array) -> Array:
+    """A sensor that rests for 2 s, then swings about all axes."""
+    s = np.maximum(time - 2.0, 0.0)[:, None]
+    swing = np.array([0.8, 0.5, 0.3]) * np.sin(s * np.array([1.1, 1.7, 0.6]))
+    return multiply(from_rotation_vector(swing), from_rotation_vector(np.array([0.4, -0.3, 0.9])))
+
+
+def messages(seconds: float, bias: float = 0.0, count: int = 5, rate: float = RATE) -> list[Inertial]:
+    time = np.arange(round(seconds * rate)) / rate
+    q, before, after = (quaternion(time + shift) for shift in (0.0, -0.5 / rate, 0.5 / rate))
+    turning = rotation_vector(multiply(inverse(before), after)) * rate + bias
+    force = turned(inverse(q), np.array([0.0, 0.0, 9.81]))
+    stamp = np.rint(time * 1e9).astype(np.int64)
+    parts = [slice(i, i + count) for i in range(0, len(time), count)]
+    return [
+        seal(
+            at(
+                int(stamp[p][-1]),
+                Inertial("imu0", stamp[p], turning[p], force[p], np.full_like(force[p], np.nan)),
+            )
+        )
+        for p in parts
+    ]
+
+
+def stage(rate: float | None = RATE, **params: object) -> FindOrientation:
+    room = Room(sensors={"imu0": Sensor("imu0", "imu", rate=rate)})
+    made = FindOrientation(Context(room=room, member=Member("sensors", "imu0")), **params)
+    made.setup()
+    return made
+
+
+def inclinations(found: list[Orientation]) -> Array:
+    """Angle between the true and the found direction upward at each reading, degrees."""
+    up = np.array([0.0, 0.0, 1.0])
+    angles = []
+    for message in found:
+        true = turned(inverse(quaternion(message.time / 1e9)), up)
+        angles.append(np.arccos(np.clip((turned(inverse(message.quaternion), up) * true).sum(axis=1), -1, 1)))
+    return np.degrees(np.concatenate(angles))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rate", [RATE, None])
+def test_inclination_is_right_and_heading_steady(method: str, rate: float | None) -> None:
+    made = stage(rate, method=method)
+    found = [out for m in messages(12.0) if (out := made.process(m)) is not None]
+    assert sum(len(m.time) for m in found) == 1200
+    assert inclinations(found)[100:].max() < 1.0
+    heading = [
+        rotation_vector(multiply(m.quaternion, inverse(quaternion(m.time / 1e9))))[:, 2] for m in found
+    ]
+    drift = np.degrees(np.concatenate(heading)[200:])
+    assert np.ptp(drift) < 1.0
+    sigma = np.concatenate([m.inclination_sigma for m in found])
+    assert sigma[0] > 0.1
+    assert sigma[-1] < 0.03
+
+
+def test_vqf_learns_the_bias_of_the_gyroscope() -> None:
+    found = {}
+    for method in METHODS:
+        made = stage(method=method)
+        found[method] = inclinations([m for r in messages(12.0, 0.01) if (m := made.process(r)) is not None])[
+            600:
+        ]
+    assert found["vqf"].max() < 1.0
+    assert found["complementary"].max() > 1.0
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_missing_readings_are_interpolated(method: str) -> None:
+    made = stage(method=method)
+    kept = [m for n, m in enumerate(messages(12.0)) if n % 7 != 3]
+    assert inclinations([out for m in kept if (out := made.process(m)) is not None])[100:].max() < 2.0
+
+
+def test_long_gap_begins_anew() -> None:
+    made = stage()
+    found = [
+        m for r in messages(8.0) if not 4.0 < r.header.time / 1e9 < 6.0 and (m := made.process(r)) is not None
+    ]
+    sigma = np.concatenate([m.inclination_sigma for m in found])
+    time = np.concatenate([m.time for m in found]) / 1e9
+    assert sigma[time < 4.0][-1] < 0.1
+    assert sigma[time > 6.0][0] > 0.15
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_replacement_carries_on_bit_for_bit(method: str) -> None:
+    one, other = stage(method=method), stage(method=method)
+    readings = messages(6.0)
+    for m in readings[:70]:
+        one.process(m)
+    other.restore(one.state())
+    for m in readings[70:]:
+        a, b = one.process(m), other.process(m)
+        assert a is not None
+        assert b is not None
+        assert identical(a, b)
+
+
+def test_package_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "vqf", None)
+    with pytest.raises(InputError, match="not installed") as raised:
+        stage()
+    assert "pip install 'followspot[imu]'" in str(raised.value)
+    stage(method="complementary")
+
+
+def test_repeated_and_unknown_readings_are_left_out() -> None:
+    made = stage()
+    first, second = messages(0.1)
+    assert made.process(first) is not None
+    assert made.process(first) is None
+    broken = Inertial("imu0", second.time, second.turn_rate * np.nan, second.specific_force, second.field)
+    assert made.process(seal(at(second.header.time, broken))) is None
