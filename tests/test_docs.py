@@ -27,7 +27,14 @@ from followspot_calibrate.triangulation import triangulate
 ROOT = Path(__file__).parent.parent
 PAGES = {page.name: page.read_text() for page in (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))}
 GRAPHS = ROOT / "graphs"
-TRIED_ELSEWHERE = ("README.md", "composing.md", "other_programs.md", "reference.md", "tutorial.md")
+TRIED_ELSEWHERE = (
+    "README.md",
+    "composing.md",
+    "inertial.md",
+    "other_programs.md",
+    "reference.md",
+    "tutorial.md",
+)
 """Tests of their own try these pages; in the reference `...` stands where a graph says more."""
 READY = {"distribution.md": "person_panorama.yaml"}
 """The ready graph that a page speaks of, where it is not the demo's."""
@@ -90,6 +97,18 @@ def test_every_part_of_a_room_shown_fits_the_simulated_room(block: str, tmp_path
     (tmp_path / "room.yaml").write_text(yaml.safe_dump(room))
     plan = compile_graph(GRAPHS / "glowballs.yaml", room=str(tmp_path / "room.yaml"))
     assert not [note for note in plan.notes if "tune" in note]
+
+
+def test_the_graph_and_the_sensors_shown_fit_the_simulated_room(tmp_path: Path) -> None:
+    graph, sensors = blocks("inertial.md", "yaml")
+    (tmp_path / "ring.csv").touch()
+    room = yaml.safe_load((GRAPHS / "rooms" / "simulated_imu.yaml").read_text())
+    room["sensors"] = yaml.safe_load(sensors)["sensors"]
+    (tmp_path / "room.yaml").write_text(yaml.safe_dump(room))
+    (tmp_path / "graph.yaml").write_text(graph.replace(": graphs/", f": {GRAPHS}/"))
+    assert compile_graph(tmp_path / "graph.yaml").warnings == ()
+    plan = compile_graph(tmp_path / "graph.yaml", room=tmp_path / "room.yaml")
+    assert {"imu/wand", "imu/ring", "orientation/ring"} <= {stage.name for stage in plan.stages}
 
 
 def test_no_page_shows_python_that_no_test_runs() -> None:

@@ -1,6 +1,7 @@
-"""Bouncing balls: errors of `balls.kalman` beside those of the triangulated points that it reads.
+"""Bouncing balls: errors of a filter beside those of the triangulated points that it reads.
 
     python tools/bench_bounces.py ../shared/data/ball-trajectories-tt3d
+    python tools/bench_bounces.py FOLDER --filter filters.kalman_filterpy --set model=imm
 
 The folder holds 3D_gt/NNN.csv, positions of real table-tennis balls at about 180 Hz, and VIEW/NNN.csv, where
 virtual cameras see them at 25 Hz with 2 px of noise, of VIEW.yaml each. For every set of views: RMSE of the
@@ -15,6 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -37,6 +39,7 @@ STEEP = 0.5
 MARGIN = 3
 """Samples at 180 Hz before and after a moment that this speed is taken over."""
 NANOSECONDS = 1e9
+OWN = "balls.kalman"
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,10 +104,10 @@ def measured(xyz: Array, covariance: Array) -> Positions:
     return Positions(**row | {"support": np.full(1, 9, np.int32), "confirmed": np.ones(1, bool)})
 
 
-def filtered(time: Array, points: Array, covariance: Array, **params: float) -> Array:
-    """Output of `balls.kalman` for the points of one ball, (N, 3) m."""
+def filtered(time: Array, points: Array, covariance: Array, uses: str = OWN, **params: float | str) -> Array:
+    """Output of a filter for the points of one ball, (N, 3) m; uses: name of the stage."""
     room = Room(targets={"ball": Target("ball", 0.02)})
-    stage = load_stage("balls.kalman")(Context(room=room), **params)
+    stage = load_stage(uses)(Context(room=room), **params)
     stage.setup()
     found = []
     for moment, xyz, spread in zip(time, points, covariance, strict=True):
@@ -118,8 +121,8 @@ Figures = dict[str, dict[str, float]]
 """RMSE, mm: by "all frames" and "at bounces", then by method."""
 
 
-def measure(folder: Path, **params: float) -> dict[str, Figures]:
-    """Figures of each set of views; params: of `balls.kalman`."""
+def measure(folder: Path, **params: float | str) -> dict[str, Figures]:
+    """Figures of each set of views; params: of the filter, and its name (`uses`)."""
     cameras, all_flights = [camera_of(folder / f"{view}.yaml") for view in VIEWS], list(flights(folder))
     sets = [chosen for size in (3, 2) for chosen in combinations(range(len(VIEWS)), size)]
     return {
@@ -131,7 +134,7 @@ def measure(folder: Path, **params: float) -> dict[str, Figures]:
 
 
 def _of_views(
-    cameras: Sequence[Camera], chosen: Sequence[int], all_flights: Sequence[Flight], params: dict[str, float]
+    cameras: Sequence[Camera], chosen: Sequence[int], all_flights: Sequence[Flight], params: dict[str, Any]
 ) -> Figures:
     squares: dict[str, list[Array]] = {"no filter": [], "filter": [], "filter, covariance": []}
     for flight in all_flights:
@@ -160,14 +163,22 @@ def _columns(path: Path, *names: str) -> Array:
     return np.column_stack([table[name] for name in names])
 
 
+def _number(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
 def main() -> None:
     """Measure and print a table, RMSE in mm."""
     parser = options_of(__doc__)
     parser.add_argument("folder", type=Path, help="with 3D_gt, side, oblique, back")
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=NUMBER", help="of balls.kalman")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of the filter")
+    parser.add_argument("--filter", default=OWN, metavar="STAGE", help="by default balls.kalman")
     args = parser.parse_args()
-    params = {key: float(value) for key, value in (option.split("=") for option in args.set)}
-    result = measure(args.folder, **params)
+    params = {key: _number(value) for key, value in (option.split("=") for option in args.set)}
+    result = measure(args.folder, uses=args.filter, **params)
     if args.json:
         print(json.dumps(result))
         return

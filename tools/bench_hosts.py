@@ -102,10 +102,11 @@ def main() -> int:
     parser = options_of(__doc__)
     parser.add_argument("--rounds", type=int, default=3)
     names = [*CASES, FAULTS]
-    parser.add_argument("--only", nargs="+", choices=names, default=names, metavar="CASE")
+    parser.add_argument("--only", nargs="+", action="extend", choices=names, metavar="CASE")
     args = parser.parse_args()
-    found = played([name for name in args.only if name != FAULTS], args.rounds)
-    faults = inflicted(args.rounds) if FAULTS in args.only else {}
+    chosen = args.only or names
+    found = played([name for name in chosen if name != FAULTS], args.rounds)
+    faults = inflicted(args.rounds) if FAULTS in chosen else {}
     print(json.dumps({"cases": found, "faults": faults}) if args.json else tables(found, faults))
     return 0
 

@@ -46,6 +46,7 @@ class Mix(NamedTuple):
         return " + ".join(kinds) + (", one target" if self.targets == 1 else "")
 
 
+SEEDS = (101, 102, 103, 104)
 MIXES = (
     Mix(3, 3),
     Mix(2, 1),
@@ -136,10 +137,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--graph", default=str(ROOT / "graphs/glowballs.yaml"))
     parser.add_argument("--room", type=Path, default=ROOT / "graphs/rooms/simulated.yaml")
-    parser.add_argument("--seeds", type=int, nargs="+", default=[101, 102, 103, 104])
+    parser.add_argument("--seeds", type=int, nargs="+", action="extend", help="default: 101 to 104")
     parser.add_argument("--frames", type=int, default=600)
     parser.add_argument("--set", action="append", default=[], metavar="STAGE.KEY=VALUE")
-    parser.add_argument("--mix", nargs="+", help="only these: 3+3, 0+3:1 (one target), 0+0+2 (depth)")
+    mixes = "only these: 3+3, 0+3:1 (one target), 0+0+2 (depth)"
+    parser.add_argument("--mix", nargs="+", action="extend", help=mixes)
     args = parser.parse_args()
     room = room_file.load(args.room)
     settings = dict(text.split("=", 1) for text in args.set)
@@ -147,7 +149,7 @@ def main() -> None:
     print("|---|---:|---:|---:|---:|---:|---:|---:|")
     for mix in MIXES if args.mix is None else map(parsed, args.mix):
         found: list[dict[str, Any]] = []
-        for seed in args.seeds:
+        for seed in args.seeds or SEEDS:
             here = part(room, mix, seed, args.frames)
             told = {} if mix.color else {"track.marks": first_positions(here)}
             with TemporaryDirectory() as folder:

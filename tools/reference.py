@@ -30,7 +30,7 @@ standard deviation.
 _FOLDERS = re.compile(r"/\S*/(?=followspot_\w+/)")
 """Path of this checkout; names of files that come with a plugin begin at the plugin."""
 
-_GIVING = {"one": "{}", "several": "Outputs[{}]", "later": "Deferred[{}]"}
+_GIVING = {"one": "{}", "several": "Outputs[{}]", "later": "Deferred[{}]", "lagged": "Lagged[{}]"}
 
 
 def reference() -> str:

@@ -122,6 +122,25 @@ class Hosts:
         inside = ("ip", "netns", "exec", self.space("hub"))
         subprocess.run([*inside, "tc", "qdisc", *words], check=True, capture_output=True)
 
+    def throttle(self, name: str, rate: str) -> None:
+        """Let a host send no faster than a rate, such as "2mbit"; packets queue for up to 1 s."""
+        words = (
+            "tc",
+            "qdisc",
+            "add",
+            "dev",
+            "eth0",
+            "root",
+            "tbf",
+            "rate",
+            rate,
+            "burst",
+            "8kb",
+            "latency",
+            "1s",
+        )
+        subprocess.run(["ip", "netns", "exec", self.space(name), *words], check=True, capture_output=True)
+
     def start(
         self, host: str, *words: str | Path, env: Mapping[str, str] | None = None
     ) -> subprocess.Popen[str]:

@@ -43,10 +43,16 @@ CASES = {
     "building": Case("building.yaml", "merge.out", ("hall/fuse", "balls.mean")),
     "building, a whole zone": Case("building.yaml", "merge.out", ("stage", str(GRAPHS / BALLS))),
     "markers": Case("markers.yaml", "poses.poses", ("poses", "vision.marker_poses")),
+    "show": Case("show.yaml", "balls/track.tracks", ("balls/fuse", "balls.mean")),
 }
+HEAVY = {"show"}
+MARKED = [
+    pytest.param(case, id=name, marks=[pytest.mark.thorough] * (name in HEAVY))
+    for name, case in CASES.items()
+]
 
 
-@pytest.mark.parametrize("case", CASES.values(), ids=CASES)
+@pytest.mark.parametrize("case", MARKED)
 def test_a_graph_in_its_room_gives_the_same_in_any_placement_and_can_be_changed(
     case: Case, tmp_path: Path
 ) -> None:

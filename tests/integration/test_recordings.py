@@ -12,6 +12,7 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from tests.integration.running import COMMAND, balanced
 
@@ -29,8 +30,8 @@ def command(*words: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, check=False)
 
 
-def track(room: Path, out: Path, *options: str) -> dict[str, Any]:
-    done = command("run", GRAPH, "--room", room, "--out", out, "--json", "--quiet", *options)
+def track(room: Path, out: Path, *options: str, graph: Path = GRAPH) -> dict[str, Any]:
+    done = command("run", graph, "--room", room, "--out", out, "--json", "--quiet", *options)
     assert done.returncode == 0, done.stderr + done.stdout
     summary: dict[str, Any] = json.loads(done.stdout)
     assert balanced(summary)
@@ -89,6 +90,48 @@ def test_every_target_is_tracked_as_accurately_as_promised(
 def test_the_bundle_is_better_than_mean_shift_for_every_target(scores: dict[str, dict[str, Any]]) -> None:
     for name, mean_shift in scores["balls.mean_shift"].items():
         assert scores["balls.bundle"][name]["rmse_mm"] < mean_shift["rmse_mm"], name
+
+
+@pytest.mark.parametrize(
+    "sequence", ["dev3", *(pytest.param(s, marks=pytest.mark.thorough) for s in ("dev1", "dev4"))]
+)
+def test_smoothed_tracks_are_more_accurate_and_less_rough_and_else_the_same(
+    rooms: dict[str, Path], scores: dict[str, dict[str, Any]], tmp_path: Path, sequence: str
+) -> None:
+    smooth = track(
+        rooms[sequence], tmp_path, "--set", "fuse.uses=balls.bundle", graph=GRAPH.with_name("smooth.yaml")
+    )["targets"]
+    raw = {name: scores["balls.bundle"].get(f"{sequence} {name}") for name in smooth}
+    pairs = [(raw[name], target) for name, target in smooth.items() if target["frames"] > 0]
+    for before, after in pairs:
+        assert before is not None
+        for same in ("coverage", "identity_switches", "false_positions", "recovery_worst"):
+            assert after[same] == before[same]
+        assert after["rmse_mm"] < 5.8
+        assert after["jerk_cost"] < before["jerk_cost"]
+    means = [
+        np.mean([[pair["rmse_mm"], pair["median_mm"]] for pair in side], axis=0)
+        for side in zip(*pairs, strict=True)
+    ]
+    assert means[1][0] < 0.95 * means[0][0]
+    assert means[1][0] < 4.0
+    assert means[1][1] < 2.9
+
+
+def test_a_filter_of_another_package_takes_the_place_of_the_default(
+    rooms: dict[str, Path], tmp_path: Path
+) -> None:
+    pytest.importorskip("filterpy")
+    tables = []
+    for name in ("balls.kalman", "filters.kalman_filterpy"):
+        track(rooms["dev1"], tmp_path / name, "--frames", "40", "--set", f"track.uses={name}")
+        rows = [line.split(",") for line in (tmp_path / name / "tracks.csv").read_text().splitlines()[1:]]
+        tables.append(rows)
+    ours, theirs = tables
+    assert len(ours) > 70
+    assert [row[:4] for row in ours] == [row[:4] for row in theirs]
+    numbers = [np.array([row[4:10] for row in rows], float) for rows in tables]
+    np.testing.assert_allclose(*numbers, atol=2e-6)
 
 
 @pytest.mark.thorough

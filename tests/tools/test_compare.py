@@ -7,6 +7,7 @@ import math
 import re
 import shlex
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +16,14 @@ import pytest
 from followspot.cli.main import build_parser, main
 from followspot.errors import InputError
 from followspot.testing.tiny_room import tiny_room
-from followspot_accuracy import TargetScore, TrackTable
+from followspot_accuracy import TargetScore, TrackTable, TruthTable
+from followspot_accuracy.targets.figures import Recoveries
 from followspot_compare.columns import COLUMNS
 from followspot_compare.command import plan_scenes
 from followspot_compare.plot import MISSING, draw
-from followspot_compare.recorded import detection_errors, read_fused
+from followspot_compare.recorded import detection_errors, pair_counts, read_fused
 from followspot_compare.report import Comparison, data, text
-from followspot_compare.trial import TargetFigures, Trial
+from followspot_compare.trial import TargetFigures, Trial, recovery_of
 from followspot_compare.variants import read_variants
 
 ROOT = Path(__file__).parents[2]
@@ -167,6 +169,42 @@ def test_several_targets_share_a_mean_a_sum_or_the_worst() -> None:
     ghost = figures(math.nan, frames=0, coverage=math.nan, jerk_cost=9.0, identity_switches=1)
     assert column("jerk_cost", a, ghost) == 0.001
     assert column("switches", a, ghost) == 2
+
+
+def test_false_recoveries_are_a_share_of_all_recoveries_and_of_all_frames_sought() -> None:
+    a = replace(figures(), recovery=Recoveries(sought=60, found=3, false=1), pairs=(12.0, 10.0, 18.0))
+    b = replace(figures(), recovery=Recoveries(sought=40, found=1, false=0), pairs=(14.0, 8.0, 15.0))
+    ghost = replace(figures(frames=0), recovery=Recoveries(sought=100, found=1, false=1))
+    assert column("false_recovery_percent", a, b) == 25.0
+    assert column("false_recovery_percent", a, b, ghost) == 40.0
+    assert column("false_sought_percent", a, b) == 1.0
+    assert math.isnan(column("false_recovery_percent", figures()))
+    assert [column(key, a, b, ghost) for key in ("pairs", "pairs_p5", "pairs_p95")] == [13.0, 9.0, 16.5]
+
+
+def test_recoveries_are_right_within_15_cm_and_those_of_an_absent_target_never() -> None:
+    time = np.arange(4) / 30
+    xyz = np.zeros((4, 1, 3))
+    seen = np.ones((4, 1), bool)
+    truth = TruthTable(("red",), time, xyz, ~seen, seen, seen)
+    place = np.array([[0.2, 0, 0], [0.1, 0, 0], [0, 0, 0]])
+    tracks = TrackTable(("red", "blue"), time[[0, 2, 3]], np.array([0, 0, 1]), np.ones(3, "u1"), place)
+    assert recovery_of(tracks, truth, "red") == (2, 2, 1)
+    assert recovery_of(tracks, truth, "blue") == (4, 1, 1)
+
+
+def test_pairs_of_a_target_are_counted_in_each_frame_that_has_its_track(tmp_path: Path) -> None:
+    lines = [
+        {"time": 1_000_000_000, "rows": [{"targets": "red blue"}, {"targets": "blue"}]},
+        {"time": 1_033_333_333, "rows": [{"targets": "red"}]},
+        {"time": 1_066_666_667, "rows": [{"targets": "red"}, {"targets": "red"}, {"targets": ""}]},
+    ]
+    (tmp_path / "pairs.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+    time = np.array([1.0, 1.033333333, 1.0])
+    tracks = TrackTable(("blue", "red"), time, np.array([0, 0, 1]), np.ones(3, "u1"), np.zeros((3, 3)))
+    counts = pair_counts(tmp_path, tracks, ("red", "blue"))
+    assert {name: count.tolist() for name, count in counts.items()} == {"blue": [2, 0], "red": [1]}
+    assert pair_counts(tmp_path / "elsewhere", tracks, ("red", "blue")) == {}
 
 
 def test_ratio_compares_means_over_all_rooms_with_those_of_the_first_variant() -> None:

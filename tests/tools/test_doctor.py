@@ -135,6 +135,33 @@ def test_a_depth_camera_says_how_much_it_measures(tmp_path: Path) -> None:
         assert "% of the pixels measured" in told.findings[name]["text"]
 
 
+SENSORS = """\
+room: sensors
+sensors:
+  green: {kind: imu, rate: 200, mount: {target: ball}, source: {uses: sim.imu, with: {frames: 60}}}
+  slow: {kind: imu, rate: 1000, source: {uses: imu.csv, with: {path: slow.csv}}}
+  away: {kind: imu, host: pc-left, source: {uses: sim.imu}}
+  bare: {kind: imu}
+  odd: {kind: imu, source: {uses: sim.imuu}}
+targets: {ball: {radius: 0.0762}}
+"""
+
+
+def test_a_sensor_says_what_it_sends_and_how_often(tmp_path: Path) -> None:
+    (tmp_path / "room.yaml").write_text(SENSORS)
+    rows = "".join(f"{n / 50},0,0,0,0,0,9.8\n" for n in range(100))
+    (tmp_path / "slow.csv").write_text(f"time,gx,gy,gz,ax,ay,az\n{rows}")
+    found = doctor(tmp_path, "--room", tmp_path / "room.yaml").findings
+    said = {name: (one["state"], one["text"]) for name, one in found.items() if f"  {name}:" in SENSORS}
+    assert said == {
+        "green": ("ok", "sim.imu: Inertial, 200 readings/s"),
+        "slow": ("warning", "imu.csv: Inertial, 50 readings/s, and the room says 1000"),
+        "away": ("ok", "is on pc-left: run followspot doctor there"),
+        "bare": ("problem", "has no source"),
+        "odd": ("problem", 'no stage "sim.imuu" is installed'),
+    }
+
+
 @pytest.mark.parametrize(
     ("subject", "said"),
     [

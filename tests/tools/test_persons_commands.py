@@ -1,6 +1,8 @@
 """Rooms and scores of persons, as a user types them."""
 
+import argparse
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,7 @@ import numpy as np
 import pytest
 
 from followspot import InputError
-from followspot.cli.main import main
+from followspot.cli.main import build_parser, main
 from followspot.geometry import project
 from followspot.room_file import load
 from followspot_room.calibration import read_calibration
@@ -113,6 +115,33 @@ def test_truth_of_several_cameras_is_that_of_their_folder(recordings: Path) -> N
     assert room.truth.params["path"] == "."
 
 
+def test_an_option_that_takes_several_names_may_be_given_several_times(recordings: Path) -> None:
+    assert (
+        import_room(recordings, "left", "--only", "right", "--infrared", "left", "--infrared", "right") == 0
+    )
+    room = load(recordings / "room.yaml")
+    assert {name: camera.kind for name, camera in room.cameras.items()} == {
+        "left": "infrared",
+        "right": "infrared",
+    }
+
+
+def options(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """The options of a command and of its commands."""
+    for action in parser._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for command in action.choices.values():
+                yield from options(command)
+        elif action.option_strings:
+            yield action
+
+
+def test_no_option_of_any_command_keeps_only_the_last_of_several_lists() -> None:
+    lists = [action for action in options(build_parser()) if action.nargs in ("+", "*")]
+    assert len(lists) >= 3
+    assert {type(action).__name__ for action in lists} == {"_ExtendAction"}
+
+
 def test_camera_that_is_not_there_is_asked_back(recordings: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert import_room(recordings, "lefd") == 2
     said = capsys.readouterr().err
@@ -161,13 +190,6 @@ def test_plots_are_pictures_of_errors_and_ways(recordings: Path, capsys: pytest.
     assert "pose_errors.svg" in capsys.readouterr().out
     assert "error of torso heading, deg" in (recordings / "pictures/pose_errors.svg").read_text()
     assert "reported" in (recordings / "pictures/floor_plan.svg").read_text()
-
-
-def test_tracks_have_no_plots(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    tracks = tmp_path / "tracks.csv"
-    tracks.write_text("frame,time,object,state,x,y,z\n")
-    assert main(["score", str(tracks), str(tracks), "--plot", str(tmp_path)]) == 2
-    assert "--plot are for poses of persons" in capsys.readouterr().err
 
 
 @needs_shared

@@ -168,13 +168,13 @@ def main() -> int:
     if sys.argv[1:2] == ["--child"]:
         return _child(sys.argv[2:])
     parser = options_of(__doc__)
-    parser.add_argument("--only", nargs="+", choices=COUNTS, default=list(COUNTS), help="targets")
+    parser.add_argument("--only", nargs="+", action="extend", choices=COUNTS, help="targets")
     parser.add_argument("--share", type=float, default=1.0, help="of the usual number of inputs")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--at", type=int, metavar="NUMBER", help="this input alone")
     args = parser.parse_args()
     outcomes = {}
-    for name in args.only:
+    for name in args.only or COUNTS:
         first = 0 if args.at is None else args.at
         last = max(1, round(COUNTS[name] * args.share)) if args.at is None else args.at + 1
         outcomes[name] = besiege(name, args.seed, first, last)

@@ -89,13 +89,15 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--sample", type=int, default=200, help="how many changes (default 200)")
     parser.add_argument("--seed", type=int, default=1, help="of the sample (default 1)")
-    parser.add_argument("--modules", nargs="+", default=MODULES, help="folders and files to change")
-    parser.add_argument("--tests", nargs="+", default=["tests"], help="tests to use (default all)")
+    parser.add_argument("--modules", nargs="+", action="extend", help="folders and files to change")
+    parser.add_argument("--tests", nargs="+", action="extend", help="tests to use (default all)")
     parser.add_argument(
         "--budget", type=float, default=120.0, help="most seconds of tests for a change (default 120)"
     )
     parser.add_argument("--again", action="store_true", help="run once more what survived")
-    return parser.parse_args()
+    given = parser.parse_args()
+    given.modules, given.tests = given.modules or MODULES, given.tests or ["tests"]
+    return given
 
 
 def _python_files(modules: Sequence[str]) -> list[Path]:

@@ -194,7 +194,8 @@ def played(args: argparse.Namespace) -> dict[str, Any]:
             if recovered(show, time.monotonic(), 0.0) is None:
                 raise SystemExit("the run did not begin")
             time.sleep(1.0)
-            seen = soak(show, args.faults, args.only, lambda line: print(line, file=sys.stderr, flush=True))
+            kinds = args.only or list(FAULTS)
+            seen = soak(show, args.faults, kinds, lambda line: print(line, file=sys.stderr, flush=True))
             summary = summary_of(show)
             said = show.watch.news.union(summary.get("warnings", ()))
             journals = compared(summary, books_of(show.books, said, show.killed))
@@ -230,7 +231,7 @@ def main() -> int:
         default=0,
         help="projected spots for each ball: a ball that was missed for a while may be sought in one of them",
     )
-    parser.add_argument("--only", nargs="+", choices=list(FAULTS), default=list(FAULTS), metavar="FAULT")
+    parser.add_argument("--only", nargs="+", action="extend", choices=list(FAULTS), metavar="FAULT")
     args = parser.parse_args()
     found = played(args)
     print(json.dumps(found) if args.json else json.dumps(found, indent=1))

@@ -105,9 +105,9 @@ class Shown:
 
 
 @contextmanager
-def served(out: Path) -> Iterator[Shown]:
-    """The page of a run of the glowing balls. out: folder for its outputs."""
-    made = Shown(compile_graph(GRAPH), out)
+def served(out: Path, plan: Plan | None = None) -> Iterator[Shown]:
+    """The page of a run of the glowing balls, or of this plan. out: folder for its outputs."""
+    made = Shown(plan or compile_graph(GRAPH), out)
     name = f"{os.getpid():x}{out.name}"
     with serve_requests(name, made.plan.graph, made.dispatcher()), shown(PageOrder(os.getpid())) as page:
         made.pid = page.pid

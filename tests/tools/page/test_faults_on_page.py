@@ -131,7 +131,7 @@ def test_the_metrics_tell_what_is_absent_and_how_old_everything_is(tmp_path: Pat
     run, targets = RunMonitor(plan, lambda: now[0]), metrics.Targets(plan.room, lambda: now[0])
     assert "target_age_seconds" not in samples(run, targets)
     run.take(well(plan))
-    targets.take(at(40, tracks(1)))
+    targets.take("track.tracks", at(40, tracks(1)))
     before = samples(run, targets)
     assert (before["faults"], before["status_age_seconds"], before["target_age_seconds"]) == (0, 0, 0)
     assert before['host_absent{host="pc-left"}'] == 0
@@ -154,3 +154,19 @@ def test_the_metrics_tell_what_is_absent_and_how_old_everything_is(tmp_path: Pat
     assert silent['target_state{target="green",state="old"}'] == 1
     assert silent['target_state{target="green",state="tracked"}'] == 0
     assert not any(name.startswith(("edge_age_seconds", "path_latency_seconds")) for name in silent)
+
+
+def test_a_target_that_one_of_two_trackers_has_is_not_lost(tmp_path: Path) -> None:
+    plan, now = compile_graph(GRAPH), [0.0]
+    targets = metrics.Targets(plan.room, lambda: now[0])
+    assert targets.state == {}
+    targets.take("hall/track.tracks", at(40, tracks(1, 3)))
+    targets.take("stage/track.tracks", at(40, tracks(2)))
+    assert dict(targets.state) == {"green": "tracked", "red": "predicted", "blue": "lost"}
+    now[0] += 1.5
+    targets.take("stage/track.tracks", at(80, tracks(2)))
+    now[0] += 1.0  # the other one has been silent for too long
+    assert dict(targets.state) == {"green": "missing", "red": "lost", "blue": "lost"}
+    assert targets.age_s == 1.0
+    now[0] += 1.5
+    assert set(targets.state.values()) == {"old"}

@@ -165,7 +165,7 @@ def test_who_does_not_listen_holds_up_nobody_and_takes_bounded_memory(page: Show
     with socket.create_connection(page.host.split(":")) as stalled, page.look(max_size=None) as browser:  # type: ignore[arg-type]
         stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
         stalled.sendall(UPGRADE.format(host=page.host).replace("\n", "\r\n").encode())
-        next(things(browser, "scene"))
+        next(scene for scene in things(browser, "scene") if scene["forms"])  # it imports no more stages
         memory = []
         for number in range(500):
             page.send("camera/cam0.out", at(number, picture))

@@ -9,9 +9,12 @@ from typing import Literal
 
 import numpy as np
 import pytest
+from tests.stages.sensors import Pressure, posed, resting
+from tests.tools.page.served import tracks
 
 from followspot.graph.compile import compile_graph
-from followspot.messages import Header, stamped
+from followspot.inertial import Inertial
+from followspot.messages import Array, Header, Message, column, stamped
 from followspot.people import Poses
 from followspot.room import Camera, Room
 from followspot_page.scene import bounds
@@ -72,3 +75,48 @@ def test_where_no_number_is_known_the_page_is_told_nothing() -> None:
     told = view(poses(1.0, heading=math.nan), room)
     assert told["heading"] == [None]
     assert json.dumps(told, allow_nan=False)
+
+
+def test_posed_tracks_are_told_as_tracks_with_their_quaternions() -> None:
+    room = Room()
+    turned = np.array([[math.sqrt(0.5), 0, 0, math.sqrt(0.5)], [math.nan] * 4])
+    told = view(posed(tracks(1, 3), turned), room)
+    assert told["kind"] == "Tracks"
+    assert told["quaternion"] == [[0.7071, 0.0, 0.0, 0.7071], [None] * 4]
+    assert told["sigma"][0] == [0.005, 0.0025, 0.01]
+    assert view(tracks(1), room)["quaternion"] == []
+
+
+def test_of_many_inertial_readings_some_at_equal_steps_are_drawn_with_the_last() -> None:
+    time = np.arange(1000) * 1_000_000
+    turning = np.full((1000, 3), math.nan)
+    turning[-1] = 0.5
+    told = view(Inertial("wrist", time, turning, np.ones((1000, 3)), turning), Room())
+    assert (told["kind"], told["readings"], len(told["times"])) == ("Inertial", 1000, 16)
+    assert (told["times"][0], told["times"][-1], told["rate"]) == (0.0, 999.0, 1000.0)
+    assert (told["turn_rate"][0], told["turn_rate"][-1]) == ([None] * 3, [0.5] * 3)
+    assert json.dumps(told, allow_nan=False)
+    assert view(resting(10**9), Room())["times"] == [910.0 + 10 * n for n in range(10)]
+    none = view(Inertial.empty(), Room())
+    assert (none["times"], none["rate"]) == ([], None)
+    few = view(resting(10**9).where(slice(-2, None)), Room())
+    assert (len(few["times"]), few["rate"]) == (2, None)
+
+
+class Cloud(Message):
+    """Many rows, a list in each."""
+
+    beams: tuple[str, ...]
+    place: Array = column("N", 3, unit="m", names="x y z")
+    echoes: Array = column("N", "E")
+
+
+def test_a_message_of_any_type_is_told_as_a_short_table() -> None:
+    told = view(Pressure("well", np.array([1.25, math.nan])), Room())
+    assert (told["kind"], told["message"], told["readings"]) == ("Message", "Pressure", 2)
+    assert told["head"] == ["status", "height, m"]
+    assert told["rows"] == [["well", "1.25"], ["well", "–"]]
+    place = np.arange(300_000.0).reshape(-1, 3)
+    long = view(Cloud(("a", "b"), place, np.zeros((100_000, 500))), Room())
+    assert (long["readings"], len(long["rows"]), long["rows"][-1][1]) == (100_000, 6, "3e+05")
+    assert len(json.dumps(long)) < 2000

@@ -47,6 +47,12 @@ def _false_percent(figures: Figures) -> float:
     return 100 * sum(f.tracks.false_positions for f in figures) / hidden if hidden else math.nan
 
 
+def _false_recoveries(figures: Figures, of: str) -> float:
+    """Share of false recoveries in percent. of: "found", all recoveries, or "sought", all frames."""
+    whole = sum(getattr(f.recovery, of) for f in figures)
+    return 100 * sum(f.recovery.false for f in figures) / whole if whole else math.nan
+
+
 def _recovery(figures: Figures) -> float:
     """Slowest of all returns, frames."""
     return max((float(frames) for f in figures for frames in f.tracks.recovery_frames), default=math.nan)
@@ -62,6 +68,11 @@ def _mean_of_figure(name: str) -> Callable[[Figures], float]:
     return lambda figures: mean([getattr(f, name) for f in figures if f.tracks.frames])
 
 
+def _pairs(place: int) -> Callable[[Figures], float]:
+    """Mean over the targets that were there of one figure of the number of pairs."""
+    return lambda figures: mean([f.pairs[place] for f in figures if f.tracks.frames])
+
+
 def _switches(figures: Figures) -> float:
     return sum(f.tracks.identity_switches for f in figures)
 
@@ -74,15 +85,32 @@ COLUMNS = (
     Column("switches", "switches", "{:.0f}", _switches, ratio=False),
     Column("false_percent", "false when hidden", "{:.1f} %", _false_percent, ratio=False),
     Column("recovery_frames", "recovery", "{:.0f} frames", _recovery, ratio=False),
+    Column(
+        "false_recovery_percent",
+        "false recoveries",
+        "{:.1f} %",
+        lambda figures: _false_recoveries(figures, "found"),
+        ratio=False,
+    ),
+    Column(
+        "false_sought_percent",
+        "of frames sought",
+        "{:.2f} %",
+        lambda figures: _false_recoveries(figures, "sought"),
+        ratio=False,
+    ),
     Column("jerk_cost", "jerk cost", "{:.5f}", _mean_of("jerk_cost")),
     Column("true_jerk_cost", "jerk of truth", "{:.5f}", _mean_of_figure("true_jerk_cost"), ratio=False),
     Column("reprojection_px", "reprojection", "{:.2f} px", _mean_of("reprojection_px")),
     Column("fused_mm", "unfiltered RMSE", "{:.1f} mm", _mean_of_figure("fused_mm")),
     Column("fused_px", "unfiltered reprojection", "{:.2f} px", _mean_of_figure("fused_px")),
     Column("detection_px", "to detections", "{:.2f} px", _mean_of_figure("detection_px")),
+    Column("pairs", "pairs", "{:.1f}", _pairs(0), ratio=False),
+    Column("pairs_p5", "5 % below", "{:.0f}", _pairs(1), ratio=False),
+    Column("pairs_p95", "5 % above", "{:.0f}", _pairs(2), ratio=False),
 )
 """All of them, in the order of the table. Several targets: the mean of theirs, but the sum of switches, the
-share of all hidden frames and the slowest recovery."""
+shares of all hidden frames, recoveries and frames in which one was sought, and the slowest recovery."""
 
 
 def measured(groups: Mapping[str, Figures]) -> tuple[Column, ...]:

@@ -36,14 +36,17 @@ def run(args: argparse.Namespace) -> int:
 
     Every graph file is a variant; each --variant is another variant of the first graph. The command prints
     for each target, and as means: coverage, RMSE, median and 95th percentile (mm), identity switches, false
-    positions while hidden, recovery, jerk cost, reprojection error, speed, and ratios to the first variant.
+    positions while hidden, recovery, false recoveries (the share of first positions after a frame without one
+    that are farther than 15 cm from the target, and their share of all frames in which it was sought), jerk
+    cost, reprojection error, speed, and ratios to the first variant.
     For graphs that write poses of persons (sinks.csv) it prints coverage, errors of direction,
     distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
     acquire and to vanish, and speed.
 
-    If a graph writes the output of its fusion to positions.jsonl and its candidates to candidates.jsonl, as
-    graphs/experiments/recorded.yaml does, the command also prints the errors before the filter, the
-    reprojection error of the detections and the histogram of iterations. Plots need matplotlib:
+    If a graph writes the output of its fusion to positions.jsonl, its candidates to candidates.jsonl and its
+    pairs to pairs.jsonl, as graphs/experiments/recorded.yaml does, the command also prints the errors before
+    the filter, the reprojection error of the detections, the pairs of a target in a frame (mean, 5th
+    and 95th percentile) and the histogram of iterations. Plots need matplotlib:
     pip install "followspot[plots]".
 
     Examples:

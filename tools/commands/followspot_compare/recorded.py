@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,8 @@ POSITIONS = "positions.jsonl"
 """Messages `Positions` in a run's output folder."""
 CANDIDATES = "candidates.jsonl"
 """Messages `Candidates`, likewise."""
+PAIRS = "pairs.jsonl"
+"""Messages `Pairs`, likewise."""
 SECONDS = 1e-9
 
 
@@ -77,6 +80,23 @@ def detection_errors(
     np.minimum.at(nearest, index.ravel(), apart)
     owner = tracks.target[view[:, 0]]
     return {name: nearest[owner == tracks.objects.index(name)] for name in tracks.objects}
+
+
+def pair_counts(folder: Path, tracks: TrackTable, objects: Sequence[str]) -> dict[str, Array]:
+    """Number of pairs that may show each target, in each frame in which it has a track.
+
+    These are the pairs of the final set of Jin & Qian 2008 (section 3.4), of which six cameras have 10 to
+    18 for an object (section 4). Empty if none were recorded.
+    """
+    counts: Counter[int] = Counter()
+    for message in _messages(folder / PAIRS):
+        named = Counter(name for row in message["rows"] for name in row["targets"].split())
+        for name, count in named.items():
+            counts[int(keys(np.array(message["time"]), np.array(objects.index(name))))] += count
+    if not counts:
+        return {}
+    number = np.array([counts[key] for key in track_keys(tracks, objects).tolist()], int)
+    return {name: number[tracks.target == tracks.objects.index(name)] for name in tracks.objects}
 
 
 def track_keys(tracks: TrackTable, objects: Sequence[str]) -> Array:

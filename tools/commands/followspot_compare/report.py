@@ -119,6 +119,8 @@ def _trial_data(trial: Trial) -> dict[str, Any]:
     more = ("true_jerk_cost", "fused_mm", "fused_px", "detection_px", "detection_std_px")
     for name, figures in trial.targets.items():
         scores[name] |= {key: finite(getattr(figures, key)) for key in more}
+        scores[name] |= {f"recoveries_{key}": value for key, value in figures.recovery._asdict().items()}
+        scores[name] |= {"pairs": [finite(value) for value in figures.pairs]}
     return {
         "variant": trial.variant,
         "room": trial.room,

@@ -30,9 +30,9 @@ from followspot_accuracy import (
     score,
 )
 from followspot_accuracy.scorings import PosesScoring
-from followspot_accuracy.targets.figures import jerk_cost
-from followspot_accuracy.targets.scoring import trajectory
-from followspot_compare.recorded import detection_errors, read_fused
+from followspot_accuracy.targets.figures import Recoveries, found_while_sought, jerk_cost
+from followspot_accuracy.targets.scoring import REACH, trajectory
+from followspot_compare.recorded import detection_errors, pair_counts, read_fused
 
 
 @dataclass(frozen=True)
@@ -49,6 +49,10 @@ class TargetFigures:
     detection_px: float
     """Mean distance of the reprojected tracks from the detections: the paper's reprojection error."""
     detection_std_px: float
+    recovery: Recoveries = Recoveries(0, 0, 0)
+    """What was found while the target was sought."""
+    pairs: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    """Number of pairs in a frame with a track: mean, 5th and 95th percentile."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,7 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
     fused = read_fused(out, tracks, objects)
     before = score(fused.tracks, truth, room) if fused else {}
     pixels = detection_errors(out, tracks, objects, tuple(room.cameras.values()))
-    nothing = np.zeros(0)
+    counts, nothing = pair_counts(out, tracks, objects), np.zeros(0)
     figures = {
         name: TargetFigures(
             one,
@@ -115,6 +119,8 @@ def _figures(plan: Plan, out: Path, truth: TruthTable) -> tuple[dict[str, Target
             before[name].rmse_mm if name in before else np.nan,
             before[name].reprojection_px if name in before else np.nan,
             *_mean_and_std(pixels.get(name, nothing)),
+            recovery_of(tracks, truth, name),
+            _mean_and_percentiles(counts.get(name, nothing)),
         )
         for name, one in scores.items()
     }
@@ -135,6 +141,22 @@ def true_jerk_cost(tracks: TrackTable, truth: TruthTable, name: str) -> float:
         return np.nan
     there = trajectory(tracks, name, truth.time).there
     return jerk_cost(np.where(there[:, None], truth.xyz[:, truth.objects.index(name)], np.nan))
+
+
+def recovery_of(tracks: TrackTable, truth: TruthTable, name: str) -> Recoveries:
+    """Recoveries of a target; every one of a target that the truth does not know is false."""
+    track = trajectory(tracks, name, truth.time)
+    right = np.zeros(len(truth.time), bool)
+    if name in truth.objects:
+        right = np.linalg.norm(track.xyz - truth.xyz[:, truth.objects.index(name)], axis=1) < REACH
+    return found_while_sought(track.there, right)
+
+
+def _mean_and_percentiles(values: Array) -> tuple[float, float, float]:
+    if not len(values):
+        return np.nan, np.nan, np.nan
+    low, high = np.percentile(values, [5, 95])
+    return float(values.mean()), float(low), float(high)
 
 
 def _mean_and_std(values: Array) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from followspot import Network
-from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins
+from followspot_doctor.checks import cameras, hosts, libraries, machine, network, plugins, sensors
 from followspot_doctor.finding import Finding, doubtful
 
 Check = tuple[str, Callable[[], Iterator[Finding]]]
@@ -45,6 +45,7 @@ def examine(subject: Subject) -> list[Finding]:
     checks += _of_hosts(subject.network)
     if room is not None:
         checks.append(("cameras", lambda: cameras.cameras(room)))
+        checks.append(("sensors", lambda: sensors.sensors(room)))
     if subject.graph is not None:
         graph = subject.graph
         checks.append(("graph", lambda: plugins.graph(graph, room)))

@@ -51,9 +51,9 @@ class Feed:
 
 
 class Previews:
-    """Turns packets of taps into things to show. watch: receives every message except pictures."""
+    """Turns packets of taps into things to show. watch: receives all but pictures, each with its port."""
 
-    def __init__(self, feed: Feed, room: Room, watch: Callable[[Message], None]) -> None:
+    def __init__(self, feed: Feed, room: Room, watch: Callable[[str, Message], None]) -> None:
         self.feed = feed
         self.room = room
         self.watch = watch
@@ -67,7 +67,7 @@ class Previews:
             if isinstance(message, Picture):
                 self.feed.put(f"picture {message.camera}", picture_bytes(message))
             elif isinstance(message, Message):
-                self.watch(message)
+                self.watch(port, message)
                 data = {"type": "view", "port": port, **view(message, self.room)}
                 self.feed.put(f"view {port}", json.dumps(data, separators=(",", ":")))
 

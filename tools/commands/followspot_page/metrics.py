@@ -18,39 +18,43 @@ from followspot_watch.run_monitor import RunMonitor
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 SILENCE = 2.0
 """Seconds after the last message about targets until their states are old."""
+_BEST = ("lost", "missing", "predicted", "tracked")
+"""States in the order in which they count if trackers differ."""
 _OUTCOMES = ("away", "delivered", *LOSSES, "in_flight")
 
 
 class Targets:
-    """The state of each target, from the newest messages about targets.
+    """The state of each target, from the newest messages about targets: the best of all trackers.
 
     monotonic: a clock, s.
     """
 
     def __init__(self, room: Room, monotonic: Callable[[], float] = time.monotonic) -> None:
         self.names = tuple(room.targets)
-        self._state: dict[str, str] = {}
+        self._told: dict[str, tuple[float, Mapping[str, str]]] = {}
+        """Of each port when it was heard last, s, and its states."""
         self._clock = monotonic
-        self._taken = monotonic()
 
     @property
     def age_s(self) -> float | None:
         """Seconds since the last message about targets; None if there was none."""
-        return self._clock() - self._taken if self._state else None
+        return self._clock() - max(taken for taken, _ in self._told.values()) if self._told else None
 
     @property
     def state(self) -> Mapping[str, str]:
         """The state of each target, "old" without a recent message."""
-        old = (self.age_s or 0.0) > SILENCE
-        return dict.fromkeys(self._state, "old") if old else self._state
+        if not self._told:
+            return {}
+        recent = [states for taken, states in self._told.values() if self._clock() - taken <= SILENCE]
+        return {name: max((s[name] for s in recent), key=_BEST.index, default="old") for name in self.names}
 
-    def take(self, message: Message) -> None:
-        """Take a message; one that is not about targets has no effect."""
+    def take(self, port: str, message: Message) -> None:
+        """Take a message of a port; one that is not about targets has no effect."""
         if not isinstance(message, Tracks):
             return
         known = [(int(t), STATES[s]) for t, s in zip(message.target, message.state, strict=True)]
         found = {self.names[target]: state for target, state in known if target < len(self.names)}
-        self._state, self._taken = dict.fromkeys(self.names, "lost") | found, self._clock()
+        self._told[port] = self._clock(), dict.fromkeys(self.names, "lost") | found
 
 
 def text(

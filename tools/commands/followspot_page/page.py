@@ -11,7 +11,8 @@ from typing import Any
 from starlette.websockets import WebSocket
 
 from followspot.errors import FollowspotError
-from followspot.graph.plan import Plan
+from followspot.graph.names import subgraphs
+from followspot.graph.plan import Plan, PlannedStage
 from followspot.library.handle import RunHandle, RunStatus
 from followspot_dashboard.gate import Gate
 from followspot_page import metrics
@@ -24,6 +25,7 @@ from followspot_page.follow import plan_of
 from followspot_page.recording import RecordButton, recordable
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.scene import scene
+from followspot_page.sensors import sensors
 from followspot_page.taps import sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
@@ -56,7 +58,9 @@ class Page:
     def show(self, plan: Plan) -> None:
         """Take the present plan; browsers receive it if it differs."""
         self.plan = self.run.plan = plan
-        self.previews.kinds = sent_kinds(shown_ports(plan))
+        shown = shown_ports(plan)
+        self.previews.kinds = sent_kinds(shown)
+        self.readings = [port for port in shown if port.sensor]
         scene = json.dumps({"type": "scene", **self.about()})
         if self.feed.newest("scene") != scene:
             self.feed.put("scene", scene)
@@ -66,20 +70,25 @@ class Page:
         return {
             "graph": self.plan.graph,
             "room": scene(self.plan.room),
-            "stages": [
-                {
-                    "name": s.name,
-                    "group": s.group,
-                    "uses": s.uses,
-                    "params": dict(s.params),
-                    "camera": s.camera,
-                    "source": s.name in self.run.sources,
-                }
-                for s in self.plan.stages
-            ],
+            "sensors": sensors(self.plan.room, self.readings),
+            "stages": [self._stage(stage) for stage in self.plan.stages],
             "forms": forms(self.plan) if self.ask else {},
             "ports": recordable(self.plan) if self.ask else [],
             "replay": self.ask is not None and not self.plan.live,
+        }
+
+    def _stage(self, stage: PlannedStage) -> dict[str, Any]:
+        """within: the sub-graphs that hold it, the outermost first; label: its name in the innermost."""
+        within = subgraphs(stage.group)
+        return {
+            "name": stage.name,
+            "group": stage.group,
+            "label": stage.group.rpartition("/")[2],
+            "within": within,
+            "uses": stage.uses,
+            "params": dict(stage.params),
+            "camera": stage.camera,
+            "source": stage.name in self.run.sources,
         }
 
     async def allow_changes(self, run: RunHandle) -> None:

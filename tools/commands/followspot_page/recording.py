@@ -53,7 +53,7 @@ class RecordButton:
             raise FollowspotError('recordings need mcap: pip install "followspot[recording]"')
         if self._process is not None:
             raise FollowspotError("it is recorded already")
-        names = chosen_ports(words or None, output_ports(plan), "record")
+        names = chosen_ports(words or None, output_ports(plan), "record", plan.offered)
         around = await asyncio.to_thread(run.surroundings)
         if around.out is None:
             raise FollowspotError("recordings are written on the operator's host; start them there")

@@ -8,7 +8,6 @@ from typing import Any
 
 from followspot import Network
 from followspot.taps.receivers import RemoteReceiver, tap_key
-from followspot.tracking import Frame
 from followspot_page.feed import Arrivals
 from followspot_page.taps import TAP, ShownPort
 
@@ -37,7 +36,7 @@ class RemotePreviews:
         self._subscribe()
 
     def watch(self, *, watched: bool) -> None:
-        """Subscribe to pictures while a browser shows them."""
+        """Subscribe to pictures and readings while a browser shows them."""
         self._watched = watched
         self._subscribe()
 
@@ -46,5 +45,5 @@ class RemotePreviews:
         self._receiver.close()
 
     def _subscribe(self) -> None:
-        ports = [port for port in self._ports if self._watched or port.type is not Frame]
+        ports = [port for port in self._ports if self._watched or not port.watched_only]
         self._receiver.look({port.name: tap_key(self._run, port.host, port.name, TAP) for port in ports})

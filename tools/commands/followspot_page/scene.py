@@ -13,6 +13,7 @@ import numpy as np
 from followspot.geometry import ray
 from followspot.messages import Array
 from followspot.room import Camera, Room, Target
+from followspot_dashboard.depth_colors import scale_colors
 
 _REACH = 8.0
 """Largest distance of the drawn room from the middle of its cameras, m."""
@@ -27,6 +28,8 @@ _DIFFERENT = 20
 """Smallest difference of hue between two colours, degrees."""
 _ACROSS = 0.99
 """Component of a unit normal along an axis from which on a wall counts as perpendicular to it."""
+_SHADES = 9
+"""Colours that a scale of depth is drawn with."""
 _PALETTE = (205.0, 28.0, 140.0, 275.0, 52.0, 175.0, 330.0, 240.0)
 """Hues of targets without one of their own, degrees, as far apart as possible."""
 
@@ -38,7 +41,7 @@ def scene(room: Room) -> dict[str, Any]:
         "name": room.name,
         "low": low.round(3).tolist(),
         "high": high.round(3).tolist(),
-        "cameras": [_camera(camera) for camera in room.cameras.values()],
+        "cameras": [_camera(camera, low, high) for camera in room.cameras.values()],
         "planes": [{"name": name, "corners": patch(plane, low, high)} for name, plane in room.planes.items()],
         "targets": [
             {"name": target.name, "radius": target.radius, "color": color}
@@ -64,6 +67,12 @@ def bounds(room: Room) -> tuple[Array, Array]:
     low[2] = 0.0
     high[2] = max(2.2, float(high[2]))
     return low, high
+
+
+def farthest(camera: Camera, low: Array, high: Array) -> float:
+    """Depth of the farthest corner of a box in a camera's coordinates, whole metres, at least 1."""
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    return max(1.0, math.ceil(float((corners @ camera.rotation[2] + camera.translation[2]).max())))
 
 
 def _stop_at(plane: Array, inside: Array, low: Array, high: Array) -> None:
@@ -128,7 +137,7 @@ def _css(hue: float) -> str:
     return f"#{round(red * 255):02x}{round(green * 255):02x}{round(blue * 255):02x}"
 
 
-def _camera(camera: Camera) -> dict[str, Any]:
+def _camera(camera: Camera, low: Array, high: Array) -> dict[str, Any]:
     width, height = camera.size
     corners = np.array([[0, 0], [width - 1, 0], [width - 1, height - 1], [0, height - 1]], float)
     rays = ray(camera, corners) if camera.model == "pinhole" else np.zeros((0, 3))
@@ -139,7 +148,13 @@ def _camera(camera: Camera) -> dict[str, Any]:
         "size": [width, height],
         "center": camera.center.round(4).tolist(),
         "rays": rays.round(4).tolist() if np.isfinite(rays).all() else [],
+        "depths": _depths(farthest(camera, low, high)) if camera.kind == "depth" else None,
     }
+
+
+def _depths(reach: float) -> dict[str, Any]:
+    """The scale of a depth camera's picture; reach: depth of its last colour, m."""
+    return {"farthest": reach, "colors": scale_colors(_SHADES)}
 
 
 def _floor_seen(camera: Camera) -> Array:

@@ -7,28 +7,34 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-from followspot.graph.plan import Plan
+from followspot.graph.plan import Plan, PlannedStage
+from followspot.inertial import Inertial
 from followspot.library.handle import Tapping
 from followspot.messages import Message
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot.tracking import Frame
 from followspot_dashboard.gate import SOCKET
-from followspot_dashboard.picture import Picture
+from followspot_dashboard.picture import FARTHEST, PICTURES, Picture
+from followspot_page.followed import followed
+from followspot_page.scene import bounds, farthest
 from followspot_page.views import SHOWN, SMOOTH
 
 TAP = "dashboard.tap"
 _PIXELS, _MOST = 320 * 240, 1280
 """Pixels of a preview, and the largest number of columns."""
 SMOOTH_RATE = 30.0
-"""Messages per second of tracks and poses; they are small, and smooth motion is easier to follow."""
+"""Messages per second of tracks, poses and inertial readings; they are small, and smooth motion is easier to
+follow."""
+SENSOR_RATE = 5.0
+"""Messages per second of other sensors, beside those at the times of pictures."""
 
 
 @dataclass(frozen=True)
 class ShownPort:
     """A port that the page shows.
 
-    name: STAGE.PORT; host: of its stage, "" for here; source: True for a source; size: of its pictures, px.
+    name: STAGE.PORT; host: of its stage, "" for here; source: True for a source; size: of its pictures, px;
+    farthest: depth that has the last colour, m; sensor: whose readings it sends, "" if of none.
     """
 
     name: str
@@ -36,24 +42,49 @@ class ShownPort:
     host: str
     source: bool
     size: tuple[int, int] = (320, 240)
+    farthest: float = FARTHEST
+    sensor: str = ""
+
+    @property
+    def is_picture(self) -> bool:
+        """Whether it is shown as pictures."""
+        return issubclass(self.type, PICTURES)
+
+    @property
+    def watched_only(self) -> bool:
+        """Whether nothing of it is sent while no browser shows the page."""
+        return self.is_picture or self.sensor != ""
+
+    @property
+    def rate(self) -> float:
+        """Messages per second that are shown beside those at the times of pictures."""
+        if issubclass(self.type, SMOOTH):
+            return SMOOTH_RATE
+        return SENSOR_RATE if self.sensor else 0.0
 
 
 def shown_ports(plan: Plan) -> tuple[ShownPort, ...]:
-    """The ports of a graph that the page can show."""
+    """The ports of a graph that the page can show: the last tracks alone of those that follow each other."""
     found = []
+    low, high = bounds(plan.room)
+    superseded = followed(plan)
     for stage in plan.stages:
         its = ports(load_stage(stage.uses))
-        size = plan.room.cameras[stage.camera].size if stage.camera else (320, 240)
+        camera = plan.room.cameras[stage.camera] if stage.camera else None
+        size = camera.size if camera else (320, 240)
+        depth = farthest(camera, low, high) if camera else FARTHEST
         for port in its.outputs:
-            if port.type in SHOWN:
-                name = f"{stage.name}.{port.name}"
-                found.append(ShownPort(name, port.type, plan.host_of(stage.worker), its.source, size))
+            name, host = f"{stage.name}.{port.name}", plan.host_of(stage.worker)
+            if issubclass(port.type, SHOWN) and name not in superseded:
+                found.append(ShownPort(name, port.type, host, its.source, size, depth))
+            elif not issubclass(port.type, SHOWN) and (sensor := _sensor(stage, port.type)):
+                found.append(ShownPort(name, port.type, host, its.source, sensor=sensor))
     return tuple(found)
 
 
 def sent_kinds(shown: Iterable[ShownPort]) -> dict[str, type[Message]]:
     """The type of the messages that the tap of each port sends."""
-    return {port.name: Picture if port.type is Frame else port.type for port in shown}
+    return {port.name: Picture if port.is_picture else port.type for port in shown}
 
 
 def longest_side(size: tuple[int, int]) -> int:
@@ -67,9 +98,16 @@ def tappings(looked_at: Iterable[ShownPort], folder: Path, rate: float) -> list[
     """A tap for each port. folder: of the page, for taps of this host; rate: pictures per second."""
     found = []
     for port in looked_at:
-        smooth = SMOOTH_RATE if port.type in SMOOTH else 0.0
-        look = {"picture_rate": rate, "message_rate": smooth, "maximum_side": longest_side(port.size)}
+        look = {"picture_rate": rate, "message_rate": port.rate, "maximum_side": longest_side(port.size)}
         place = {} if port.host else {"folder": str(folder), "socket": str(folder / SOCKET)}
-        look["sets_times"] = port.source and not port.host
+        look["sets_times"] = port.source and not port.host and not port.sensor  # sensors run ahead of cameras
+        look |= {"farthest": port.farthest, "watched_only": port.watched_only}
         found.append(Tapping(port.name, TAP, {**place, "port": port.name, **look}))
     return found
+
+
+def _sensor(stage: PlannedStage, sent: type[Message]) -> str:
+    """Whose readings a stage sends: those of the sensor that it serves, or its own; "" if none."""
+    if stage.member is not None and stage.member.set == "sensors":
+        return stage.member.name
+    return stage.name if issubclass(sent, Inertial) else ""

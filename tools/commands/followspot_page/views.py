@@ -8,14 +8,18 @@ from typing import Any
 import numpy as np
 
 from followspot.geometry import project
+from followspot.inertial import Inertial, PosedTracks
 from followspot.messages import Array, Message
 from followspot.people import Boxes, Poses
 from followspot.room import Camera, Room
-from followspot.tracking import STATES, Blobs, Forecast, Frame, ImageTracks, Tracks
+from followspot.tracking import STATES, Blobs, DepthImage, Forecast, Frame, ImageTracks, Tracks
+from followspot_page.readings import inertial_view, table_view
 
-SHOWN: tuple[type[Message], ...] = (Frame, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks)
-"""Message types that the page can show."""
-SMOOTH: tuple[type[Message], ...] = (Tracks, Poses)
+SHOWN: tuple[type[Message], ...] = (
+    Frame, DepthImage, Blobs, Tracks, Forecast, Poses, Boxes, ImageTracks,
+)  # fmt: skip
+"""Message types that the page can show whoever sends them; others are shown as readings of a sensor."""
+SMOOTH: tuple[type[Message], ...] = (Tracks, Poses, Inertial)
 """Types that are shown more often than pictures."""
 _HEAD, _CHEST, _ARROW = 0.115, 0.26, 0.4
 """Radius of a head, m; how far below its top the chest is, as a share of the height; length of arrows, m."""
@@ -24,12 +28,17 @@ _SEARCH = 3.0
 
 
 def view(message: Message, room: Room) -> dict[str, Any]:
-    """The data with which the page draws a message; pictures excepted."""
+    """The data with which the page draws a message; pictures excepted.
+
+    kind: the type as which it is drawn, of which its own may be a subclass.
+    """
+    drawn = next((kind for kind in type(message).__mro__ if kind in _VIEWS), Message)
     return {
-        "kind": type(message).__name__,
+        "kind": drawn.__name__,
+        "message": type(message).__name__,
         "time": message.header.time / 1e6,
         "seq": message.header.seq,
-        **_VIEWS[type(message)](message, room),
+        **_VIEWS[drawn](message, room),
     }
 
 
@@ -50,6 +59,7 @@ def _tracks(m: Tracks, room: Room) -> dict[str, Any]:
         "state": [STATES[i] if i < len(STATES) else "" for i in m.state],
         "xyz": _rounded(m.xyz, 4),
         "sigma": _rounded(m.sigma, 4),
+        "quaternion": _rounded(m.quaternion, 4) if isinstance(m, PosedTracks) else [],
         "images": _images(room, m.xyz, radius),
     }
 
@@ -140,4 +150,6 @@ _VIEWS: dict[type[Message], Any] = {
     Poses: _poses,
     Boxes: _boxes,
     ImageTracks: _image_tracks,
+    Inertial: inertial_view,
+    Message: table_view,
 }

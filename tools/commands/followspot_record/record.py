@@ -74,7 +74,7 @@ def recorded_as_asked(plan: Plan, args: argparse.Namespace) -> Plan:
     path = Path(args.record).absolute()
     if problem := _unsuitable(path):
         raise InputError.of(f"--record: {args.record} {problem}", "name a new file: FILE.mcap")
-    names = chosen_ports(args.record_ports, output_ports(plan), "--record-ports")
+    names = chosen_ports(args.record_ports, output_ports(plan), "--record-ports", plan.offered)
     params = {
         "picture_format": args.record_pictures,
         "compression": args.record_compression,

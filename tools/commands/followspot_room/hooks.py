@@ -31,8 +31,9 @@ def configure_import(parser: argparse.ArgumentParser) -> None:
     add("calibration", type=Path, metavar="CALIBRATION", help="file or folder with calibrated cameras")
     add("--videos", type=Path, metavar="DIR", help="folder with the recordings; without it, no sources")
     _add_output(parser)
-    add("--only", nargs="+", default=[], metavar="CAMERA", help="import these cameras only")
-    add("--infrared", nargs="+", default=[], metavar="CAMERA", help="names of infrared cameras")
+    only, infrared = "import these cameras only; repeatable", "names of infrared cameras; repeatable"
+    add("--only", nargs="+", action="extend", default=[], metavar="CAMERA", help=only)
+    add("--infrared", nargs="+", action="extend", default=[], metavar="CAMERA", help=infrared)
     add("--allow-missing", action="store_true", help="accept cameras that have no recording and no source")
     add("--json", action="store_true", help="print the imported cameras as one JSON object")
 

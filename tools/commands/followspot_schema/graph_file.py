@@ -17,6 +17,10 @@ _INTERFACE = (
     ("input", "STAGE, whose place a stage around this graph takes, or STAGE.PORT"),
     ("output", "STAGE or STAGE.PORT, which a graph around this one reads"),
 )
+_OPTIONAL: Schema = {
+    "type": "boolean",
+    "description": "true: where the room has nothing for it, it is left out",
+}
 FOR_PORT: Schema = {"type": "string", "pattern": r"^[\w.]+\[[\w.]+\]$", "description": "NAME[STAGE.PORT]"}
 
 
@@ -89,6 +93,7 @@ def _subgraph() -> Schema:
                 "description": "input of its interface -> what feeds it",
                 "additionalProperties": {"$ref": "#/$defs/feed"},
             },
+            "optional": _OPTIONAL,
         },
         ["graph"],
     )
@@ -109,10 +114,7 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
                 "description": "one instance a member: cameras, sensors, targets or a tag as in zones, also"
                 ' "cameras[kind=color, zone=hall]"',
             },
-            "optional": {
-                "type": "boolean",
-                "description": "true: where the room has nothing for it, the stage is left out",
-            },
+            "optional": _OPTIONAL,
             "in": {"type": "object", "description": "input port -> what feeds it"},
             "with": {"type": "object", "description": "parameters"},
             "on_error": {

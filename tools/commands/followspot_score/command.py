@@ -23,22 +23,36 @@ from followspot_accuracy import (
     to_json,
 )
 from followspot_score.plot import draw
+from followspot_score.trajectories import Span, draw_trajectories
 
 
 def score_files(
-    reported: Path, truth: Sequence[Path], room: Path | None, plots: Path | None, *, as_json: bool
+    reported: Path,
+    truth: Sequence[Path],
+    room: Path | None,
+    plots: Path | None,
+    span: Span | None = None,
+    *,
+    as_json: bool,
 ) -> str:
     """Scores as a table or as JSON. Raises InputError, FollowspotError.
 
-    reported: tracks or poses; room: for tracks; plots: a folder for pictures of poses.
+    reported: tracks or poses; room: for tracks; plots: a folder for pictures; span: of the trajectories
+    that are drawn, s.
     """
     if "person" in header_of(reported):
+        if span is not None:
+            raise InputError.of(f"{reported} has poses of persons", "--between is for tracks of targets")
         return score_poses(reported, truth, plots, as_json=as_json)
-    if len(truth) > 1 or plots is not None:
-        text = f"{reported} has tracks of targets, which are scored against one file and without plots"
-        raise InputError.of(text, "several files of truth and --plot are for poses of persons")
-    scores = score(read_tracks_csv(reported), read_truth_csv(truth[0]), load(room) if room else None)
-    return json.dumps(to_json(scores)) if as_json else table(scores)
+    if len(truth) > 1:
+        text = f"{reported} has tracks of targets, which are scored against one file"
+        raise InputError.of(text, "several files of truth are for poses of persons")
+    tracks, true = read_tracks_csv(reported), read_truth_csv(truth[0])
+    scores = score(tracks, true, load(room) if room else None)
+    drawn = draw_trajectories(tracks, true, plots, span) if plots is not None else ""
+    if as_json:
+        return json.dumps(to_json(scores))
+    return table(scores) + (f"\n\n{drawn}" if drawn else "")
 
 
 def score_poses(reported: Path, truth: Sequence[Path], plots: Path | None, *, as_json: bool) -> str:

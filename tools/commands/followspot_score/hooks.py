@@ -51,7 +51,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--room", type=Path, help="room file, for the reprojection error of tracks")
     parser.add_argument(
-        "--plot", type=Path, metavar="DIR", help="draw errors of poses as histograms, and a plan"
+        "--plot",
+        type=Path,
+        metavar="DIR",
+        help="draw trajectories of tracks over time and in space beside the truth; errors of poses as "
+        "histograms, and a plan",
+    )
+    parser.add_argument(
+        "--between",
+        type=float,
+        nargs=2,
+        metavar=("START", "END"),
+        help="draw the trajectories of this span of time only (s)",
     )
     parser.add_argument(
         "--json", action="store_true", help="print one JSON object: target or person -> figures"
@@ -72,9 +83,11 @@ def run(args: argparse.Namespace) -> int:
     Examples:
       followspot score runs/latest/tracks.csv recordings/truth.csv
       followspot score tracks.csv truth.csv --room room.yaml --json
+      followspot score runs/latest/tracks.csv recordings/truth.csv --plot pictures --between 3.3 6.7
       followspot score runs/latest/poses.csv recordings/panorama_gt.csv --plot pictures
     """
     from followspot_score.command import score_files
 
-    print(score_files(args.reported, args.truth, args.room, args.plot, as_json=args.json))
+    span = tuple(args.between) if args.between else None
+    print(score_files(args.reported, args.truth, args.room, args.plot, span, as_json=args.json))
     return 0

@@ -10,7 +10,7 @@ from typing import Any
 
 from followspot.closing import Closing
 from followspot.errors import FollowspotError, did_you_mean
-from followspot.graph.output_ports import output_ports, port_names
+from followspot.graph.output_ports import output_ports, port_names, ports_named
 from followspot.library.handle import RunHandle
 from followspot.library.run_taps import RunTaps
 from followspot.messages import InvalidMessage, Message
@@ -29,15 +29,16 @@ Received = tuple[str, Message]
 def tapped_ports(word: str | None, run: RunHandle) -> dict[str, type[Message]]:
     """The ports that a word names, with the types of their messages; None names all. Raises FollowspotError.
 
-    `color`, `color/cam0` and `color.out` name color/cam0.out, too. Only programs on the operator's own host
+    `color`, `color/cam0` and `color.out` name color/cam0.out, too, and `hall.tracks` what the sub-graph hall
+    offers by this name. Only programs on the operator's own host
     receive from ports on that host.
     """
     plan, near = run.plan(), run.surroundings().out is not None
     known = output_ports(plan)
-    found = [name for name in known if word is None or word in port_names(name)]
+    found = [*known] if word is None else ports_named(word, [*known], plan.offered)
     if not found:
-        remedy = did_you_mean(str(word), {text for name in known for text in port_names(name)}, "ports")
-        raise FollowspotError(f'there is no port "{word}"; {remedy}')
+        names = {*plan.offered, *(text for name in known for text in port_names(name))}
+        raise FollowspotError(f'there is no port "{word}"; {did_you_mean(str(word), names, "ports")}')
     reachable = {n: known[n] for n in found if near or plan.host_of_stage(n.rpartition(".")[0])}
     if not reachable:
         raise FollowspotError(f"{word or plan.graph} runs on the operator's host; run this command there")

@@ -19,7 +19,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--live", action="store_true", help="from the cameras' live sources; Ctrl-C ends one camera")
     add("--device", action="append", default=[], metavar="CAMERA=DEVICE", help="live, a number or path")
     add("--size", default="1280x720", metavar="WxH", help="of a device's pictures (default: 1280x720)")
-    add("--camera", nargs="+", default=[], metavar="NAME", help="only these cameras")
+    only = "only these cameras; repeatable"
+    add("--camera", nargs="+", action="extend", default=[], metavar="NAME", help=only)
     add("--model", choices=("pinhole", "fisheye"), default="pinhole", help="of the lens (default: pinhole)")
     add("--pictures", type=int, default=300, metavar="N", help="most pictures to search (default: 300)")
     add_output_options(parser, "intrinsics")

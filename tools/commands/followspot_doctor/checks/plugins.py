@@ -19,14 +19,18 @@ _REMEDIES = {
 
 
 def stages() -> Iterator[Finding]:
-    """Every installed stage is imported."""
+    """Every installed stage is imported; one whose optional package is missing is no problem."""
     found = [examined(entry) for entry in catalogue().values()]
-    bad = [entry for entry in found if entry.state != "ok"]
+    for entry in found:
+        if entry.state == "not installed":
+            yield fine(f"stage {entry.name}", f"{entry.state}: {entry.problem}")
+    bad = [entry for entry in found if entry.state not in ("ok", "not installed")]
     for entry in bad:
         yield wrong(f"stage {entry.name}", f"{entry.state}: {entry.problem}", _REMEDIES[entry.state])
     if not bad:
-        packages = {entry.distribution for entry in found}
-        yield fine("plugins", f"{len(found)} stages of {len(packages)} packages, all importable")
+        well = [entry for entry in found if entry.state == "ok"]
+        packages = {entry.distribution for entry in well}
+        yield fine("plugins", f"{len(well)} stages of {len(packages)} packages, all importable")
 
 
 def hooks() -> Iterator[Finding]:

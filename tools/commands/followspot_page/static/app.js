@@ -1,12 +1,15 @@
 // The page: takes what the run tells over one WebSocket and hands each thing to the part that draws it.
 import { Faults } from "./faults.js";
+import { lossOf, slowest, span } from "./figures.js";
 import { Legend } from "./legend.js";
 import { make } from "./make.js";
 import { Pipeline } from "./pipeline.js";
 import { Player } from "./player.js";
 import { Recorder } from "./recorder.js";
 import { Room } from "./room.js";
+import { Sensors } from "./sensors.js";
 import { Tiles } from "./tiles.js";
+import { Together } from "./together.js";
 import { Views } from "./views.js";
 
 const RETRY_MS = 3000;
@@ -16,12 +19,14 @@ const $ = (id) => document.getElementById(id);
 
 const views = new Views();
 const tiles = new Tiles($("tiles"), views);
+const sensors = new Sensors($("tiles"));
 let socket = null;
 const ask = (wish) => socket.send(JSON.stringify(wish));
 const pipeline = new Pipeline($("groups"), $("detail"), ask);
 const recorder = new Recorder($("recorder"), ask);
 const player = new Player($("player"), ask);
 const legend = new Legend($("legend"));
+const together = new Together();
 const faults = new Faults($("faults"));
 const room = Room.on($("view"));
 $("flat").hidden = room !== null;
@@ -32,11 +37,6 @@ function setLife(life, text) {
   $("life").textContent = text;
 }
 
-function span(p50, p95) {
-  const [scale, unit, digits] = p95 >= 1000 ? [1000, "s", 1] : [1, "ms", p95 >= 100 ? 0 : 1];
-  return `${(p50 / scale).toFixed(digits)} / ${(p95 / scale).toFixed(digits)} ${unit}`;
-}
-
 // Hosts whose clocks are so far off that the run warns.
 const clocks = (run) => run.clocks.filter(({ warning }) => warning).map(({ host, warning }) => `${host || "this host"}: ${warning}`);
 
@@ -45,6 +45,7 @@ function look() {
   const well = faults.show();
   if (!faults.over) {
     tiles.look();
+    sensors.look();
     legend.look();
   }
   const life = $("life").dataset.life;
@@ -68,20 +69,21 @@ const takers = {
     tiles.from(scene.stages);
     recorder.show(scene.ports);
     player.show(scene.replay);
-    if (JSON.stringify(scene.room) === shown) return; // only stages or parameters are others
-    shown = JSON.stringify(scene.room);
-    tiles.show(scene.room);
-    legend.show(scene.room.targets);
-    room?.show(scene.room);
+    if (JSON.stringify(scene.room) !== shown) { // else only stages or parameters are others
+      shown = JSON.stringify(scene.room);
+      tiles.show(scene.room);
+      legend.show(scene.room.targets);
+      room?.show(scene.room);
+    }
+    sensors.show(scene.sensors);
   },
   run(run) {
     const running = run.stages.some((stage) => stage.state !== "over");
     const life = player.update(run.stages) ? "paused" : "running";
     setLife(running ? life : "waiting", running ? life : "starting");
     faults.take(run.faults);
-    const fresh = run.paths.filter(({ old }) => !old);
-    const path = fresh.reduce((worst, p) => (p.p95_ms > (worst?.p95_ms ?? -1) ? p : worst), null);
-    const lost = run.edges.reduce((sum, e) => sum + e.away + e.dropped + e.late + e.unmatched + e.invalid + e.lost, 0);
+    const path = slowest(run.paths.filter(({ old }) => !old));
+    const lost = lossOf(run.edges);
     $("rate").textContent = run.rate === null ? "–" : run.rate.toFixed(run.rate < 10 ? 1 : 0);
     $("fired").textContent = run.expected ? `${run.fired} / ${run.expected}` : run.fired;
     $("latency").textContent = path ? span(path.p50_ms, path.p95_ms) : "–";
@@ -90,6 +92,7 @@ const takers = {
     $("news").replaceChildren(...[...clocks(run), ...run.news.slice(-NEWS)].map((line) => make("li", line)));
     pipeline.update(run);
     tiles.update(run.stages);
+    sensors.update(run.stages);
     look();
   },
   end({ how }) {
@@ -99,10 +102,12 @@ const takers = {
     recorder.update(recording);
   },
   view(view) {
+    if (sensors.take(view)) return;
     views.take(view);
     if (view.kind === "Tracks") {
-      legend.tracks(view);
-      room?.tracks(view);
+      const tracks = together.take(view);
+      legend.tracks(tracks);
+      room?.tracks(tracks);
     } else if (view.kind === "Poses") {
       fused ||= !view.camera;
       if (!(fused && view.camera)) room?.poses(view); // what cameras see apart is shown until it is fused

@@ -57,12 +57,12 @@ export class Room {
     this.orbit.show(low, high);
   }
 
-  tracks({ target, state, xyz, sigma, time }) {
+  tracks({ target, state, xyz, sigma, quaternion, time }) {
     const known = new Map(target.map((t, i) => [t, i]));
     this.targets.forEach((mark, t) => {
       const i = known.get(t);
       if (i === undefined) mark.lose();
-      else mark.move(xyz[i], sigma[i], state[i], time);
+      else mark.move({ xyz: xyz[i], sigma: sigma[i], state: state[i], quaternion: quaternion[i], time });
     });
   }
 

@@ -1,7 +1,9 @@
 // One tile for each camera: its picture, and over it what was detected, where it was searched, where tracks are.
+import { make } from "./make.js";
+import { Tile } from "./tile.js";
+
 const MOST_PICTURES = 12; // of a camera that are kept: over a second at ten a second
 const WIDE = 2; // times as wide as high, and wider: such a picture has a row to itself
-const SILENT_MS = 2000; // longer without a picture, the one that is shown is old
 const PERSON_HUES = [205, 28, 140, 275, 52, 330];
 
 export class Tiles {
@@ -29,7 +31,7 @@ export class Tiles {
 
   show(room) {
     this.colors = room.targets.map(({ color }) => color);
-    this.tiles = new Map(room.cameras.map((camera) => [camera.name, new Tile(camera, this)]));
+    this.tiles = new Map(room.cameras.map((camera) => [camera.name, new CameraTile(camera, this)]));
     this.section.replaceChildren(...[...this.tiles.values()].map((tile) => tile.figure));
   }
 
@@ -50,62 +52,26 @@ export class Tiles {
   }
 }
 
-class Tile {
+class CameraTile extends Tile {
   constructor(camera, { views, colors }) {
+    super(camera.name, camera.kind);
     this.camera = camera;
     this.views = views;
     this.colors = colors;
     this.pictures = []; // {image, time}: the one that is shown, and those that wait for what belongs to them
-    this.waiting = false;
-    this.absent = ""; // since when its source is
-    this.figure = document.createElement("figure");
-    this.figure.className = "dark";
-    this.figure.classList.toggle("wide", camera.size[0] > WIDE * camera.size[1]);
-    this.canvas = document.createElement("canvas");
     const [width, height] = camera.size;
+    this.figure.classList.toggle("wide", width > WIDE * height);
     this.scale = Math.max(1, Math.min(2, devicePixelRatio, 960 / width)) * Math.min(1, 800 / width);
     this.canvas.width = Math.round(width * this.scale);
     this.canvas.height = Math.round(height * this.scale);
-    const caption = document.createElement("figcaption");
-    caption.textContent = camera.name;
-    const kind = document.createElement("small");
-    kind.textContent = camera.kind;
-    this.note = document.createElement("b");
-    caption.append(kind, this.note);
-    this.figure.append(this.canvas, caption);
-  }
-
-  // What its source is doing.
-  tell({ state, age_s }) {
-    this.state = state;
-    this.absent = state === "absent" ? `absent${age_s === null ? "" : ` ${age_s.toFixed(0)} s`}` : "";
-    this.look();
-  }
-
-  // Says whether the picture is one of now.
-  look() {
-    const silent = this.shown === undefined || this.state === "over" ? 0 : performance.now() - this.shown;
-    const old = silent > SILENT_MS ? `${(silent / 1000).toFixed(0)} s old` : "";
-    this.note.textContent = this.absent || old;
-    this.figure.classList.toggle("absent", this.state === "absent");
-    this.figure.classList.toggle("old", old !== "");
+    if (camera.depths) this.figure.append(scale(camera.depths));
   }
 
   show(image, time) {
-    this.shown = performance.now();
+    this.renew();
     if (this.pictures.length && time < this.pictures.at(-1).time) this.forget(this.pictures.length); // a loop began anew
     this.pictures.push({ image, time });
-    this.figure.classList.remove("dark");
     this.redraw();
-  }
-
-  redraw() {
-    if (this.waiting || !this.pictures.length) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.draw();
-    });
   }
 
   // The newest picture that everything has come for; waiting for it has a limit.
@@ -121,6 +87,7 @@ class Tile {
   }
 
   draw() {
+    if (!this.pictures.length) return;
     const { image, time } = this.current();
     const pen = this.canvas.getContext("2d");
     pen.setTransform(1, 0, 0, 1, 0, 0);
@@ -134,6 +101,15 @@ class Tile {
   line(number) {
     return Math.max(this.camera.size[0] / 320, 0.6) * number;
   }
+}
+
+// What colour is how far; black is what was not measured.
+function scale({ farthest, colors }) {
+  const bar = make("i");
+  bar.style.background = `linear-gradient(to right, ${colors.join(", ")})`;
+  const element = make("div", "0", { className: "scale", title: "depth; black was not measured" });
+  element.append(bar, `${farthest} m`);
+  return element;
 }
 
 function circle(pen, [x, y, r], tile, color, { width = 1.2, dash = [] } = {}) {

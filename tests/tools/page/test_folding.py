@@ -1,0 +1,185 @@
+"""Sub-graphs on the page: one card each until it is unfolded."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from tests.tools.page.browser import CHROMIUM, Browser, browser
+from tests.tools.page.served import GRAPH, Shown, served
+
+from followspot.control.host import WorkerStatus
+from followspot.control.stage_status import EdgeAge, StageStatus
+from followspot.graph.compile import compile_graph
+from followspot.graph.plan import Plan
+from followspot.operator.run_status import RunStatus
+from followspot.worker.ledger import COLUMNS, DELIVERED, DROPPED, PRODUCED
+from followspot_page.page import Page
+
+GRAPHS = GRAPH.parent
+ZONES = f"graph: zones\noutputs: {{tracks: hall.tracks}}\nstages: {{hall: {{graph: {GRAPH}}}}}\n"
+MAIN = f"""\
+graph: main
+room: {GRAPHS}/rooms/simulated.yaml
+stages:
+  all:   {{graph: zones.yaml}}
+  smooth: {{uses: sinks.csv, in: {{tracks: all.tracks}}, with: {{path: all.csv}}}}
+"""
+LABEL = "querySelector('b').firstChild.textContent"
+SEEN = "[...document.querySelectorAll('#groups button')].filter((b) => b.checkVisibility())"
+CARDS = f"{SEEN}.map((b) => b.{LABEL})"
+INNER = ["camera", "color", "infrared", "verify", "triangulate", "fuse", "bridge", "track", "save"]
+
+
+Opened = tuple[Shown, Browser]
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Opened]:
+    """The page of the nested graph on a phone."""
+    folder = tmp_path_factory.mktemp("nested")
+    plan = nested(folder)
+    with served(folder, plan) as page, browser(folder / "chromium") as chromium:
+        page.status = status(plan, "getting")
+        chromium.open(page.url, 390, 844)
+        chromium.wait("document.querySelector('#life')?.dataset.life === 'running'")
+        yield page, chromium
+
+
+def nested(folder: Path) -> Plan:
+    """The glowing balls within a sub-graph within a sub-graph."""
+    (folder / "zones.yaml").write_text(ZONES, encoding="utf-8")
+    (folder / "main.yaml").write_text(MAIN, encoding="utf-8")
+    return compile_graph(folder / "main.yaml")
+
+
+def status(plan: Plan, verify: str) -> RunStatus:
+    """verify: what the stage of that name is doing. Each edge has lost two messages."""
+    counts = [0] * (COLUMNS * len(plan.edges))
+    for number in range(len(plan.edges)):
+        for column, count in {PRODUCED: 9, DELIVERED: 7, DROPPED: 2}.items():
+            counts[COLUMNS * number + column] = count
+    out = next(edge.name for edge in plan.edges if edge.to_stage == "smooth")
+    stages = tuple(
+        StageStatus(
+            stage.name,
+            verify if stage.group.endswith("verify") else "getting",  # type: ignore[arg-type]
+            fired=7,
+            edges=(EdgeAge(out, 4.0, 9.0),) if stage.name == "smooth" else (),
+        )
+        for stage in plan.stages
+    )
+    return RunStatus((WorkerStatus("main", "running", 7, stages=stages, age_s=0.1),), tuple(counts), 7, None)
+
+
+def press(chromium: Browser, name: str) -> None:
+    """Click on the card of this name."""
+    chromium.ask(f"{SEEN}.find((b) => b.{LABEL} === {name!r}).click()")
+
+
+def test_the_page_tells_what_holds_a_stage_as_the_plan_does(tmp_path: Path) -> None:
+    page = Page(nested(tmp_path), None, tmp_path)  # type: ignore[arg-type]  # no browser needs the gate
+    stages = {stage["name"]: stage for stage in page.about()["stages"]}
+    assert stages["all/hall/fuse"]["within"] == ["all", "all/hall"]
+    assert [stages[name]["label"] for name in ("all/hall/fuse", "smooth")] == ["fuse", "smooth"]
+    assert stages["smooth"]["within"] == []
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_a_sub_graph_is_one_card_that_unfolds_and_stays_so(opened: Opened) -> None:
+    page, chromium = opened
+    plan = page.plan
+    assert chromium.ask(CARDS) == ["all", "smooth"]
+    inside = sum(edge.to_stage != "smooth" for edge in plan.edges)
+    card = "document.querySelector('#groups .subgraph > button').innerText"
+    chromium.wait(f"/{2 * inside} not delivered/.test({card})")
+    told = chromium.ask(card)
+    assert "9 stages" in told
+    assert "getting" in told
+    assert "latency 4.0 / 9.0 ms" in told
+
+    page.status = status(plan, "sending")
+    chromium.wait(f"/sending/.test({card})")  # the worst within
+    press(chromium, "all")
+    assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
+    press(chromium, "hall")
+    assert chromium.ask(CARDS) == ["all", "hall", *INNER, "smooth"]
+    assert chromium.ask("document.documentElement.scrollWidth") <= 390
+    press(chromium, "fuse")
+    assert chromium.ask("document.querySelector('#detail h2').textContent").startswith("all/hall/fuse · ")
+
+    page.status = status(plan, "waiting")
+    chromium.wait("document.querySelector('#groups .subgraph .state').dataset.state === 'waiting'")
+    fuse = {"maximum_iterations": 77}
+    changed = [replace(stage, params={**stage.params, **fuse}) for stage in plan.stages]
+    page.plan = replace(plan, stages=tuple(changed))
+    with page.look() as other:  # the answer to a change brings the present plan
+        other.send(json.dumps({"stage": "all/hall/fuse", "key": "maximum_iterations", "value": "50"}))
+    chromium.wait("[...document.querySelectorAll('#detail input')].some(({ value }) => value === '77')")
+    assert chromium.ask(CARDS) == ["all", "hall", *INNER, "smooth"]
+
+    press(chromium, "hall")
+    assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
+    assert chromium.ask("document.querySelector('#detail').hidden")  # its card cannot be seen
+    chromium.call("Page.reload")
+    chromium.wait("document.querySelectorAll('#groups button').length > 2")
+    assert chromium.ask(CARDS) == ["all", "hall", "smooth"]
+    press(chromium, "all")
+    assert chromium.ask(CARDS) == ["all", "smooth"]
+    assert chromium.errors == []
+
+
+RUN = {
+    "stages": [
+        {
+            "stage": "z/a",
+            "state": "getting",
+            "rate": 50,
+            "load": 0.5,
+            "idle_s": 0,
+            "age_s": None,
+            "error": "",
+        },
+        {
+            "stage": "z/b",
+            "state": "getting",
+            "rate": 7,
+            "load": None,
+            "idle_s": 0,
+            "age_s": None,
+            "error": "",
+        },
+    ],
+    "edges": [],
+    "paths": [
+        {"origin": "z/a", "sink": "z/b", "p50_ms": 1, "p95_ms": 5, "old": False},
+        {"origin": "z/a", "sink": "y", "p50_ms": 1, "p95_ms": 80, "old": False},
+    ],
+}
+
+
+def edge(start: str, end: str, rate: float, p95_ms: float | None) -> dict[str, object]:
+    losses = dict.fromkeys(("away", "dropped", "late", "unmatched", "invalid", "lost"), 0)
+    ends = {"from": f"{start}.out", "to": f"{end}.in"}
+    return {**ends, "rate": rate, "p50_ms": 1, "p95_ms": p95_ms, "old": False, **losses}
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_rate_and_latency_are_those_of_what_leaves_a_sub_graph(opened: Opened) -> None:
+    """Where nothing leaves it, those of its last stages."""
+    sink = {**RUN, "edges": [edge("z/a", "z/b", 50, 2)]}
+    feed = {**RUN, "edges": [edge("z/a", "z/b", 50, 2), edge("z/a", "y", 20, 30), edge("z/a", "x", 9, None)]}
+    script = """import("/static/card.js").then(({ SubgraphCard }) => %s.map((run) => {
+        const card = new SubgraphCard("z", () => {});
+        for (const { stage } of run.stages) card.members.add(stage), card.groups.add(stage);
+        card.update(run);
+        return [card.state.textContent, card.latency.textContent];
+    }))"""
+    _, chromium = opened
+    assert chromium.ask(script % json.dumps([sink, feed])) == [
+        ["7.0/s · getting", "latency 1.0 / 5.0 ms"],
+        ["20.0/s · getting", "latency 1.0 / 30.0 ms"],
+    ]
