@@ -11,6 +11,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from followspot.errors import FollowspotError
 from followspot_page.feed import Feed
+from followspot_page.showing import FAREWELL
 
 Do = Callable[[str], Awaitable[str]]
 """Carries out a browser's request and returns a line about it. Raises FollowspotError if that fails."""
@@ -31,12 +32,14 @@ class Browser:
         self._answers: deque[str] = deque(maxlen=_WAITING)
 
     async def serve(self) -> None:
-        """Serve until the browser leaves or stops taking messages."""
+        """Serve until the browser leaves, stops taking messages, or the run has ended."""
         self._feed.listeners.add(self._changed)
         hearing = asyncio.ensure_future(self._hear())
         sending = asyncio.ensure_future(self._send())
         try:
             await asyncio.wait((hearing, sending), return_when=asyncio.FIRST_COMPLETED)
+            if self._feed.over:  # what was sent may not have left this process yet
+                await asyncio.wait((hearing,), timeout=FAREWELL)
         finally:
             self._feed.listeners.discard(self._changed)
             for task in (hearing, sending):
@@ -58,13 +61,15 @@ class Browser:
         sent = 0
         try:
             while True:
-                number = self._feed.number
+                over, number = self._feed.over, self._feed.number
                 newer = [*self._feed.since(sent), *self._answers]
                 self._answers.clear()
                 for payload in newer:
                     async with asyncio.timeout(_TIMEOUT):
                         await self._put(payload)
                 sent = number
+                if over:
+                    return
                 await self._changed.wait()
                 self._changed.clear()
         except (WebSocketDisconnect, RuntimeError, TimeoutError):

@@ -28,6 +28,8 @@ class Feed:
 
     def __init__(self) -> None:
         self.number = 0
+        self.over = False
+        """Nothing follows: browsers leave when they have read what is there."""
         self.things: dict[str, tuple[int, str | bytes]] = {}
         self.listeners: set[asyncio.Event] = set()
         """Set at every change; one for each waiting browser."""
@@ -39,6 +41,11 @@ class Feed:
             self.things[key] = (self.number, payload)
             for listener in self.listeners:
                 listener.set()
+
+    def end(self, payload: str) -> None:
+        """Put the last thing."""
+        self.over = True
+        self.put("end", payload)
 
     def newest(self, key: str) -> str | bytes | None:
         """The thing as it is now."""

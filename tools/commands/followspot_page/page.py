@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from followspot_page.recording import RecordButton, recordable
 from followspot_page.remote_previews import RemotePreviews
 from followspot_page.scene import scene
 from followspot_page.sensors import sensors
+from followspot_page.showing import FAREWELL
 from followspot_page.taps import sent_kinds, shown_ports
 from followspot_watch.run_monitor import RunMonitor
 
@@ -53,6 +55,9 @@ class Page:
         self.crowd = Crowd()
         self._browsers: Counter[str] = Counter()
         """Number of browsers by address."""
+        self._deserted = asyncio.Event()
+        """No browser is here."""
+        self._deserted.set()
         self.show(plan)
 
     def show(self, plan: Plan) -> None:
@@ -131,9 +136,12 @@ class Page:
             self.run.take(status)
         self.feed.put("run", json.dumps(self.run.data()))
 
-    def end(self, how: str) -> None:
-        """Tell browsers that the run has ended, and how, as far as that is known."""
-        self.feed.put("end", json.dumps({"type": "end", "how": how}))
+    async def end(self, how: str) -> None:
+        """Tell browsers that the run has ended, and how; return when all have read it, or after FAREWELL."""
+        self.feed.end(json.dumps({"type": "end", "how": how}))
+        with suppress(TimeoutError):
+            async with asyncio.timeout(FAREWELL):
+                await self._deserted.wait()
 
     async def look(self, socket: WebSocket) -> None:
         """Serve one browser until it leaves or stops taking messages."""
@@ -159,6 +167,7 @@ class Page:
         self._browsers[address] += change
         self._browsers += Counter()  # drops addresses with a count of 0
         watched = self.browsers > 0
+        (self._deserted.clear if watched else self._deserted.set)()
         self.gate.watched = watched
         if self.remote is not None:
             self.remote.watch(watched=watched)

@@ -101,9 +101,9 @@ async def serve(host: str, port: int, *, firm: bool, pid: int, rate: float) -> N
             await page.allow_changes(run)
         await asyncio.wait((serving, following, over), return_when=asyncio.FIRST_COMPLETED)
         if following.done():
-            page.end("over or gone")
+            await page.end("over or gone")
         elif over.done() and over.result():
-            page.end("ended")
+            await page.end("ended")
         server.should_exit = True
         await serving
         following.cancel()

@@ -28,6 +28,8 @@ class PageOrder:
 
 OVER = "."
 """The line that tells the page's process that the run has ended."""
+FAREWELL = 8.0
+"""Seconds that browsers have to read that the run has ended; each closes its socket when it has."""
 
 
 class ShownPage:
@@ -63,7 +65,7 @@ def shown(order: PageOrder) -> Iterator[ShownPage]:
         with suppress(BrokenPipeError):
             process.stdin.close()
         try:
-            process.wait(timeout=10.0)
+            process.wait(timeout=FAREWELL + 10.0)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()

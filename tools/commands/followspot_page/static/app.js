@@ -97,6 +97,7 @@ const takers = {
   },
   end({ how }) {
     ended = how;
+    socket.close(); // says that this was read: the page's process waits for it
   },
   recording(recording) {
     recorder.update(recording);
