@@ -171,6 +171,15 @@ def test_several_targets_share_a_mean_a_sum_or_the_worst() -> None:
     assert column("switches", a, ghost) == 2
 
 
+def test_errors_within_the_ellipsoid_are_a_share_of_the_frames_of_all_targets() -> None:
+    a = figures(rated_frames=30, within_95=0.9, bridged_frames=4, bridged_within_95=0.5)
+    b = figures(rated_frames=10, within_95=0.5)
+    assert column("within_95_percent", a, b) == pytest.approx(80.0)
+    assert column("bridged_within_95_percent", a, b) == 50.0
+    assert math.isnan(column("within_95_percent", figures()))
+    assert math.isnan(column("bridged_within_95_percent", b))
+
+
 def test_false_recoveries_are_a_share_of_all_recoveries_and_of_all_frames_sought() -> None:
     a = replace(figures(), recovery=Recoveries(sought=60, found=3, false=1), pairs=(12.0, 10.0, 18.0))
     b = replace(figures(), recovery=Recoveries(sought=40, found=1, false=0), pairs=(14.0, 8.0, 15.0))

@@ -16,6 +16,8 @@ PAPER_UNIT = 4.572
 """15 ft, the unit of length of Jin & Qian 2008, m."""
 PAPER_FRAMES = 100
 """Length of the subsequences in table 3 of the paper, frame intervals."""
+ELLIPSOID_95 = 7.814728
+"""Limit of chi-square with three degrees of freedom that 95 % are below."""
 
 
 def switches(elsewhere: Array, there: Array) -> int:
@@ -81,6 +83,18 @@ def jerk_cost(xyz: Array) -> float:
     squared = np.square(jerk).sum(axis=1)
     known = squared[np.isfinite(squared)]
     return PAPER_FRAMES * statistic(known, np.mean)
+
+
+def within_ellipsoid(errors: Array, sigma: Array) -> Array:
+    """Which errors lie in the ellipsoid that 95 % of them should lie in: (N, 3) m each -> (N,) bool.
+
+    The squared Mahalanobis distance is at most the limit of chi-square (Bar-Shalom, Li & Kirubarajan 2001,
+    section 5.4). Tracks carry a standard deviation along each axis and no correlations, so right ones hold
+    95 % of errors that are independent along the axes and 89 % of errors that all lie on one line.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        squared = np.square(errors / sigma).sum(axis=1)
+    return np.asarray(squared <= ELLIPSOID_95)
 
 
 def reprojection(xyz: Array, truth: Array, cameras: Sequence[Camera]) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from textwrap import dedent
 from typing import Any
 
@@ -26,16 +26,27 @@ HEADINGS = (
 )
 TURNED = "orientation"
 """Heading of a further column, if any orientation was scored."""
+RATED = ("within 95 %", "bridged within")
+"""Headings of further columns, if any position has an uncertainty."""
 
 
 def table(scores: Mapping[str, TargetScore]) -> str:
-    """One line per target under a line of headings; a dash if there was nothing to measure."""
+    """One line per target under a line of headings; a dash if there was nothing to measure.
+
+    A last line has the share of errors within the ellipsoid of 95 % of several targets together.
+    """
+    rated = [one for one in scores.values() if one.rated_frames]
     posed = any(math.isfinite(one.orientation_deg) for one in scores.values())
+    heads = (*HEADINGS, *(RATED if rated else ()), *((TURNED,) if posed else ()))
     rows = [
-        (*_cells(name, one), *((_number(one.orientation_deg, ".1f", " deg"),) if posed else ()))
+        (
+            *_cells(name, one),
+            *(_rated_cells(one) if rated else ()),
+            *((_number(one.orientation_deg, ".1f", " deg"),) if posed else ()),
+        )
         for name, one in scores.items()
     ]
-    return dedent(drawn((*HEADINGS, TURNED) if posed else HEADINGS, rows))
+    return dedent(drawn(heads, rows)) + (f"\n{_together(rated)}" if len(rated) > 1 else "")
 
 
 def to_json(scores: Mapping[str, TargetScore]) -> dict[str, dict[str, Any]]:
@@ -60,6 +71,24 @@ def _cells(name: str, one: TargetScore) -> tuple[str, ...]:
         _number(one.jerk_cost, ".4f", ""),
         _number(one.reprojection_px, ".2f", spread + " px"),
     )
+
+
+def _rated_cells(one: TargetScore) -> tuple[str, str]:
+    bridged = _number(100 * one.bridged_within_95, ".1f", f" % of {one.bridged_frames}")
+    return _number(100 * one.within_95, ".1f", " %"), bridged
+
+
+def _together(rated: Sequence[TargetScore]) -> str:
+    """The shares of all targets, over their frames."""
+    frames = sum(one.rated_frames for one in rated)
+    share = sum(one.within_95 * one.rated_frames for one in rated) / frames
+    bridged = [one for one in rated if one.bridged_frames]
+    text = f"all targets: {100 * share:.1f} % of {frames} errors within the ellipsoid of 95 %"
+    if not bridged:
+        return text
+    frames = sum(one.bridged_frames for one in bridged)
+    share = sum(one.bridged_within_95 * one.bridged_frames for one in bridged) / frames
+    return f"{text}, {100 * share:.1f} % of {frames} while bridged"
 
 
 def _number(value: float, form: str, unit: str) -> str:

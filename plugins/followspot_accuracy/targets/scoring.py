@@ -1,4 +1,4 @@
-"""Scores per target: coverage, error, identity, false positions, recovery, smoothness."""
+"""Scores per target: coverage, error, uncertainty, identity, false positions, recovery, smoothness."""
 
 from __future__ import annotations
 
@@ -10,9 +10,15 @@ import numpy as np
 from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.rotation import angle_between
-from followspot.tracking import TRACKED
+from followspot.tracking import LOST, PREDICTED, TRACKED
 from followspot_accuracy.statistics import half_interval, nearest, root_mean_square, share, statistic
-from followspot_accuracy.targets.figures import jerk_cost, recoveries, reprojection, switches
+from followspot_accuracy.targets.figures import (
+    jerk_cost,
+    recoveries,
+    reprojection,
+    switches,
+    within_ellipsoid,
+)
 from followspot_accuracy.targets.tables import TrackTable, TruthTable
 
 REACH = 0.15
@@ -50,19 +56,28 @@ class TargetScore:
     reprojection_std_px: float
     orientation_deg: float = np.nan
     """Root mean square of the angle to the true orientation, over all trackable frames with one."""
+    rated_frames: int = 0
+    """Frames with a position that has an uncertainty, and with a truth; also those that are not trackable."""
+    within_95: float = np.nan
+    """Share of them whose error lies within the ellipsoid of 95 %, by the sigma along each axis."""
+    bridged_frames: int = 0
+    """Rated frames of state "predicted": without a measurement of its own."""
+    bridged_within_95: float = np.nan
+    """Share of these, likewise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """Positions of one target at the F times of the truth.
 
-    xyz: (F, 3) m, NaN for none; tracked: (F,) True if the state was "tracked"; quaternion: (F, 4), NaN for
-    none.
+    xyz: (F, 3) m, NaN for none; state: (F,) index of `followspot.tracking.STATES`; quaternion: (F, 4) and
+    sigma: (F, 3) m, NaN for none.
     """
 
     xyz: Array
-    tracked: Array
+    state: Array
     quaternion: Array
+    sigma: Array
 
     @property
     def there(self) -> Array:
@@ -103,18 +118,20 @@ def with_absent(truth: TruthTable, names: Sequence[str]) -> TruthTable:
 
 def trajectory(tracks: TrackTable, name: str, time: Array) -> Trajectory:
     """Rows of one target at the nearest of ascending times (F,), s, none farther than half an interval."""
-    xyz = np.full((len(time), 3), np.nan)
-    tracked = np.zeros(len(time), bool)
+    xyz, sigma = np.full((2, len(time), 3), np.nan)
+    state = np.full(len(time), LOST, np.uint8)
     quaternion = np.full((len(time), 4), np.nan)
     if name in tracks.objects and len(time):
         rows = np.flatnonzero(tracks.target == tracks.objects.index(name))
         frame, distance = nearest(time, tracks.time[rows])
         near = distance <= half_interval(time)
         xyz[frame[near]] = tracks.xyz[rows[near]]
-        tracked[frame[near]] = tracks.state[rows[near]] == TRACKED
+        state[frame[near]] = tracks.state[rows[near]]
         if tracks.quaternion is not None:
             quaternion[frame[near]] = tracks.quaternion[rows[near]]
-    return Trajectory(xyz, tracked, quaternion)
+        if tracks.sigma is not None:
+            sigma[frame[near]] = tracks.sigma[rows[near]]
+    return Trajectory(xyz, state, quaternion, sigma)
 
 
 def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Sequence[Camera]) -> TargetScore:
@@ -126,7 +143,10 @@ def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Seque
     errors_mm = 1000 * distance[measured, own]
     pixels = reprojection(track.xyz[measured], truth.xyz[measured, own], cameras)
     recovery = recoveries(trackable, hidden, truth.pair[:, own], right)
-    false = track.tracked & hidden
+    false = (track.state == TRACKED) & hidden
+    rated = np.isfinite(track.sigma).all(axis=1) & np.isfinite(distance[:, own])
+    bridged = rated & (track.state == PREDICTED)
+    within = within_ellipsoid(track.xyz - truth.xyz[:, own], track.sigma)
     return TargetScore(
         frames=int(trackable.sum()),
         coverage=share(right & trackable, trackable),
@@ -143,6 +163,10 @@ def _target_score(track: Trajectory, truth: TruthTable, own: int, cameras: Seque
         reprojection_px=statistic(pixels, np.mean),
         reprojection_std_px=statistic(pixels, np.std),
         orientation_deg=_orientation_deg(track.quaternion[measured], truth, own, measured),
+        rated_frames=int(rated.sum()),
+        within_95=share(within & rated, rated),
+        bridged_frames=int(bridged.sum()),
+        bridged_within_95=share(within & bridged, bridged),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ TRACK_COLUMNS = ("frame", "time", "object", "state", "x", "y", "z")
 TRUTH_COLUMNS = ("frame", "time", "object", "x", "y", "z", "hidden", "trackable", "pair")
 QUATERNION = ("qw", "qx", "qy", "qz")
 """Columns of files with orientations."""
+SIGMAS = ("sx", "sy", "sz")
+"""Columns of files with uncertainties: one standard deviation along each axis, m."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +26,8 @@ class TrackTable:
     """Positions that a tracker reported: N rows in any order.
 
     time: (N,) s; target: (N,) index of `objects`; state: (N,) index of `followspot.tracking.STATES`;
-    xyz: (N, 3) m; quaternion: (N, 4) as in `followspot.inertial.PosedTracks`, None if the file has none.
+    xyz: (N, 3) m; quaternion: (N, 4) as in `followspot.inertial.PosedTracks`, None if the file has none;
+    sigma: (N, 3) m, one standard deviation along each axis, NaN if unknown, None if the file has none.
     """
 
     objects: tuple[str, ...]
@@ -33,6 +36,7 @@ class TrackTable:
     state: Array
     xyz: Array
     quaternion: Array | None = None
+    sigma: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +65,10 @@ def read_tracks_csv(path: Path) -> TrackTable:
             row.text("object"),
             row.choice("state", STATES),
             row.numbers("x", "y", "z"),
-            _quaternion(row),
+            _optional(row, QUATERNION),
+            _optional(row, SIGMAS),
         )
-        for row in read_rows(path, TRACK_COLUMNS, QUATERNION)
+        for row in read_rows(path, TRACK_COLUMNS, (*QUATERNION, *SIGMAS))
     ]
     objects = tuple(dict.fromkeys(row[1] for row in rows))
     return TrackTable(
@@ -73,6 +78,7 @@ def read_tracks_csv(path: Path) -> TrackTable:
         np.array([r[2] for r in rows], "u1"),
         np.array([r[3] for r in rows], "f8").reshape(-1, 3),
         _known(np.array([r[4] for r in rows], "f8").reshape(-1, 4)),
+        _known(np.array([r[5] for r in rows], "f8").reshape(-1, 3)),
     )
 
 
@@ -107,22 +113,22 @@ def _truth_row(row: Row) -> _TruthRow:
         row.text("object"),
         np.array(row.numbers("x", "y", "z")),
         flags,
-        _quaternion(row),
+        _optional(row, QUATERNION),
     )
 
 
-def _quaternion(row: Row) -> Array:
-    """The orientation that a row has; NaN if it has none."""
-    if not all(map(row.has, QUATERNION)) or not all(map(row.cell, QUATERNION)):
-        return UNKNOWN
-    if row.cell("qw").lower() == "nan":
-        return UNKNOWN
-    return np.array(row.numbers(*QUATERNION))
+def _optional(row: Row, columns: Sequence[str]) -> Array:
+    """The numbers that a row has in these columns; NaN if it has none."""
+    if not all(map(row.has, columns)) or not all(map(row.cell, columns)):
+        return np.full(len(columns), np.nan)
+    if row.cell(columns[0]).lower() == "nan":
+        return np.full(len(columns), np.nan)
+    return np.array(row.numbers(*columns))
 
 
-def _known(quaternion: Array) -> Array | None:
-    """The quaternions, if any is known."""
-    return quaternion if np.isfinite(quaternion).any() else None
+def _known(values: Array) -> Array | None:
+    """The values, if any is known."""
+    return values if np.isfinite(values).any() else None
 
 
 def _truth_table(rows: Iterable[_TruthRow]) -> TruthTable:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from followspot import Camera, InputError, Room, at
 from followspot.rotation import from_rotation_vector
-from followspot.tracking import MISSING, TRACKED, Truth
+from followspot.tracking import MISSING, PREDICTED, TRACKED, Truth
 from followspot_accuracy import (
     TargetScore,
     TrackTable,
@@ -297,6 +297,58 @@ def test_orientations_are_scored_where_both_are_known() -> None:
     assert "orientation" in table(scores)
     assert "3.4 deg" in table(scores)
     assert "orientation" not in table(score(rows, truth(xyz)))
+
+
+def test_errors_within_the_ellipsoid_are_counted_by_the_sigma_along_each_axis() -> None:
+    """Squared distances of 3 (inside), 7.8 (inside) and 7.83 (outside the limit of 7.81)."""
+    xyz = still(4, (1, 2, 3))
+    sigma = np.tile([0.001, 0.002, 0.004], (4, 1))
+    off = np.array([[1, 1, 1], [2.79285, 0, 0], [0, 0, 2.79821], [1, 0, 0]]) * sigma
+    rows = tracks(xyz + off[:, None])
+    one = only(score(replace(rows, sigma=sigma), truth(xyz)))
+    assert (one.rated_frames, one.within_95) == (4, 0.75)
+    assert only(score(replace(rows, sigma=10 * sigma), truth(xyz))).within_95 == 1.0
+    assert only(score(replace(rows, sigma=0 * sigma), truth(xyz))).within_95 == 0.0
+
+
+def test_bridged_frames_are_rated_apart_and_frames_without_sigma_or_truth_not_at_all() -> None:
+    xyz = still(6, (0, 0, 0), (3, 3, 3))
+    off = np.zeros_like(xyz)
+    off[3, 0, 0] = 0.1
+    rows = tracks(xyz + off)
+    state = rows.state.copy()
+    state[rows.target == 0] = [TRACKED, TRACKED, PREDICTED, PREDICTED, PREDICTED, TRACKED]
+    sigma = np.full((12, 3), 0.01)
+    sigma[(rows.target == 0).nonzero()[0][4]] = np.nan
+    xyz[5, 0] = np.nan
+    scores = score(replace(rows, state=state, sigma=sigma), truth(xyz, trackable=np.zeros((6, 2), bool)))
+    one = scores["a"]
+    assert (one.rated_frames, one.within_95, one.bridged_frames, one.bridged_within_95) == (4, 0.75, 2, 0.5)
+    assert scores["b"].bridged_frames == 0
+    assert math.isnan(scores["b"].bridged_within_95)
+    lines = table(scores).splitlines()
+    assert "75.0 %" in lines[1]
+    assert "50.0 % of 2" in lines[1]
+    assert lines[-1] == (
+        "all targets: 90.0 % of 10 errors within the ellipsoid of 95 %, 50.0 % of 2 while bridged"
+    )
+    assert to_json(scores)["a"]["within_95"] == 0.75
+    assert to_json(scores)["b"]["bridged_within_95"] is None
+
+
+def test_sigmas_are_read_from_files_and_may_be_missing(tmp_path: Path) -> None:
+    path = tmp_path / "tracks.csv"
+    path.write_text(
+        "frame,time,object,state,x,y,z,sx,sy,sz\n0,0,a,tracked,1,2,3,.1,.2,.3\n1,1,a,tracked,1,2,3,,,\n"
+    )
+    found = read_tracks_csv(path).sigma
+    assert found is not None
+    assert found[0].tolist() == [0.1, 0.2, 0.3]
+    assert np.isnan(found[1]).all()
+    path.write_text("frame,time,object,state,x,y,z\n0,0,a,tracked,1,2,3\n")
+    unrated = only(score(read_tracks_csv(path), truth(still(1, (1, 2, 3)))))
+    assert (unrated.rated_frames, unrated.bridged_frames) == (0, 0)
+    assert "95 %" not in table({"a": unrated})
 
 
 def test_orientations_are_read_from_files_and_may_be_missing(tmp_path: Path) -> None:

@@ -73,6 +73,18 @@ def _pairs(place: int) -> Callable[[Figures], float]:
     return lambda figures: mean([f.pairs[place] for f in figures if f.tracks.frames])
 
 
+def _within(share: str, frames: str) -> Callable[[Figures], float]:
+    """A share of frames in percent, over the frames of all targets."""
+
+    def percent(figures: Figures) -> float:
+        rated = [f.tracks for f in figures if getattr(f.tracks, frames)]
+        whole = sum(getattr(one, frames) for one in rated)
+        part = sum(getattr(one, share) * getattr(one, frames) for one in rated)
+        return 100 * part / whole if whole else math.nan
+
+    return percent
+
+
 def _switches(figures: Figures) -> float:
     return sum(f.tracks.identity_switches for f in figures)
 
@@ -82,6 +94,14 @@ COLUMNS = (
     Column("rmse_mm", "RMSE", "{:.1f} mm", _mean_of("rmse_mm")),
     Column("median_mm", "median", "{:.1f} mm", _mean_of("median_mm")),
     Column("p95_mm", "p95", "{:.1f} mm", _mean_of("p95_mm")),
+    Column("within_95_percent", "within 95 %", "{:.1f} %", _within("within_95", "rated_frames"), ratio=False),
+    Column(
+        "bridged_within_95_percent",
+        "bridged within",
+        "{:.1f} %",
+        _within("bridged_within_95", "bridged_frames"),
+        ratio=False,
+    ),
     Column("switches", "switches", "{:.0f}", _switches, ratio=False),
     Column("false_percent", "false when hidden", "{:.1f} %", _false_percent, ratio=False),
     Column("recovery_frames", "recovery", "{:.0f} frames", _recovery, ratio=False),
@@ -110,7 +130,8 @@ COLUMNS = (
     Column("pairs_p95", "5 % above", "{:.0f}", _pairs(2), ratio=False),
 )
 """All of them, in the order of the table. Several targets: the mean of theirs, but the sum of switches, the
-shares of all hidden frames, recoveries and frames in which one was sought, and the slowest recovery."""
+shares of all rated, bridged and hidden frames, recoveries and frames in which one was sought, and the slowest
+recovery."""
 
 
 def measured(groups: Mapping[str, Figures]) -> tuple[Column, ...]:

@@ -35,10 +35,11 @@ def run(args: argparse.Namespace) -> int:
     """Run variants of a graph on the same recordings and compare their accuracy.
 
     Every graph file is a variant; each --variant is another variant of the first graph. The command prints
-    for each target, and as means: coverage, RMSE, median and 95th percentile (mm), identity switches, false
-    positions while hidden, recovery, false recoveries (the share of first positions after a frame without one
-    that are farther than 15 cm from the target, and their share of all frames in which it was sought), jerk
-    cost, reprojection error, speed, and ratios to the first variant.
+    for each target, and as means: coverage, RMSE, median and 95th percentile (mm), errors within the stated
+    ellipsoid of 95 %, identity switches, false positions while hidden, recovery, false recoveries (the share
+    of first positions after a frame without one that are farther than 15 cm from the target, and their share
+    of all frames in which it was sought), jerk cost, reprojection error, speed, and ratios to the first
+    variant.
     For graphs that write poses of persons (sinks.csv) it prints coverage, errors of direction,
     distance, height and position, torso heading, head pan and tilt, identity, false persons, times to
     acquire and to vanish, and speed.

@@ -73,8 +73,8 @@ def run(args: argparse.Namespace) -> int:
     """Score tracks of targets or poses of persons against ground truth.
 
     Tracks, per target: coverage, RMSE, median and 95th percentile (mm), identity switches, false positions
-    while hidden, frames until recovery, jerk cost; with a room also the reprojection error (px). Rows are
-    matched by time.
+    while hidden, frames until recovery, jerk cost, errors within the stated ellipsoid of 95 %; with a room
+    also the reprojection error (px). Rows are matched by time.
 
     Poses, per person and in all: coverage (pose within 0.5 m of a person whose upper body is half visible),
     errors of direction, distance, height and position, torso heading, head pan and tilt, identity switches,
