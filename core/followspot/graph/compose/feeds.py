@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from followspot.document import Node
+from followspot.graph.compose.narrowing import both
 from followspot.graph.names import SENDER
 
 
@@ -39,12 +40,15 @@ def renamed(feed: Node, text: str) -> Node:
 def joined(outer: Node, inner: Node) -> Node:
     """The feed from the sender of `outer` into the input of `inner`, with the options of both.
 
-    Options of `outer` count before those of `inner`, and delays add up.
+    Options of `outer` count before those of `inner`; delays add up, and what both choose with `only` is left.
     """
     options = {**_options(inner), **_options(outer)}
     delays = [found["delay"] for found in (_options(inner), _options(outer)) if "delay" in found]
     if len(delays) > 1 and all(type(node.value) is int for node in delays):
         options["delay"] = replace(delays[-1], value=sum(int(str(node.value)) for node in delays))
+    chosen = [found["only"] for found in (_options(outer), _options(inner)) if "only" in found]
+    if len(chosen) > 1:
+        options["only"] = both(*chosen)
     return replace(outer, value={"from": origin(outer), **options}) if options else origin(outer)
 
 

@@ -27,6 +27,17 @@ def narrowed(each: Node, limits: Sequence[Limit]) -> Node:
     return replace(each, value=selector.text)
 
 
+def both(first: Node, second: Node) -> Node:
+    """The selector of the members that two selectors choose, at the place of the first.
+
+    The first alone if one cannot be read, or if they choose of different sets.
+    """
+    one, other = read_selector(first, []), read_selector(second, [])
+    if not (one.readable and other.readable and one.set == other.set):
+        return first
+    return replace(first, value=intersection(one, other).text)
+
+
 def read_cameras(node: Node, mistakes: list[Mistake]) -> Selector | None:
     """The value of `cameras`; None if a mistake was noted."""
     selector = read_selector(node, mistakes, "cameras")

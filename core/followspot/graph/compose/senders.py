@@ -7,8 +7,17 @@ from dataclasses import replace
 
 from followspot.document import Node
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.compose.feeds import items, joined, origin, renamed, seen_with, sender, with_option
-from followspot.graph.compose.narrowing import Limit, narrowed
+from followspot.graph.compose.feeds import (
+    items,
+    joined,
+    option,
+    origin,
+    renamed,
+    seen_with,
+    sender,
+    with_option,
+)
+from followspot.graph.compose.narrowing import Limit, both, narrowed
 from followspot.graph.compose.unit import Unit
 from followspot.graph.names import below, enclosing
 
@@ -81,7 +90,8 @@ def _only(feed: Node, replaced: Node, limits: Sequence[Limit]) -> Node:
     selector = None if each is None else narrowed(each, limits)
     if selector is None or "[" not in str(selector.value):
         return feed
-    return with_option(feed, "only", selector)
+    chosen = option(feed, "only")
+    return with_option(feed, "only", selector if chosen is None else both(chosen, selector))
 
 
 def _with_port(feed: Node, port: str | None) -> Node:
