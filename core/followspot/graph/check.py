@@ -153,17 +153,14 @@ def _check_inputs(
             told = "; ".join(reason.text for reason in reasons)
             place = entry.place if reasons[0].place is None else entry.place.within(reasons[0].place)
             mistakes.append(Mistake(place, text, f'{told}; write optional: true for "{declared.name}", too'))
-    named = {port.name for entry in declared.inputs if (port := found.input(entry.port)) is not None}
-    for port in found.inputs:
-        if port.required and port.name not in named:
-            text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
-            mistakes.append(
-                Mistake(
-                    declared.place,
-                    text,
-                    f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}",
-                )
-            )
+    named = {entry.port for entry in declared.inputs}
+    missing = [port for port in found.inputs if port.required and port.name not in named]
+    if len(missing) <= len(named - {port.name for port in found.inputs}):
+        return  # the names that the stage lacks are those of the missing ones, misspelt
+    for port in missing:
+        text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
+        remedy = f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}"
+        mistakes.append(Mistake(declared.place, text, remedy))
 
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:

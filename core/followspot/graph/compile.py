@@ -14,6 +14,7 @@ from followspot.graph.interface_check import check_interface
 from followspot.graph.load import Loaded, load
 from followspot.graph.placement import Placed, place
 from followspot.graph.plan import Plan, Recipe
+from followspot.graph.told_once import told_once
 from followspot.graph.tune import tuned
 from followspot.plugins.registry import use_plugin_files
 
@@ -108,7 +109,4 @@ def _ordered(mistakes: Sequence[Mistake]) -> list[Mistake]:
         at: Place | None = mistake.place
         return (-1, 0, 0) if at is None else (rank[at.file], at.line, at.column)
 
-    once: dict[tuple[Place | None, str], Mistake] = {}
-    for mistake in mistakes:  # what one value causes at several places inside sub-graphs is one mistake
-        once.setdefault((mistake.place and replace(mistake.place, outer=None), mistake.text), mistake)
-    return sorted(once.values(), key=position)
+    return sorted(told_once(mistakes), key=position)

@@ -63,11 +63,28 @@ def connect(
             if port.uniform and first.type is not output.type:
                 mistakes.append(_two_types(wire, first, output))
             edges.append(CheckedEdge(wire, output.name, port.kind))
+    _check_twice(edges, mistakes)
     for (name, port_name), members in into.items():
         port = ports(classes[name]).input(port_name)
         if port is not None:
             _check_multiplicity(members, port, mistakes)
     return edges
+
+
+def _check_twice(edges: Sequence[CheckedEdge], mistakes: list[Mistake]) -> None:
+    """A message feeds an input once; with another delay it is another message."""
+    seen: dict[tuple[str, str, str, str, int], CheckedEdge] = {}
+    for edge in edges:
+        wire = edge.wire
+        ends = (wire.source.name, edge.output, wire.target.name, wire.port, wire.feed.delay)
+        first = seen.setdefault(ends, edge).wire.feed
+        if first is not wire.feed:
+            text = (
+                f'input "{wire.port}" of stage "{wire.target.declared.name}" gets "{wire.feed.origin}" twice'
+            )
+            same = first.place == wire.feed.place
+            place = wire.feed.place if same else wire.feed.place.beside(first.place)
+            mistakes.append(Mistake(place, text, "feed it once"))
 
 
 def _check_settings(wire: Wire, port: InputSpec, mistakes: list[Mistake]) -> None:

@@ -17,6 +17,8 @@ ROOM_SOURCE = "room.source"
 """Stands for the source stage that the room declares for each camera or sensor."""
 MAX_INSTANCES = 10_000
 MAX_EDGES = 50_000
+_MOST_NAMED = 6
+"""Most members that a mistake names."""
 _ANY = Member("", "?")
 """Stands for the members of a room that has mistakes, so that the rest of the graph is still checked."""
 
@@ -95,12 +97,14 @@ def expand(loaded: Loaded, mistakes: list[Mistake]) -> Expanded:
     room = loaded.room or Room()
     rank = ranks(room)
     wires: list[Wire] = []
+    unserved: dict[tuple[str, Feed], list[Member]] = {}
     for instance in instances.values():
         for entry in instance.declared.inputs:
-            wires += _wires(instance, entry, groups, left_out, room, rank, mistakes)
+            wires += _wires(instance, entry, groups, left_out, room, rank, unserved, mistakes)
         if len(wires) > MAX_EDGES:
             text = f"the graph has more than {MAX_EDGES} edges"
             return _nothing(loaded, text, "feed fewer inputs", mistakes)
+    mistakes += [_unserved(*key, members) for key, members in unserved.items()]
     return Expanded(
         name=loaded.name,
         room=room,
@@ -193,12 +197,13 @@ def _wires(
     left_out: Collection[str],
     room: Room,
     rank: Mapping[Member, int],
+    unserved: dict[tuple[str, Feed], list[Member]],
     mistakes: list[Mistake],
 ) -> list[Wire]:
     """All wires to one input, in the order of the room, for a join delivers in that order.
 
     Of several senders that fan out, such as sub-graphs of each camera, those feed the target that serve its
-    member; that none does is a mistake.
+    member; a target for which none does is added to `unserved`.
     """
     wires, strange = [], []
     for feed in entry.feeds:
@@ -210,11 +215,18 @@ def _wires(
         elif feed.stage not in left_out:
             remedy = did_you_mean(feed.stage, groups, "stages")
             mistakes.append(Mistake(feed.place, f'there is no stage "{feed.stage}"', remedy))
-    if strange and not wires:
-        text = f'stage "{target.declared.name}" serves {target.member}, stage "{strange[0].stage}" does not'
-        mistakes.append(Mistake(strange[0].place, text, "give both the same each"))
+    if strange and not wires and target.member is not None:
+        unserved.setdefault((target.declared.name, strange[0]), []).append(target.member)
     last = len(rank)
     return sorted(wires, key=lambda w: last if w.source.member is None else rank.get(w.source.member, last))
+
+
+def _unserved(stage: str, feed: Feed, members: Sequence[Member]) -> Mistake:
+    """The mistake of a stage with members that its sender does not serve."""
+    listed = ", ".join(map(str, members[:_MOST_NAMED]))
+    listed += f" and {len(members) - _MOST_NAMED} more" if len(members) > _MOST_NAMED else ""
+    text = f'stage "{stage}" serves {listed}, stage "{feed.stage}" does not'
+    return Mistake(feed.place, text, "give both the same each")
 
 
 def _sources(

@@ -14,6 +14,7 @@ from followspot.errors import Mistake
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
 from followspot.graph.expand import Expanded, Instance
+from followspot.graph.told_once import told_once
 from followspot.ports import ports
 from followspot.room import Camera, Member, Room, Sensor
 from followspot.stage import Stage
@@ -74,7 +75,7 @@ def warnings(stages: Sequence[Checked], edges: Sequence[CheckedEdge], expanded: 
         *_never(flow),
         *_foreseen(flow, room),
     ]
-    return [replace(mistake, warning=True) for mistake in dict.fromkeys(found)]
+    return [replace(mistake, warning=True) for mistake in told_once(found)]
 
 
 def _unread(flow: Flow, expanded: Expanded) -> Iterator[Mistake]:

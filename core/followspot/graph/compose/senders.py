@@ -53,6 +53,8 @@ def senders(unit: Unit, feed: Node, mistakes: list[Mistake], way: _Way = ()) -> 
         return [one for inner in unit.units[stage] for one in _of_output(inner, port, feed, mistakes, way)]
     full = below(unit.name, stage)
     for inner in (inner for units in unit.units.values() for inner in units):
+        if inner.name == full and stage not in unit.stages:  # one member of a sub-graph that fans out
+            return _of_output(inner, port, feed, mistakes, way)
         if stage not in unit.stages and full.startswith(f"{inner.name}/"):
             text = _join(full.removeprefix(f"{inner.name}/"), port)
             return senders(inner, renamed(feed, text), mistakes, way)
