@@ -159,8 +159,8 @@ def _check_inputs(
         return  # the names that the stage lacks are those of the missing ones, misspelt
     for port in missing:
         text = f'stage "{declared.name}" ({instance.uses}) needs the input "{port.name}"'
-        remedy = f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}"
-        mistakes.append(Mistake(declared.place, text, remedy))
+        advice = f"add in: {{{port.name}: STAGE}}, a stage that gives {port.type.__name__}"
+        mistakes.append(Mistake(declared.place, text, advice))
 
 
 def _check_outputs(stages: Sequence[CheckedStage], mistakes: list[Mistake]) -> None:
