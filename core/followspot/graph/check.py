@@ -9,8 +9,9 @@ from typing import Any
 from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.connections import CheckedEdge, check_cycles, check_lagged_cycles, connect
-from followspot.graph.expand import Expanded, Instance
+from followspot.graph.expand import Expanded
 from followspot.graph.file_check import check_files
+from followspot.graph.instances import Instance
 from followspot.graph.parameters import output_paths, validated
 from followspot.graph.picture_form import check_picture
 from followspot.graph.reproducibility import risks

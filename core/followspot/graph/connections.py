@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from followspot.errors import Mistake, did_you_mean
 from followspot.graph.cycles import cycles, cyclic, successors
-from followspot.graph.expand import Wire
+from followspot.graph.instances import Wire
 from followspot.graph.sampling import Link
 from followspot.messages import Message
 from followspot.ports import InputKind, InputSpec, OutputSpec, Ports, accepts, ports

@@ -26,6 +26,7 @@ from followspot.ranges import MAX_WAIT
 ENVELOPE = (
     "uses",
     "each",
+    "serves",
     "optional",
     "in",
     "with",
@@ -93,6 +94,8 @@ class StageDeclaration:
     depth: int | None = None
     """None for the depth that fits the source's rate."""
     concurrency: int = 1
+    serves: tuple[Selector, ...] = ()
+    """The members of sub-graphs that fan out around the stage: of other members it takes nothing."""
     places: Mapping[str, Place] = field(default_factory=dict, compare=False)
     """Of the value of each key that is written."""
 
@@ -120,8 +123,18 @@ def read_stage(name: str, node: Node, mistakes: list[Mistake]) -> StageDeclarati
         optional=form.switch("optional"),
         depth=form.whole("depth", least=1, most=MAX_DEPTH),
         concurrency=form.whole("concurrency", least=1, most=MAX_CONCURRENCY) or PlannedStage.concurrency,
+        serves=_serves(form.get("serves"), mistakes),
         places=_places(form),
     )
+
+
+def _serves(node: Node | None, mistakes: list[Mistake]) -> tuple[Selector, ...]:
+    """The selectors of a list, or the only one."""
+    if node is None:
+        return ()
+    items = node.value if isinstance(node.value, tuple) else (node,)
+    found = (read_selector(item, mistakes, "serves") for item in items)
+    return tuple(selector for selector in found if selector.readable)
 
 
 def _places(form: Form) -> dict[str, Place]:

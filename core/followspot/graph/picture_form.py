@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from followspot.errors import Mistake
-from followspot.graph.expand import Instance
+from followspot.graph.instances import Instance
 from followspot.ports import ports
 from followspot.room import Room
 from followspot.stage import Stage

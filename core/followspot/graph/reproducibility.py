@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from followspot.errors import Mistake
 from followspot.graph.connections import CheckedEdge
-from followspot.graph.expand import Instance
+from followspot.graph.instances import Instance
 from followspot.graph.sampling import sampled_cycles
 from followspot.stage import Stage
 

@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 
 from followspot.document import Node, child
 from followspot.errors import Mistake, did_you_mean
-from followspot.graph.expand import Expanded, Instance
+from followspot.graph.expand import Expanded
+from followspot.graph.instances import Instance
 from followspot.graph.names import enclosing
 from followspot.graph.override import below_set
 from followspot.graph.plan import PlannedStage

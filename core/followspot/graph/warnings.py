@@ -13,7 +13,8 @@ from followspot.document import Node, child
 from followspot.errors import Mistake
 from followspot.graph.connections import CheckedEdge
 from followspot.graph.cycles import Successors, successors, topological
-from followspot.graph.expand import Expanded, Instance
+from followspot.graph.expand import Expanded
+from followspot.graph.instances import Instance
 from followspot.graph.told_once import told_once
 from followspot.ports import ports
 from followspot.room import Camera, Member, Room, Sensor

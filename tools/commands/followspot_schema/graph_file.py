@@ -114,6 +114,10 @@ def _stage(offered: Mapping[str, type[Stage]]) -> Schema:
                 "description": "one instance a member: cameras, sensors, targets or a tag as in zones, also"
                 ' "cameras[kind=color, zone=hall]"',
             },
+            "serves": {
+                "anyOf": [TEXT, {"type": "array", "items": TEXT}],
+                "description": 'members of the sub-graphs around it, in a flat file: "zone[name=hall]"',
+            },
             "optional": _OPTIONAL,
             "in": {"type": "object", "description": "input port -> what feeds it"},
             "with": {"type": "object", "description": "parameters"},

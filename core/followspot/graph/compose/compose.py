@@ -8,6 +8,7 @@ from pathlib import Path
 
 from followspot.document import Node
 from followspot.errors import Mistake, Place, did_you_mean
+from followspot.graph.compose.belonging import seen_only, serving
 from followspot.graph.compose.feeds import items, origin
 from followspot.graph.compose.graph_file import GraphFiles
 from followspot.graph.compose.narrowing import narrowed
@@ -81,6 +82,7 @@ def compose(
         mistakes.append(Mistake(override.stage_place, text, did_you_mean(name, known, "stages")))
     check_nested(unit, wrong)
     mistakes += wrong
+    stages = seen_only(stages, _units(unit))
     read = tuple(files.files)
     offered = _offered(unit) if not wrong else frozenset()
     seed = root.seed or 0
@@ -150,6 +152,7 @@ def _flat(name: str, node: Node, unit: Unit, mistakes: list[Mistake]) -> Node:
     entry = dict(node.value)
     if "each" in entry:
         entry["each"] = narrowed(entry["each"], unit.limits)
+    entry = serving(entry, node, unit.limits)
     inputs = entry.get("in")
     wired = {port: found for (stage, port), found in unit.wired.items() if stage == name}
     if wired and inputs is None:

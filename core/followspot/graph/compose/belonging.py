@@ -1,0 +1,72 @@
+"""What the stages of a sub-graph belong to: the members it fans out over, and the cameras it sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from followspot.document import Node, child
+from followspot.graph.compose.feeds import items, option, sender, with_option
+from followspot.graph.compose.narrowing import Limit, both, narrowed
+from followspot.graph.compose.unit import Unit
+from followspot.graph.names import below
+from followspot.graph.selector import Condition, Selector, read_selector
+from followspot.room import Member
+
+
+def serving(entry: Mapping[str, Node], node: Node, limits: Sequence[Limit]) -> dict[str, Node]:
+    """The entry of a stage with the members of the sub-graphs around it, its own fan-out aside.
+
+    node: that the entry is the value of.
+    """
+    members = [
+        limit for limit in limits if isinstance(limit, Member) and limit.set != _set(entry.get("each"))
+    ]
+    written = items(entry["serves"]) if "serves" in entry else ()
+    texts = [
+        Selector(member.set, (Condition("name", (member.name,)),), node.key).text
+        for member in dict.fromkeys(members)
+    ]
+    if not texts:
+        return dict(entry)
+    found = (*written, *(Node(text, node.key, node.key) for text in texts))
+    return {**entry, "serves": found[0] if len(found) == 1 else Node(found, node.key, node.key)}
+
+
+def seen_only(stages: Mapping[str, Node], units: Iterable[Unit]) -> dict[str, Node]:
+    """The stages of a flat graph, of which those in a sub-graph get what comes of its cameras alone.
+
+    Of an input that takes the place of a stage, its feeds say so already.
+    """
+    found = dict(stages)
+    for unit in units:
+        limits = [limit for limit in unit.limits if isinstance(limit, Selector)]
+        for stage, port in unit.wired if limits else ():
+            name = below(unit.name, stage)
+            inputs = child(found.get(name), "in")
+            feeds = child(inputs, port)
+            if feeds is not None and inputs is not None and isinstance(inputs.value, Mapping):
+                fed = [_of_cameras(feed, stages, limits) for feed in items(feeds)]
+                value = replace(feeds, value=tuple(fed)) if isinstance(feeds.value, tuple) else fed[0]
+                entry = {**_entry(found[name]), "in": replace(inputs, value={**inputs.value, port: value})}
+                found[name] = replace(found[name], value=entry)
+    return found
+
+
+def _of_cameras(feed: Node, stages: Mapping[str, Node], limits: Sequence[Selector]) -> Node:
+    """The feed from the cameras within these limits, if its sender fans out over cameras."""
+    named = sender(feed)
+    each = child(stages.get(named[0]), "each") if named is not None else None
+    if each is None or _set(each) != "cameras":
+        return feed
+    selector, chosen = narrowed(each, limits), option(feed, "only")
+    return with_option(feed, "only", selector if chosen is None else both(chosen, selector))
+
+
+def _set(each: Node | None) -> str:
+    """The set that a stage fans out over; "" if it does not."""
+    return "" if each is None else read_selector(each, []).set
+
+
+def _entry(node: Node) -> Mapping[str, Node]:
+    return node.value if isinstance(node.value, Mapping) else {}

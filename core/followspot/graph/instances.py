@@ -1,0 +1,43 @@
+"""Instances of stages, and what leads from one to another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from followspot.document import Node
+from followspot.errors import Place
+from followspot.graph.declaration import Feed, StageDeclaration
+from followspot.room import Member
+
+ANY = Member("", "?")
+"""Stands for the members of a room that has mistakes, so that the rest of the graph is still checked."""
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One instance of a stage. uses is empty if a mistake left it unknown."""
+
+    name: str
+    declared: StageDeclaration
+    member: Member | None
+    uses: str
+    uses_place: Place
+    params: Mapping[str, Node]
+    tuned: frozenset[str] = frozenset()
+    """The parameters that the room tunes."""
+
+
+@dataclass(frozen=True)
+class Wire:
+    """From an instance to an input port of another; the output port may not be named yet."""
+
+    source: Instance
+    feed: Feed
+    target: Instance
+    port: str
+    port_place: Place
+
+
+Groups = Mapping[str, Mapping[Member | None, Instance]]
+"""The instances of each stage, by member."""
