@@ -10,6 +10,7 @@ from typing import Any
 
 from followspot.tables import table
 from followspot_accuracy.persons.scoring import PersonScore, PersonsScore, Spread
+from followspot_accuracy.persons.tracking import Tracking
 
 ALL = "all"
 """Stands for all persons together."""
@@ -25,7 +26,8 @@ def persons_table(score: PersonsScore) -> str:
     false = f"{surplus.false_rows} in {_percent(surplus.false_share)} of {surplus.frames} frames"
     return (
         f"{dedent(table(head, rows))}\n"
-        f"false persons: {false}; second poses of a person: {surplus.duplicate_rows}"
+        f"false persons: {false}; second poses of a person: {surplus.duplicate_rows}\n"
+        f"{_tracking(score.tracking)}"
     )
 
 
@@ -33,7 +35,11 @@ def persons_to_json(score: PersonsScore) -> dict[str, dict[str, Any]]:
     """The scores as JSON types, `all` with the surplus; NaN becomes null."""
     found = {name: _plain(dataclasses.asdict(one)) for name, one in score.persons.items()}
     surplus = dataclasses.asdict(score.surplus)
-    whole = {"frames_in_all": surplus.pop("frames"), **surplus}
+    whole = {
+        "frames_in_all": surplus.pop("frames"),
+        **surplus,
+        "tracking": dataclasses.asdict(score.tracking),
+    }
     return {**found, ALL: _plain({**dataclasses.asdict(score.overall), **whole})}
 
 
@@ -83,6 +89,15 @@ def _spread(spread: Spread, form: str, unit: str) -> tuple[str, str]:
         return "-", "-"
     first = f"{spread.mean:+{form}} ± {spread.sigma:{form}}{unit}"
     return first, f"{spread.median:{form}}, {spread.p95:{form}}{unit}"
+
+
+def _tracking(one: Tracking) -> str:
+    """The counts of CLEAR MOT and the share of right numbers."""
+    return (
+        f"MOTA {_number(one.mota, '.3f', '')}, IDF1 {_number(one.idf1, '.3f', '')}, "
+        f"mean distance {_number(100 * one.mean_m, '.1f', ' cm')}: "
+        f"of {one.truths} places {one.missed} missed, {one.false} false, {one.switches} switches"
+    )
 
 
 def _slowest(times: Sequence[float]) -> str:

@@ -11,6 +11,7 @@ from followspot.messages import Array
 from followspot_accuracy.persons.errors import PoseErrors, pose_errors, together
 from followspot_accuracy.persons.matching import REACH, UNMATCHED, Matches, match
 from followspot_accuracy.persons.tables import PoseTable, PoseTruthTable
+from followspot_accuracy.persons.tracking import Area, Tracking, tracking
 from followspot_accuracy.persons.visits import SEEN, Coming, coming, switches
 from followspot_accuracy.statistics import share, statistic
 
@@ -89,10 +90,11 @@ class PersonsScore:
     persons: Mapping[str, PersonScore]
     overall: PersonScore
     surplus: Surplus
+    tracking: Tracking
 
 
-def score_persons(poses: PoseTable, truth: PoseTruthTable) -> PersonsScore:
-    """Compare poses with the truth."""
+def score_persons(poses: PoseTable, truth: PoseTruthTable, area: Area | None = None) -> PersonsScore:
+    """Compare poses with the truth. area: x0, y0, x1, y1, m, that the truth covers, for MOTA and IDF1."""
     matches = match(poses, truth)
     errors = list(errors_of(poses, truth, matches).values())
     comings = [coming(poses, truth, matches, own) for own in range(len(truth.persons))]
@@ -105,7 +107,7 @@ def score_persons(poses: PoseTable, truth: PoseTruthTable) -> PersonsScore:
         for own, person in enumerate(truth.persons)
     }
     overall = _person_score(seen, covered, together(errors), int(switched.sum()), comings)
-    return PersonsScore(each, overall, _surplus(matches))
+    return PersonsScore(each, overall, _surplus(matches), tracking(poses, truth, area))
 
 
 def errors_of(poses: PoseTable, truth: PoseTruthTable, matches: Matches) -> dict[int, PoseErrors]:

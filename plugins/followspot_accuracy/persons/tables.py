@@ -6,7 +6,7 @@ tilt (rad). Files give headings relative to the camera; here they are in the roo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,8 @@ from followspot.messages import Array
 from followspot.people import PoseTruth
 
 POSE_COLUMNS = ("time", "person", "x", "y", "z_head_top", "torso_heading", "head_pan", "head_tilt")
+PLACES = ("time", "person", "x", "y")
+"""Columns of truth that tells places alone."""
 TRUTH_COLUMNS = (*POSE_COLUMNS, "torso_heading_room", "r", "visible_upper")
 CAMERA = "camera"
 """Optional column of poses: empty for fused ones, whose heading is in the room."""
@@ -79,9 +81,10 @@ def read_pose_truth_csv(*paths: Path) -> PoseTruthTable:
     """True poses, of one camera or of several that see the same persons. Raises InputError.
 
     A person is as visible as in the camera that sees most of him. The viewpoint is the camera's, of
-    several the origin.
+    several the origin. A file may tell places alone (`PLACES`): the rest of a pose is NaN then, and the
+    persons are in full view, as seen from the origin.
     """
-    rows = [_truth_row(row) for path in paths for row in read_rows(path, TRUTH_COLUMNS)]
+    rows = [row for path in paths for row in _truth_rows(path)]
     places = [place for _, _, place in rows]
     viewpoint = np.median(places, axis=0) if len(paths) == 1 and places else ORIGIN
     return _truth_table([(time, found) for time, found, _ in rows], np.asarray(viewpoint))
@@ -99,6 +102,16 @@ def pose_truth_of(messages: Iterable[PoseTruth], viewpoint: Array = ORIGIN) -> P
 
 _Person = tuple[int, Array, float]
 """Number, pose and visible share."""
+
+
+def _truth_rows(path: Path) -> Iterator[tuple[float, _Person, Array]]:
+    if set(TRUTH_COLUMNS) & set(header_of(path)) - set(PLACES):
+        yield from map(_truth_row, read_rows(path, TRUTH_COLUMNS))
+        return
+    for row in read_rows(path, PLACES):
+        pose = np.full(6, np.nan)
+        pose[:2] = row.numbers("x", "y")
+        yield row.number("time"), (row.integer("person"), pose, 1.0), ORIGIN
 
 
 def _truth_row(row: Row) -> tuple[float, _Person, Array]:

@@ -22,6 +22,7 @@ from followspot_accuracy import (
     table,
     to_json,
 )
+from followspot_accuracy.persons.tracking import Area
 from followspot_score.plot import draw
 from followspot_score.trajectories import Span, draw_trajectories
 
@@ -32,18 +33,21 @@ def score_files(
     room: Path | None,
     plots: Path | None,
     span: Span | None = None,
+    area: Area | None = None,
     *,
     as_json: bool,
 ) -> str:
     """Scores as a table or as JSON. Raises InputError, FollowspotError.
 
     reported: tracks or poses; room: for tracks; plots: a folder for pictures; span: of the trajectories
-    that are drawn, s.
+    that are drawn, s; area: part of the floor that the truth of persons covers.
     """
     if "person" in header_of(reported):
         if span is not None:
             raise InputError.of(f"{reported} has poses of persons", "--between is for tracks of targets")
-        return score_poses(reported, truth, plots, as_json=as_json)
+        return score_poses(reported, truth, plots, area, as_json=as_json)
+    if area is not None:
+        raise InputError.of(f"{reported} has tracks of targets", "--area is for poses of persons")
     if len(truth) > 1:
         text = f"{reported} has tracks of targets, which are scored against one file"
         raise InputError.of(text, "several files of truth are for poses of persons")
@@ -55,7 +59,9 @@ def score_files(
     return table(scores) + (f"\n\n{drawn}" if drawn else "")
 
 
-def score_poses(reported: Path, truth: Sequence[Path], plots: Path | None, *, as_json: bool) -> str:
+def score_poses(
+    reported: Path, truth: Sequence[Path], plots: Path | None, area: Area | None, *, as_json: bool
+) -> str:
     """Scores of poses. truth: the file of the camera that they are relative to; several for fused poses."""
     true = read_pose_truth_csv(*truth)
 
@@ -66,7 +72,7 @@ def score_poses(reported: Path, truth: Sequence[Path], plots: Path | None, *, as
         raise InputError.of(text, "give the truth of that camera alone")
 
     poses = read_poses_csv(reported, viewpoint)
-    scores = score_persons(poses, true)
+    scores = score_persons(poses, true, area)
     drawn = draw(poses, true, plots) if plots is not None else ""
     if as_json:
         return json.dumps(persons_to_json(scores))

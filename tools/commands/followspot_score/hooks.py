@@ -47,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="TRUTH.csv",
         help="of tracks: columns time (s), object, x, y, z (m), hidden, trackable, pair (0 or 1); of"
         " poses: time, person, x, y, z_head_top, r (m), torso_heading_room, torso_heading, head_pan,"
-        " head_tilt (rad), visible_upper (0 to 1)",
+        " head_tilt (rad), visible_upper (0 to 1), or places alone: time, person, x, y",
     )
     parser.add_argument("--room", type=Path, help="room file, for the reprojection error of tracks")
     parser.add_argument(
@@ -65,6 +65,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="draw the trajectories of this span of time only (s)",
     )
     parser.add_argument(
+        "--area",
+        type=float,
+        nargs=4,
+        metavar=("X0", "Y0", "X1", "Y1"),
+        help="part of the floor that the truth of persons covers (m), for MOTA and IDF1: poses outside it "
+        "that are near nobody do not count",
+    )
+    parser.add_argument(
         "--json", action="store_true", help="print one JSON object: target or person -> figures"
     )
 
@@ -78,7 +86,8 @@ def run(args: argparse.Namespace) -> int:
 
     Poses, per person and in all: coverage (pose within 0.5 m of a person whose upper body is half visible),
     errors of direction, distance, height and position, torso heading, head pan and tilt, identity switches,
-    time to acquire and to vanish, false persons. Fused poses take the truth of every camera.
+    time to acquire and to vanish, false persons; MOTA, IDF1 and the mean distance at a gate of 0.5 m. Fused
+    poses take the truth of every camera.
 
     Examples:
       followspot score runs/latest/tracks.csv recordings/truth.csv
@@ -89,5 +98,6 @@ def run(args: argparse.Namespace) -> int:
     from followspot_score.command import score_files
 
     span = tuple(args.between) if args.between else None
-    print(score_files(args.reported, args.truth, args.room, args.plot, span, as_json=args.json))
+    area = tuple(args.area) if args.area else None
+    print(score_files(args.reported, args.truth, args.room, args.plot, span, area, as_json=args.json))
     return 0
