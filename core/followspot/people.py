@@ -108,6 +108,20 @@ class Poses(Message):
         ]
 
 
+class Skeletons(Message):
+    """Joints in the room of persons whose identity is known, one row each."""
+
+    labels: tuple[str, ...]
+    """Names of the joints that `label` indexes."""
+    person: Array = column("N", dtype="i4")
+    """Number of the person, as in `Poses`."""
+    label: Array = column("N", dtype="i4", refers="labels", names="joint")
+    xyz: Array = column("N", 3, unit="m", decimals=4)
+    covariance: Array = column("N", 3, 3, unit="m^2", extra=True)
+    views: Array = column("N", dtype="i4")
+    """Number of cameras that saw the joint in this frame; 0 if its place is predicted."""
+
+
 class PoseTruth(Message):
     """Ground truth of the persons in one frame, one row each; columns as in `Poses`."""
 

@@ -14,7 +14,7 @@ class ActorParams(StageParams):
     fps: float = Field(15.0, ge=0.001, le=1000, unit="1/s", description="pictures of each camera per second")
     seed: int = Field(1, ge=0, unit="1", description="seed of the performance: people, ways and furniture")
     people: int = Field(
-        2, ge=0, le=6, unit="1", description="number of people that walk, turn and look around"
+        2, ge=0, le=20, unit="1", description="number of people that walk, turn and look around"
     )
     room_size: tuple[float, float, float] = Field(
         (6.4, 6.0, 2.7),

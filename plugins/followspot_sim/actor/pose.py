@@ -49,20 +49,24 @@ class Stance:
 
 def posed(body: Body, stance: Stance) -> Array:
     """The surface of the body in the room, (V, 3) m; its lowest foot stands on the floor."""
-    rotation = _rotations(stance)
-    place = np.zeros((len(PARENT), 3))
-    for bone in range(1, len(PARENT)):
-        parent = PARENT[bone]
-        place[bone] = place[parent] + rotation[parent] @ (PIVOT[bone] - PIVOT[parent])
-    mesh = body.mesh
-    shift = place - np.einsum("bij,bj->bi", rotation, PIVOT)
-    motion = np.concatenate([rotation, shift[:, :, None]], axis=2)
+    motion, mesh = motions(stance), body.mesh
     share = mesh.weight[:, None, None]
     each = share * motion[mesh.bone[:, 0]] + (1 - share) * motion[mesh.bone[:, 1]]
     moved = np.matmul(each[:, :, :3], mesh.vertex[:, :, None])[:, :, 0] + each[:, :, 3]
     moved *= body.scale
     moved += [stance.x, stance.y, -moved[:, 2].min()]
     return np.asarray(moved)
+
+
+def motions(stance: Stance) -> Array:
+    """Rotation and shift of every bone from the rest pose, (11, 3, 4), m; the pelvis stays in its place."""
+    rotation = _rotations(stance)
+    place = np.zeros((len(PARENT), 3))
+    for bone in range(1, len(PARENT)):
+        parent = PARENT[bone]
+        place[bone] = place[parent] + rotation[parent] @ (PIVOT[bone] - PIVOT[parent])
+    shift = place - np.einsum("bij,bj->bi", rotation, PIVOT)
+    return np.concatenate([rotation, shift[:, :, None]], axis=2)
 
 
 def _rotations(stance: Stance) -> Array:

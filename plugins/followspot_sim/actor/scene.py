@@ -40,7 +40,11 @@ class ActorStage:
         self.play = Recent(self._play)
 
     def _play(self, frame: int) -> Play:
-        stances = self._ways.stances(frame / self._fps)
+        return self.at(frame / self._fps)
+
+    def at(self, time: float) -> Play:
+        """The performance at a time, s, between frames, too."""
+        stances = self._ways.stances(time)
         surfaces = [posed(actor.body, stance) for actor, stance in zip(self.cast, stances, strict=True)]
         heights = [float(v[a.body.top, 2].max()) for a, v in zip(self.cast, surfaces, strict=True)]
         return Play(stances, surfaces, np.array(heights))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from followspot import Source, Stage, at
+from followspot import Array, Field, Source, Stage, at
 from followspot.people import PoseTruth
 from followspot_sim.actor.parameters import ActorParams
-from followspot_sim.actor.scene import stage_of
+from followspot_sim.actor.scene import Play, stage_of
 from followspot_sim.actor.visibility import Onlooker
 from followspot_sim.camera import schedule
 
@@ -18,12 +18,18 @@ class PoseTruthOfActors(Stage):
     class Params(ActorParams):
         """The people and the room."""
 
+        visibility: bool = Field(
+            True,
+            description="whether to tell how much of each person the cameras see, which takes time; else all",
+        )
+
     params: Params
 
     def setup(self) -> None:
         """Prepare the performance and the visibility for each camera of the room."""
         self._stage = stage_of(self.params)
-        self._onlookers = [Onlooker(self.params, camera) for camera in self.room.cameras.values()]
+        cameras = self.room.cameras.values() if self.params.visibility else ()
+        self._onlookers = [Onlooker(self.params, camera) for camera in cameras]
 
     def length(self) -> int | None:
         """One truth for each frame; None if they never end."""
@@ -39,7 +45,6 @@ class PoseTruthOfActors(Stage):
         play = self._stage.play(frame)
         people = len(play.stances)
         pose = np.array([(s.x, s.y, s.heading, s.pan, s.tilt) for s in play.stances]).reshape(-1, 5)
-        visible = [onlooker.visible(play) for onlooker in self._onlookers]
         return PoseTruth(
             person=np.arange(1, people + 1, dtype=np.int32),
             xy=pose[:, :2],
@@ -47,5 +52,12 @@ class PoseTruthOfActors(Stage):
             heading=pose[:, 2],
             pan=pose[:, 3],
             tilt=pose[:, 4],
-            visible=np.max(visible, axis=0) if visible else np.zeros(people),
+            visible=self._visible(play),
         )
+
+    def _visible(self, play: Play) -> Array:
+        """Visible share of each person in the camera that sees most."""
+        if not self.params.visibility:
+            return np.ones(len(play.stances))
+        shares = [onlooker.visible(play) for onlooker in self._onlookers]
+        return np.asarray(np.max(shares, axis=0)) if shares else np.zeros(len(play.stances))

@@ -1,0 +1,137 @@
+"""Bodies that are measured as boxes in pictures; an edge that something hides does not count."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED, WIDTH, slopes_of
+from followspot_persons.associate.motion import step
+from followspot_persons.associate.rows import Rows
+from followspot_persons.associate.views import View
+
+SPEED_SIGMA, MEMORY = 1.0, 1.0
+"""Sigma of the velocity of people, m/s, and the time in which it fades, s."""
+HALF_WIDTH, HALF_HEIGHT = 0.27, 0.86
+"""Of a usual body, m."""
+WIDTH_SIGMA, HEIGHT_SIGMA = 0.25, 0.12
+"""Relative sigma of both over people."""
+CHANGE = 0.2
+"""Relative change of width and height in a second: arms, steps, falls."""
+EDGE = np.array([0.05, 0.035, 0.05, 0.05])
+"""Sigma of a box's edges over the height of the body in the picture: left, upper, right, lower."""
+STANDING = 0.15
+"""Sigma of the lower end of a body above the floor, m."""
+HIDDEN = 0.1
+"""Probability that one edge of a box is not the body's: something hides it, or another body is in the box."""
+_WHOLE = np.ones((5, 4), bool)
+_WHOLE[1:][np.eye(4, dtype=bool)] = False
+"""Hypotheses: all edges count, or all but one."""
+_DIAGONAL = np.eye(4)
+
+
+@dataclass(frozen=True, eq=False)
+class BoxTracks(Rows):
+    """M bodies. state: (M, 8) of `followspot_persons.associate.ellipsoid`; covariance: (M, 8, 8); views: (M,)
+    cameras that saw the body in the last set.
+    """
+
+    state: Array
+    covariance: Array
+    views: Array
+
+
+def predicted(tracks: BoxTracks, seconds: float) -> BoxTracks:
+    """The bodies some time later."""
+    fade, reach, place, both, speed = step(seconds, np.array(SPEED_SIGMA), np.array(MEMORY))
+    F, Q = np.eye(8), np.zeros((8, 8))
+    F[PLACE, SPEED], F[SPEED, SPEED] = reach * np.eye(3), fade * np.eye(3)
+    Q[PLACE, PLACE], Q[SPEED, SPEED] = place * np.eye(3), speed * np.eye(3)
+    Q[PLACE, SPEED] = Q[SPEED, PLACE] = both * np.eye(3)
+    Q[WIDTH, WIDTH] = Q[HEIGHT, HEIGHT] = CHANGE**2 * seconds
+    return BoxTracks(tracks.state @ F.T, F @ tracks.covariance @ F.T + Q, tracks.views)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Bodies (M) against boxes (N). ratio: (M, N) log-likelihood ratios; edges: (M, N, 4) that count."""
+
+    ratio: Array
+    edges: Array
+
+
+def fitted(tracks: BoxTracks, view: View, box: Array, delay: float) -> Fit:
+    """Compare bodies with boxes (N, 4) px, whose edges beyond the picture are NaN.
+
+    delay: sigma of the time of exposure, s. Each box is compared whole and without each of its edges; the
+    likelier counts.
+    """
+    there, _, slope = slopes_of(view, tracks.state)
+    S, unit = _spread(tracks, there, slope, delay)
+    residual = box[None] - there[:, None]
+    valid = np.isfinite(residual)[:, :, None] & _WHOLE
+    residual = np.where(valid, residual[:, :, None], 0.0)
+    S = np.where(valid[..., :, None] & valid[..., None, :], S[:, None, None], _DIAGONAL)
+    S = np.where(np.isfinite(S), S, _DIAGONAL)
+    squared = np.vecdot(residual, np.linalg.solve(S, residual[..., None])[..., 0])
+    logdet = np.linalg.slogdet(S)[1]
+    size = np.tile(np.sqrt(view.size * unit[:, None] * [0.5, 1.0]), 2)
+    anywhere = np.where(valid, np.log(size / np.sqrt(2 * np.pi))[:, None, None], 0.0).sum(axis=-1)
+    ratio = anywhere - 0.5 * (squared + logdet)
+    ratio[..., 0] += np.log(1 - HIDDEN)
+    ratio[..., 1:] += np.log(HIDDEN / 4)
+    ratio[valid.sum(axis=-1) < 2] = -np.inf
+    best = ratio.argmax(axis=-1)[..., None]
+    edges = np.take_along_axis(valid, best[..., None], axis=2)[:, :, 0]
+    found = np.take_along_axis(ratio, best, axis=2)[..., 0]
+    return Fit(np.where(np.isfinite(found), found, -np.inf), edges)
+
+
+def updated(tracks: BoxTracks, rows: Array, view: View, box: Array, edges: Array, delay: float) -> BoxTracks:
+    """The bodies in these rows (K,) after their boxes (K, 4) px, of which these edges (K, 4) count."""
+    own = tracks.where(rows)
+    there, _, slope = slopes_of(view, own.state)
+    S, _ = _spread(own, there, slope, delay)
+    edges = edges & np.isfinite(there) & np.isfinite(box)
+    H = np.where(edges[..., None], slope, 0.0)
+    S = np.where(edges[..., :, None] & edges[..., None, :], S, _DIAGONAL)
+    residual = np.where(edges, box - there, 0.0)
+    return _corrected(tracks, rows, own, H, S, residual)
+
+
+def on_floor(tracks: BoxTracks, floor: Array) -> BoxTracks:
+    """The bodies, which usually stand on the floor. floor: (4,) a, b, c, d of its plane."""
+    state = tracks.state
+    half = np.exp(state[:, HEIGHT])
+    level = -(state[:, :2] @ floor[:2] + floor[3]) / floor[2]
+    residual = level - (state[:, 2] - half)
+    H = np.zeros((len(state), 1, 8))
+    H[:, 0, :2], H[:, 0, 2], H[:, 0, HEIGHT] = floor[:2] / floor[2], 1.0, -half
+    S = H @ tracks.covariance @ np.swapaxes(H, 1, 2)
+    own = STANDING**2 * np.maximum(1.0, residual**2 / (4 * (S[:, 0, 0] + STANDING**2)))
+    S = S + own[:, None, None]
+    every = np.arange(len(state))
+    return _corrected(tracks, every, tracks, H, S, residual[:, None], seen=0)
+
+
+def _spread(tracks: BoxTracks, there: Array, slope: Array, delay: float) -> tuple[Array, Array]:
+    """Covariance of expected boxes, (M, 4, 4) px^2, and heights of the bodies in the picture, (M,) px."""
+    unit = np.maximum(there[:, 3] - there[:, 1], 1.0)
+    shift = delay * (slope[..., PLACE] @ tracks.state[:, SPEED, None])[..., 0]
+    S = slope @ tracks.covariance @ np.swapaxes(slope, 1, 2) + shift[..., :, None] * shift[..., None, :]
+    S = S + np.square(unit[:, None] * EDGE)[..., None] * _DIAGONAL
+    return S, unit
+
+
+def _corrected(
+    tracks: BoxTracks, rows: Array, own: BoxTracks, H: Array, S: Array, residual: Array, seen: int = 1
+) -> BoxTracks:
+    """Kalman update of these rows."""
+    gain = own.covariance @ np.swapaxes(H, 1, 2) @ np.linalg.inv(S)
+    state, covariance, views = tracks.state.copy(), tracks.covariance.copy(), tracks.views.copy()
+    state[rows] = own.state + (gain @ residual[..., None])[..., 0]
+    covariance[rows] = own.covariance - gain @ S @ np.swapaxes(gain, 1, 2)
+    views[rows] += seen
+    return BoxTracks(state, covariance, views)

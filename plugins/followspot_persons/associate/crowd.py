@@ -1,0 +1,218 @@
+"""The people of a room: detections of each camera are assigned to them, new ones appear, others leave."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Generic, Protocol, Self, TypeVar
+
+import numpy as np
+
+from followspot import Array
+from followspot.assignment import assigned
+from followspot_persons.associate.contraction import clusters
+from followspot_persons.associate.existence import (
+    BORN,
+    HIGHEST,
+    LOWEST,
+    MOST,
+    missed,
+    visible_shares,
+)
+from followspot_persons.associate.rows import Rows
+from followspot_persons.associate.views import View, Views
+
+NANOSECOND = 1e-9
+APART = 0.3
+"""Distance within which a new body is one that is tracked already, m."""
+GIVEN_UP = -3.0
+"""Log-odds below which a body that was never confirmed is deleted."""
+DOUBTED = -2.0
+"""The same of a confirmed one."""
+
+
+class Bodies(Protocol):
+    """States of bodies, one row each."""
+
+    def where(self, keep: Array) -> Self: ...
+    def joined(self, other: Self) -> Self: ...
+    def __len__(self) -> int: ...
+
+
+S = TypeVar("S", bound=Bodies)
+
+
+class Model(Protocol[S]):
+    """A kind of bodies: how they move, what cameras see of them, how they begin."""
+
+    def none(self) -> S: ...
+    def predicted(self, tracks: S, seconds: float) -> S: ...
+    def fresh(self, tracks: S) -> S: ...
+    def log_ratios(self, tracks: S, view: View, found: Array) -> Array: ...
+    def updated(self, tracks: S, rows: Array, view: View, found: Array) -> S: ...
+    def pair_ratios(self, views: Views, camera: Array, found: Array) -> Array: ...
+    def born(self, views: Views, camera: Array, found: Array) -> S | None: ...
+    def shifted(self, tracks: S, seconds: float) -> S: ...
+    def middle(self, tracks: S) -> Array: ...
+    def silhouettes(self, tracks: S, view: View) -> tuple[Array, Array]: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Lives(Rows):
+    """number: (M,) of the person, 0 until it is confirmed; odds: (M,) log-odds of existence; seen: (M,) time
+    of the last detection, ns.
+    """
+
+    number: Array
+    odds: Array
+    seen: Array
+
+
+@dataclass(frozen=True)
+class Rules:
+    """detection: probability that a body in full view is detected; confirmation: log-odds that confirm it;
+    missed: time without a detection after which a body is deleted, ns; area: x0, y0, x1, y1, m, or None.
+    """
+
+    detection: float
+    confirmation: float
+    missed: int
+    area: tuple[float, float, float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Crowd(Generic[S]):
+    """People with their states at a time, ns; numbers: how many persons there were."""
+
+    bodies: S
+    lives: Lives
+    time: int
+    numbers: int
+
+
+@dataclass(frozen=True, eq=False)
+class Detections:
+    """Of one camera: its number among the views, the time of exposure, ns, and (N, ...) detections as the
+    model takes them.
+    """
+
+    camera: int
+    time: int
+    found: Array
+
+
+def nobody(model: Model[S]) -> Crowd[S]:
+    """An empty room."""
+    return Crowd(model.none(), Lives(np.zeros(0, int), np.zeros(0), np.zeros(0, int)), 0, 0)
+
+
+def after(
+    crowd: Crowd[S], model: Model[S], views: Views, sets: Sequence[Detections], rules: Rules
+) -> Crowd[S]:
+    """The people after one set of detections, each camera's at its own time of exposure."""
+    crowd = replace(crowd, bodies=model.fresh(crowd.bodies))
+    left = []
+    for one in sorted(sets, key=lambda each: each.time):
+        crowd = _moved(crowd, model, one.time)
+        crowd, free = _seen(crowd, model, views.each[one.camera], one, rules)
+        left.append(replace(one, found=one.found[free]))
+    crowd = _with_new(crowd, model, views, left, rules)
+    return _ended(_numbered(crowd, rules), model, rules)
+
+
+def as_of(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
+    """The people at a time, ns, near that of the last exposure, for a report."""
+    return replace(crowd, bodies=model.shifted(crowd.bodies, (time - crowd.time) * NANOSECOND))
+
+
+def _moved(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
+    """The people at a later time."""
+    if not len(crowd.bodies) or time <= crowd.time:
+        return replace(crowd, time=max(time, crowd.time))
+    seconds = (time - crowd.time) * NANOSECOND
+    return replace(crowd, bodies=model.predicted(crowd.bodies, seconds), time=time)
+
+
+def _seen(
+    crowd: Crowd[S], model: Model[S], view: View, one: Detections, rules: Rules
+) -> tuple[Crowd[S], Array]:
+    """The people after one camera, and whether each detection, (N,), is none of them."""
+    if not len(crowd.bodies):
+        return crowd, np.ones(len(one.found), bool)
+    box, depth = model.silhouettes(crowd.bodies, view)
+    change = missed(visible_shares(box, depth, view), rules.detection)
+    free, seen = np.ones(len(one.found), bool), crowd.lives.seen.copy()
+    bodies = crowd.bodies
+    if len(one.found):
+        ratio = model.log_ratios(bodies, view, one.found)
+        rows, columns = assigned(ratio)
+        bodies = model.updated(bodies, rows, view, one.found[columns])
+        change[rows] = np.minimum(ratio[rows, columns], MOST)
+        seen[rows] = one.time
+        free = np.asarray((ratio[crowd.lives.number > 0] <= 0).all(axis=0))
+        free[columns] = False
+    odds = np.clip(crowd.lives.odds + change, LOWEST, HIGHEST)
+    return replace(crowd, bodies=bodies, lives=replace(crowd.lives, odds=odds, seen=seen)), free
+
+
+def _with_new(
+    crowd: Crowd[S], model: Model[S], views: Views, left: Sequence[Detections], rules: Rules
+) -> Crowd[S]:
+    """The people and those that detections of two cameras or more agree on."""
+    parts = [one for one in left if len(one.found)]
+    if len(parts) < 2:
+        return crowd
+    camera = np.concatenate([np.full(len(one.found), one.camera) for one in parts])
+    found = np.concatenate([one.found for one in parts])
+    for rows in clusters(model.pair_ratios(views, camera, found)):
+        born, rows = _agreed(model, views, camera, found, rows)
+        if born is None:
+            continue
+        middle = model.middle(born)[0]
+        if len(crowd.bodies):
+            apart = np.linalg.norm(model.middle(crowd.bodies) - middle, axis=1)
+            if apart.min() < APART:
+                continue
+        odds = BORN + MOST * len(rows)
+        for c, view in enumerate(views.each):
+            if c not in camera[rows]:
+                box, depth = model.silhouettes(crowd.bodies.joined(born), view)
+                odds += missed(visible_shares(box, depth, view), rules.detection)[-1]
+        lives = Lives(np.zeros(1, int), np.array([odds]), np.array([crowd.time]))
+        crowd = replace(crowd, bodies=crowd.bodies.joined(born), lives=crowd.lives.joined(lives))
+    return crowd
+
+
+def _agreed(
+    model: Model[S], views: Views, camera: Array, found: Array, rows: Array
+) -> tuple[S | None, Array]:
+    """The body of a cluster, and its rows without those that contradict it; None if two are not left."""
+    while len(rows) >= 2:
+        born = model.born(views, camera[rows], found[rows])
+        if born is None:
+            return None, rows
+        ratio = np.array([model.log_ratios(born, views.each[camera[r]], found[r][None])[0, 0] for r in rows])
+        if (ratio > 0).all():
+            return born, rows
+        rows = np.delete(rows, ratio.argmin())
+    return None, rows
+
+
+def _numbered(crowd: Crowd[S], rules: Rules) -> Crowd[S]:
+    """Confirmed people have numbers, from 1, which nobody gets twice."""
+    fresh = np.flatnonzero((crowd.lives.number == 0) & (crowd.lives.odds >= rules.confirmation))
+    number = crowd.lives.number.copy()
+    number[fresh] = crowd.numbers + 1 + np.arange(len(fresh))
+    lives = replace(crowd.lives, number=number)
+    return replace(crowd, lives=lives, numbers=crowd.numbers + len(fresh))
+
+
+def _ended(crowd: Crowd[S], model: Model[S], rules: Rules) -> Crowd[S]:
+    """The people without those that left or never were."""
+    lives = crowd.lives
+    lowest = np.where(lives.number > 0, DOUBTED, GIVEN_UP)
+    stays = (lives.odds >= lowest) & (crowd.time - lives.seen <= rules.missed)
+    if rules.area is not None:
+        place = model.middle(crowd.bodies)[:, :2]
+        stays &= ((place >= rules.area[:2]) & (place <= rules.area[2:])).all(axis=1)
+    return replace(crowd, bodies=crowd.bodies.where(stays), lives=lives.where(stays))

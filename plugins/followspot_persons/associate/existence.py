@@ -1,0 +1,45 @@
+"""Whether tracked bodies exist: log-odds that rise with detections and fall where none is, though one should
+be (Bar-Shalom, Willett & Tian 2011, section 3.6, the integrated probabilistic data association).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.associate.views import View
+
+BORN = -5.0
+"""Log-odds of a new body before the detections that it is made of."""
+MOST = 3.0
+"""Largest log-odds that one detection adds: a body that one camera alone sees is not sure."""
+LOWEST, HIGHEST = -8.0, 10.0
+"""Bounds of the log-odds, so that they can turn again."""
+SHRUNK = 0.8
+"""Width of a body over that of the box about it: what is behind the edge of the box is seen."""
+NEARER = 0.2
+"""Difference of depth from which a body hides another, m."""
+_ACROSS, _DOWN = np.meshgrid([0.25, 0.5, 0.75], (np.arange(7) + 0.5) / 7)
+_GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
+
+
+def visible_shares(box: Array, depth: Array, view: View) -> Array:
+    """Share of each body, (M,), that is in the picture and hidden by no nearer body.
+
+    box: (M, 4) px about the bodies, NaN if they are not in front; depth: (M,) m.
+    """
+    size = box[:, None, 2:] - box[:, None, :2]
+    point = box[:, None, :2] + size * _GRID
+    inside = ((point > 0) & (point < view.size)).all(axis=-1)
+    middle, half = (box[:, 0] + box[:, 2]) / 2, SHRUNK * (box[:, 2] - box[:, 0]) / 2
+    u, v = point[:, :, None, 0], point[:, :, None, 1]
+    covered = (np.abs(u - middle) < half) & (v > box[:, 1]) & (v < box[:, 3])
+    hidden = (covered & (depth < depth[:, None] - NEARER)[:, None]).any(axis=2)
+    return np.asarray((inside & ~hidden).mean(axis=1))
+
+
+def missed(visible: Array, detection: float) -> Array:
+    """Change of the log-odds of bodies that no detection is of. visible: shares; detection: probability that
+    a body in full view is detected.
+    """
+    return np.asarray(np.log1p(-detection * visible))

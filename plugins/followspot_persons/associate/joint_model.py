@@ -1,0 +1,102 @@
+"""Bodies as joints, with what the tracker of people asks of any kind of body."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from followspot import Array
+from followspot_persons.associate import joint_tracks
+from followspot_persons.associate.affinity import pair_ratios
+from followspot_persons.associate.joint_tracks import JointTracks, speeds
+from followspot_persons.associate.triangulation import triangulated
+from followspot_persons.associate.views import Noise, View, Views, images
+
+LEAST = 3
+"""Joints that two cameras must see of a new body."""
+UNSEEN = 0.5
+"""Sigma of the place of a joint that was never seen about the middle of its body, m."""
+WALKING = 1.0
+"""Sigma of the velocity of a new body, m/s."""
+MARGIN = 0.1
+"""What a body reaches beyond its joints, as a share of their extent."""
+
+
+@dataclass(frozen=True)
+class JointModel:
+    """Names of the J joints, and errors of found points."""
+
+    joints: tuple[str, ...]
+    noise: Noise
+
+    def none(self) -> JointTracks:
+        """No bodies."""
+        return JointTracks.none(len(self.joints))
+
+    def predicted(self, tracks: JointTracks, seconds: float) -> JointTracks:
+        """The bodies some time later."""
+        return joint_tracks.predicted(tracks, seconds, *speeds(self.joints))
+
+    def log_ratios(self, tracks: JointTracks, view: View, found: Array) -> Array:
+        """(M, N) of detections (N, J, 2) px being these bodies."""
+        return joint_tracks.log_ratios(tracks, view, found, self.noise)
+
+    def updated(self, tracks: JointTracks, rows: Array, view: View, found: Array) -> JointTracks:
+        """The bodies after their detections (K, J, 2) px."""
+        return joint_tracks.updated(tracks, rows, view, found, self.noise)
+
+    def pair_ratios(self, views: Views, camera: Array, found: Array) -> Array:
+        """(N, N) of two detections of different cameras being one body."""
+        return pair_ratios(views, camera, found, self.noise)
+
+    def born(self, views: Views, camera: Array, found: Array) -> JointTracks | None:
+        """The body of detections (V, J, 2) px of different cameras; None if they determine none."""
+        joints = triangulated(views, camera, found, self.noise)
+        known = joints.views > 0
+        if known.sum() < LEAST:
+            return None
+        middle = joints.xyz[known].mean(axis=0)
+        count, unseen = len(self.joints), np.eye(3) * UNSEEN**2
+        return JointTracks(
+            xyz=np.where(known[:, None], joints.xyz, middle)[None],
+            velocity=np.zeros((1, count, 3)),
+            place=np.where(known[:, None, None], joints.covariance, unseen)[None],
+            both=np.zeros((1, count, 3, 3)),
+            speed=np.broadcast_to(np.eye(3) * WALKING**2, (1, count, 3, 3)).copy(),
+            views=joints.views[None],
+            known=known[None],
+        )
+
+    def fresh(self, tracks: JointTracks) -> JointTracks:
+        """The bodies before a set: no camera saw them yet."""
+        return tracks.unseen()
+
+    def shifted(self, tracks: JointTracks, seconds: float) -> JointTracks:
+        """The bodies a little earlier or later, as certain as they are."""
+        return replace(tracks, xyz=tracks.xyz + seconds * tracks.velocity)
+
+    def middle(self, tracks: JointTracks) -> Array:
+        """Middle of each body, (M, 3) m."""
+        weight = tracks.known / np.maximum(tracks.known.sum(axis=1, keepdims=True), 1)
+        return np.asarray((tracks.xyz * weight[..., None]).sum(axis=1))
+
+    def silhouettes(self, tracks: JointTracks, view: View) -> tuple[Array, Array]:
+        """Boxes x0, y0, x1, y1 (M, 4) px about the bodies in a picture, and their depths (M,) m; NaN if there
+        are none.
+        """
+        there, depth = images(view.projection, tracks.xyz)
+        seen = tracks.known & np.isfinite(depth)
+        low = np.where(seen[..., None], there, np.inf).min(axis=1, initial=np.inf)
+        high = np.where(seen[..., None], there, -np.inf).max(axis=1, initial=-np.inf)
+        low, high = (np.where(np.isfinite(end), end, np.nan) for end in (low, high))
+        margin = MARGIN * (high - low)
+        number = np.maximum(seen.sum(axis=1), 1)
+        distance = np.where(seen, depth, 0.0).sum(axis=1) / number
+        return np.hstack([low - margin, high + margin]), np.where(seen.any(axis=1), distance, np.nan)
+
+    def widened(self, tracks: JointTracks, names: Sequence[str]) -> tuple[JointModel, JointTracks]:
+        """The model and the bodies with more joints."""
+        wider = JointModel((*self.joints, *names), self.noise)
+        return wider, tracks.widened(len(names), self.middle(tracks), UNSEEN)

@@ -1,0 +1,36 @@
+"""How bodies move: their velocity fades and is driven by noise (Ornstein-Uhlenbeck; Bar-Shalom, Li &
+Kirubarajan 2001, section 8.2, the first-order Markov model one derivative lower).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot import Array
+
+
+class Step(NamedTuple):
+    """Prediction over a time: velocity is multiplied by `fade`, its share `reach` (s) is added to the place;
+    place, both, speed: variances that are added, per axis, m^2, m^2/s, m^2/s^2.
+    """
+
+    fade: Array
+    reach: Array
+    place: Array
+    both: Array
+    speed: Array
+
+
+def step(seconds: float, sigma: Array, memory: Array) -> Step:
+    """sigma: of velocities in the long run, m/s; memory: time in which they fade, s. Any equal shapes."""
+    fade = np.exp(-seconds / memory)
+    variance = sigma**2
+    return Step(
+        fade,
+        memory * (1 - fade),
+        variance * np.maximum(2 * memory * seconds - memory**2 * (3 - 4 * fade + fade**2), 0.0),
+        variance * memory * (1 - fade) ** 2,
+        variance * (1 - fade**2),
+    )

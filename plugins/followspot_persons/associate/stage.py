@@ -1,0 +1,118 @@
+"""Stage `persons.associate`: people in 3D from what networks found in the pictures of several cameras."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from followspot import Array, Joined, Stage
+from followspot.errors import FollowspotError
+from followspot.people import Boxes, Poses, Skeletons
+from followspot.points import Points2D
+from followspot_persons.associate.box_model import BoxModel
+from followspot_persons.associate.crowd import Crowd, Detections, Rules, after, as_of, nobody
+from followspot_persons.associate.found import boxes_of, joints_of
+from followspot_persons.associate.joint_model import JointModel
+from followspot_persons.associate.parameters import AssociateParams
+from followspot_persons.associate.reports import box_poses, joint_poses, skeletons_of
+from followspot_persons.associate.views import Noise, views_of
+
+FLOOR = np.array([0.0, 0.0, 1.0, 0.0])
+"""Of a room whose file has no plane "floor"."""
+MOST_JOINTS = 150
+"""Names of joints that are followed, the first that come."""
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """People as poses, and their joints."""
+
+    poses: Poses
+    skeletons: Skeletons
+
+
+class Associate(Stage):
+    """Find people in the room by joints or boxes of several calibrated cameras, and follow each by a number.
+
+    `points` are joints with the number of their person in the picture, as `vision.keypoints_json` and pose
+    networks give them; `boxes` are boxes of whole bodies, as `vision.boxes_csv` gives them with `upper_share`
+    1. Connect one of them, with an edge from each camera. Each camera's detections are assigned to the people
+    that were expected there at its time of exposure; what is left over becomes a new person if cameras agree.
+    """
+
+    class Params(AssociateParams):
+        """Errors of what was found, and when a person exists."""
+
+    params: Params
+    advice = "are two cameras calibrated in one frame of reference, and do both see the same people?"
+
+    def setup(self) -> None:
+        """Prepare the cameras. Raises FollowspotError if both kinds of detections are connected."""
+        if {Points2D, Boxes} <= set(self.context.receives):
+            raise FollowspotError(f"{self.context.name} takes points or boxes; use a stage for each")
+        given, cameras = self.params, self.room.cameras
+        self.number = {name: number for number, name in enumerate(cameras)}
+        self.views = views_of(tuple(cameras.values()))
+        noise = Noise(given.point_sigma, given.body_sigma, given.delay_sigma)
+        self.joint_model = JointModel((), noise)
+        self.box_model = BoxModel(given.delay_sigma, np.asarray(self.room.planes.get("floor", FLOOR)))
+        p = given.confirmation_probability
+        missed = round(given.maximum_missed_time * 1e9)
+        self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
+        self.by_joints: Crowd[Any] = nobody(self.joint_model)
+        self.by_boxes: Crowd[Any] = nobody(self.box_model)
+        self.heading: dict[int, float] = {}
+
+    def process(self, points: Joined[Points2D] = (), boxes: Joined[Boxes] = ()) -> Outputs:
+        if points:
+            return self.with_joints(points)
+        return self.with_boxes(boxes)
+
+    def with_joints(self, points: Sequence[Points2D]) -> Outputs:
+        """The people after a set of joints."""
+        points = [one for one in points if one.camera in self.number]
+        self.name_joints(points)
+        joints = self.joint_model.joints
+        sets = [self.detections(one, joints_of(one, joints, self.params.minimum_score)) for one in points]
+        self.by_joints = after(self.by_joints, self.joint_model, self.views, sets, self.rules)
+        sigma = self.params.maximum_sigma
+        now = as_of(self.by_joints, self.joint_model, _time(points, self.by_joints.time))
+        return Outputs(joint_poses(now, joints, sigma), skeletons_of(now, joints, sigma))
+
+    def name_joints(self, points: Sequence[Points2D]) -> None:
+        """Take up names of joints that came for the first time."""
+        names = dict.fromkeys(name for one in points for name in one.labels)
+        room = MOST_JOINTS - len(self.joint_model.joints)
+        new = [name for name in names if name not in self.joint_model.joints][:room]
+        if new:
+            self.joint_model, bodies = self.joint_model.widened(self.by_joints.bodies, new)
+            crowd = self.by_joints
+            self.by_joints = Crowd(bodies, crowd.lives, crowd.time, crowd.numbers)
+
+    def with_boxes(self, boxes: Sequence[Boxes]) -> Outputs:
+        """The people after a set of boxes."""
+        given = self.params
+        sets = [
+            self.detections(
+                one, boxes_of(one, self.room.cameras[one.camera], given.overlap, given.minimum_score)
+            )
+            for one in boxes
+            if one.camera in self.number
+        ]
+        self.by_boxes = after(self.by_boxes, self.box_model, self.views, sets, self.rules)
+        now = as_of(self.by_boxes, self.box_model, _time(boxes, self.by_boxes.time))
+        poses, self.heading = box_poses(now, self.heading)
+        return Outputs(poses, Skeletons.empty())
+
+    def detections(self, message: Points2D | Boxes, found: Array) -> Detections:
+        """One camera's detections, at their time of exposure."""
+        camera = self.number[message.camera]
+        return Detections(camera, message.header.time + self.views.each[camera].offset, found)
+
+
+def _time(messages: Sequence[Points2D] | Sequence[Boxes], without: int) -> int:
+    """Capture time of a set, ns: the latest time stamp."""
+    return max((message.header.time for message in messages), default=without)

@@ -1,0 +1,84 @@
+"""Stage `sim.person_points`: what a network would find in the pictures of the simulated people."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from followspot import Source, Stage, at
+from followspot.geometry import undistort
+from followspot.people import Boxes
+from followspot.points import Points2D
+from followspot_sim.actor.landmarks import NAMES, landmarks
+from followspot_sim.actor.network import Finding, NetworkParams, found_in
+from followspot_sim.actor.scene import stage_of
+from followspot_sim.camera import schedule
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """Joints with the number of their person in the picture, and boxes of whole bodies."""
+
+    points: Points2D
+    boxes: Boxes
+
+
+class PersonPoints(Stage):
+    """Tell the joints and boxes of simulated people as a network for poses would find them, without pictures.
+
+    Joints have noise and gaps, some are elsewhere; people hide each other, are missed at random, and false
+    ones appear. Every instance computes the same performance as `sim.person_camera` and `sim.pose_truth`.
+    """
+
+    per_camera: ClassVar[bool] = True
+
+    class Params(NetworkParams):
+        """The performance, and the mistakes of a network."""
+
+    params: Params
+
+    def setup(self) -> None:
+        """Prepare the performance."""
+        self._stage = stage_of(self.params)
+
+    def length(self) -> int | None:
+        """Number of pictures; None if they never end."""
+        return self.params.frames or None
+
+    def process(self) -> Source[Outputs]:
+        """What is found in each picture, frame k at k / fps seconds."""
+        for frame, time_ns in schedule(self.params, self.context):
+            found = self.found(frame)
+            points, boxes = self.points(found), self.boxes(found)
+            yield Outputs(at(time_ns, points, seq=frame), at(time_ns, boxes, seq=frame))
+
+    def found(self, frame: int) -> Finding:
+        """What is found in one picture."""
+        late = self.params.late_by
+        play = self._stage.at(frame / self.params.fps + late) if late else self._stage.play(frame)
+        people = zip(self._stage.cast, play.stances, play.surfaces, strict=True)
+        joints = [landmarks(actor.body, stance, surface) for actor, stance, surface in people]
+        rng = np.random.default_rng([self.params.seed, zlib.crc32(self.camera.name.encode()), frame])
+        return found_in(self.camera, np.reshape(joints, (-1, 17, 3)), play.heights, self.params, rng)
+
+    def points(self, found: Finding) -> Points2D:
+        """The joints as a message."""
+        instance, label = np.nonzero(np.isfinite(found.pixel[..., 0]))
+        pixel = found.pixel[instance, label]
+        return Points2D(
+            camera=self.camera.name,
+            labels=NAMES,
+            label=label.astype(np.int32),
+            instance=instance.astype(np.int32),
+            pixel=pixel,
+            xy=undistort(self.camera, pixel),
+            score=found.score[instance, label],
+        )
+
+    def boxes(self, found: Finding) -> Boxes:
+        """The boxes as a message."""
+        none = np.zeros((len(found.box), 0))
+        return Boxes(self.camera.name, found.box, found.score.mean(axis=1), none, none)

@@ -1,0 +1,107 @@
+"""People in 3D from what networks find in several cameras: identities, places, headings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.plugins.persons.crowded import corner_room, crowded, followed, table
+
+from followspot import Context
+from followspot.errors import FollowspotError
+from followspot.people import Boxes
+from followspot.points import Points2D
+from followspot.tracking import PREDICTED
+from followspot_accuracy import score_persons
+from followspot_persons.associate.stage import Associate
+
+
+def test_joints_of_four_cameras_become_people_with_places_headings_and_one_number_each() -> None:
+    room, sets, truth = crowded(people=4, frames=40, fps=10, seed=3)
+    out = followed(room, sets, "points")
+    score = score_persons(table(sets, out), truth)
+    one, whole = score.tracking, score.overall
+    assert (one.switches, one.false) == (0, 0)
+    assert one.mota > 0.97
+    assert one.mean_m < 0.03
+    assert abs(whole.height_cm.mean) < 5
+    assert whole.torso.median_deg < 6
+    assert whole.pan_median_deg < 12
+    assert whole.tilt_median_deg < 12
+
+
+def test_cameras_that_are_half_a_frame_out_of_step_keep_the_identities() -> None:
+    room, sets, truth = crowded(people=4, frames=24, fps=4, seed=5, late=(0.0, 0.12, 0.06, 0.12))
+    for kind, mean in (("points", 0.08), ("boxes", 0.12)):
+        one = score_persons(table(sets, followed(room, sets, kind, delay_sigma=0.06)), truth).tracking
+        assert one.switches == 0, kind
+        assert one.mota > 0.9, kind
+        assert one.mean_m < mean, kind
+
+
+def test_known_delays_of_cameras_are_no_error() -> None:
+    late = (0.0, 0.12, 0.06, 0.12)
+    room, sets, truth = crowded(people=2, frames=24, fps=4, seed=6, late=late)
+    cameras = {
+        name: replace(camera, clock_offset=by)
+        for (name, camera), by in zip(room.cameras.items(), late, strict=True)
+    }
+    guessed = score_persons(table(sets, followed(room, sets, "points")), truth).tracking
+    known_room = replace(room, cameras=cameras)
+    known = score_persons(table(sets, followed(known_room, sets, "points")), truth).tracking
+    assert known.mean_m < 0.03 < guessed.mean_m
+
+
+def test_boxes_of_four_cameras_become_people_on_the_floor() -> None:
+    room, sets, truth = crowded(people=3, frames=40, fps=10, seed=4)
+    score = score_persons(table(sets, followed(room, sets, "boxes")), truth)
+    assert score.tracking.switches == 0
+    assert score.tracking.mota > 0.95
+    assert score.tracking.mean_m < 0.08
+    assert abs(score.overall.height_cm.mean) < 5
+
+
+def test_skeletons_have_joints_with_names_places_and_honest_covariances() -> None:
+    room, sets, _ = crowded(people=4, frames=40, fps=10, seed=3)
+    out = followed(room, sets, "points")[-1]
+    skeletons = out.skeletons
+    assert set(skeletons.person) == set(out.poses.person)
+    left, right = (
+        skeletons.where(skeletons.label == skeletons.labels.index(name)) for name in ("left_hip", "right_hip")
+    )
+    apart = np.linalg.norm(left.xyz - right.xyz, axis=1)
+    assert (np.abs(apart - 0.18) < 0.08).all()
+    sigma = np.sqrt(np.linalg.eigvalsh(skeletons.covariance)[:, -1])
+    assert (sigma <= 0.15).all()
+    assert 0.005 < np.median(sigma) < 0.04
+
+
+def test_a_person_whom_nobody_detects_coasts_is_marked_and_ends() -> None:
+    room, sets, _ = crowded(people=2, frames=40, fps=10, seed=7)
+    blind = [tuple((p.where(slice(0)), b.where(slice(0))) for p, b in each) for each in sets[20:]]
+    for each, seen in zip(blind, sets[20:], strict=True):
+        for (points, boxes), (old, _) in zip(each, seen, strict=True):
+            points.__dict__["header"] = boxes.__dict__["header"] = old.header
+    out = followed(room, sets[:20] + blind, "points", maximum_missed_time=0.5)
+    assert (out[20].poses.state == PREDICTED).all()
+    assert len(out[20].poses.person) == 2
+    assert [len(each.poses.person) for each in out[26:]] == [0] * 14
+
+
+def test_nobody_appears_where_one_camera_alone_sees_somebody() -> None:
+    room, sets, _ = crowded(people=2, frames=10, fps=10, seed=7)
+    out = followed(room, [each[:1] for each in sets], "points")
+    assert all(len(each.poses.person) == 0 for each in out)
+
+
+def test_people_outside_the_area_are_not_sought() -> None:
+    room, sets, _ = crowded(people=2, frames=10, fps=10, seed=7)
+    out = followed(room, sets, "points", area=(10.0, 10.0, 11.0, 11.0))
+    assert all(len(each.poses.person) == 0 for each in out)
+
+
+def test_joints_and_boxes_at_once_are_refused() -> None:
+    stage = Associate(Context("associate", corner_room(), receives=(Points2D, Boxes)))
+    with pytest.raises(FollowspotError, match="points or boxes"):
+        stage.setup()
