@@ -32,6 +32,7 @@ TRIED_ELSEWHERE = (
     "composing.md",
     "inertial.md",
     "other_programs.md",
+    "pose_nets.md",
     "reference.md",
     "tutorial.md",
 )
@@ -112,9 +113,10 @@ def test_the_graph_and_the_sensors_shown_fit_the_simulated_room(tmp_path: Path) 
 
 
 def test_no_page_shows_python_that_no_test_runs() -> None:
-    """Here, in test_readme.py, test_notebook.py and test_tutorial.py."""
+    """Here, in test_readme.py, test_notebook.py, test_tutorial.py, and test_page.py of pose networks."""
     shown = {page for page in PAGES if blocks(page, "python")}
-    assert shown == {"README.md", "calibration.md", "notebook.md", "plugins.md", "tutorial.md", "wire.md"}
+    beside = {"README.md", "calibration.md", "notebook.md", "plugins.md"}
+    assert shown == beside | {"pose_nets.md", "tutorial.md", "wire.md"}
 
 
 def test_the_decoder_of_the_wire_format_decodes() -> None:

@@ -25,6 +25,8 @@ ELSEWHERE = {
     r"python tools/paper_tables.py": "tests/tools/test_paper_tables.py",
     r"python tools/bench_persons.py": "tests/tools/test_bench_persons.py",
     r"python tools/learn_weights.py": "tests/tools/test_learn_weights.py",
+    r"python tools/convert_movenet.py": "tests/tools/test_convert_movenet.py",
+    r"python3 -m venv": ".ci/run",
     r"python tools/bench": "tests/tools/test_benchmarks.py",
     r"followspot .*--dashboard|followspot dashboard": "tests/integration/test_dashboard.py",
     r"followspot (top|hz|echo|logs)": "tests/tools/watch",

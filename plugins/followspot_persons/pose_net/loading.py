@@ -1,0 +1,52 @@
+"""The network of a stage, loaded once for all cameras of a worker and tried before it is used."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from followspot.errors import InputError, Mistake, did_you_mean
+from followspot_persons.pose_net.contract import Decoder, Decoders, Network
+from followspot_persons.pose_net.sessions import MissingRuntime, open_session
+
+_loaded: WeakValueDictionary[tuple[object, ...], Network] = WeakValueDictionary()
+"""Networks that a stage holds, by file and decoder."""
+
+
+def network(path: Path, decoder: type[Decoder]) -> Network:
+    """The network of a model file, shared with all stages of this process that use the same.
+
+    Raises InputError if the file holds no model that the decoder understands, and with the remedy if the
+    package that runs it is not installed.
+    """
+    try:
+        status = path.stat()
+        key = (str(path.resolve()), status.st_mtime_ns, status.st_size, decoder)
+        found = _loaded.get(key)
+        if found is None:
+            found = _loaded[key] = _tried(Network(open_session(path), decoder()))
+    except MissingRuntime as error:
+        text = f"persons.pose_net needs ONNX Runtime for {path}, which is not installed"
+        raise InputError([Mistake(None, text, str(error))]) from None
+    except (OSError, ValueError, IndexError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        text = f"{path} is no model that {decoder.__name__} understands: {reason}"
+        raise InputError([Mistake(None, text, "docs/pose_nets.md says which files fit")]) from None
+    return found
+
+
+def decoder_named(name: str, decoders: Decoders) -> type[Decoder]:
+    """The decoder of a name. Raises InputError if there is none."""
+    if name not in decoders:
+        text = f'no decoder is called "{name}"'
+        raise InputError([Mistake(None, text, did_you_mean(name, decoders, "decoders"))])
+    return decoders[name]
+
+
+def _tried(network: Network) -> Network:
+    """The network after a black image. Raises ValueError if its outputs are not what the decoder expects."""
+    width, height = network.size or (2 * network.decoder.multiple, 2 * network.decoder.multiple)
+    network.people([np.zeros((height, width, 3), np.uint8)])
+    return network
