@@ -6,10 +6,12 @@ from typing import Literal
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
+from followspot import Array, Field, Latest, Stage
 from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.blob_params import BlobParams
 from followspot_balls.evidence import appearing, recovery_credit
 from followspot_balls.kernels import epipolar_weight
+from followspot_balls.mode_covariance import ModeCovariance, rivals_covariance
 from followspot_balls.modes import Modes, Sample, densest, seek_modes, weighted_mean
 from followspot_balls.search import lost_targets
 
@@ -25,7 +27,9 @@ class MeanShift(Stage):
         "cameras where all are of one kind"
     )
 
-    class Params(StageParams):
+    class Params(BlobParams):
+        """Modes, and which candidates count."""
+
         initial_center: Literal["forecast", "densest", "mean"] = Field(
             "forecast", description="initial centre of a target with a forecast"
         )
@@ -84,7 +88,24 @@ class MeanShift(Stage):
             30, gt=0, unit="1", description="largest number of steps of a centre; raising it costs time"
         )
 
+        depth_sigma: float = Field(
+            0.008,
+            gt=0,
+            unit="m",
+            description="sigma of a position from a single depth camera; raising it smooths more",
+        )
+        rival_exponent: float = Field(
+            4.0,
+            gt=0,
+            unit="1",
+            description="exponent of the weight of rivals over that of the mode in the odds that they are "
+            "right; raising it trusts majorities more",
+        )
+
     params: Params
+
+    def setup(self) -> None:
+        self.covariance = ModeCovariance(self.room, self.params, self.params.depth_sigma)
 
     def process(self, candidates: Candidates, forecast: Latest[Forecast] = None) -> Positions:
         lost = lost_targets(forecast, candidates.targets.shape[1])
@@ -102,13 +123,19 @@ class MeanShift(Stage):
         return Positions(
             target=target.astype(np.int32),
             xyz=modes.center,
-            covariance=np.full((len(target), 3, 3), np.nan),
+            covariance=self.covariances(candidates, target, modes, weights),
             support=used.sum(axis=1).astype(np.int32),
             confirmed=np.asarray((used & candidates.confirmed).any(axis=1)),
             evident=np.asarray((used & candidates.evident).any(axis=1)),
             iterations=modes.steps.astype(np.int32),
             predicted=np.zeros(len(target), bool),
         )
+
+    def covariances(self, candidates: Candidates, target: Array, modes: Modes, weights: Array) -> Array:
+        """(M, 3, 3) m^2, from the blobs of the candidates in the modes and from the candidates outside."""
+        known = self.covariance.of(candidates, target, modes.center, modes.held)
+        exponent = self.params.rival_exponent
+        return known + rivals_covariance(candidates.xyz, modes.center, weights, modes.held, exponent)
 
     def threshold(self, candidates: Candidates, lost: Array) -> Array | float:
         """T_ED, px: of all candidates, or (T, N) if a target has no forecast."""

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from followspot import Array, Field, Latest, Stage, StageParams
+from followspot import Array, Field, Latest, Stage
 from followspot.tracking import Candidates, Forecast, Positions
+from followspot_balls.blob_params import BlobParams
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
 from followspot_balls.bundle.glow import glow_sigma, nearest_planes
 from followspot_balls.bundle.points import (
@@ -56,25 +57,9 @@ class Fit(NamedTuple):
 class Bundle(Stage):
     """Minimise the robust reprojection error of each target over all cameras, one blob in each."""
 
-    class Params(StageParams):
-        blob_sigma: float = Field(
-            0.2,
-            gt=0,
-            unit="px",
-            description="sigma of a fully visible ball's centre; raising it smooths more",
-        )
-        hidden_inflation: float = Field(
-            4.0,
-            ge=0,
-            unit="1",
-            description="growth of this sigma with the hidden share; raising it trusts small blobs less",
-        )
-        merged_inflation: float = Field(
-            14.0,
-            ge=0,
-            unit="1",
-            description="its growth with the squared excess area; raising it trusts merged blobs less",
-        )
+    class Params(BlobParams):
+        """Starts, outliers, and the part of the forecast."""
+
         vote_scale: float = Field(
             1.0,
             gt=0,
@@ -116,31 +101,6 @@ class Bundle(Stage):
             ge=0,
             unit="m",
             description="sigma added to the forecast's; raising it trusts precise forecasts less",
-        )
-        glow_sigma: float = Field(
-            0.02,
-            ge=0,
-            unit="m",
-            description="sigma of the shift that a ball's light on a plane causes in colour cameras; "
-            "raising it trusts them less along the normal",
-        )
-        glow_range: float = Field(
-            0.35,
-            gt=0,
-            unit="m",
-            description="clearance at which this shift vanishes; raising it corrects farther balls",
-        )
-        glow_mean: float = Field(
-            0.3,
-            ge=0,
-            unit="sigma",
-            description="mean of this shift; 0 suits balls that do not glow; raising it corrects more",
-        )
-        prior_errors: float = Field(
-            4.0,
-            gt=0,
-            unit="1",
-            description="errors that the sigma counts for; raising it adapts the covariance less",
         )
 
     params: Params

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from tests.plugins.balls.scene import candidates_at, forecast_at
+from tests.plugins.balls.scene import candidates_at, forecast_at, make_room
 
 from followspot.messages import seal
+from followspot.stage import Context, Stage
 from followspot.tracking import Candidates
 from followspot_balls.kernels import epipolar_weight, kernel, scales, squared_distances, weight_at
 from followspot_balls.mean import Mean
@@ -18,6 +19,12 @@ from followspot_balls.modes import Sample, densest, seek_modes
 
 H = np.array([0.1, 0.2, 0.4])
 OFFSETS = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.05, 0.1, 0.2], [0.0, 0.1, 0.0], [0.11, 0.0, 0.0]])
+
+
+def ready(kind: type[Stage], **params: float | str) -> Stage:
+    stage = kind(Context(room=make_room()), **params)
+    stage.setup()
+    return stage
 
 
 def kernel_of(unlabelled: float) -> np.ndarray:
@@ -89,19 +96,19 @@ def test_a_mode_lies_within_the_candidates(xyz: np.ndarray) -> None:
 def test_mean_shift_ignores_the_biased_candidate_that_the_mean_takes() -> None:
     found = candidates_at([(0.0, 0.0, 1.0), (0.004, 0.0, 1.0), (0.002, 0.0, 1.0), (0.15, 0.0, 1.0)])
     forecast = forecast_at([(0.01, 0.0, 1.0)])
-    assert MeanShift().process(found, forecast).xyz[0] == pytest.approx([0.002, 0.0, 1.0], abs=1e-9)
+    assert ready(MeanShift).process(found, forecast).xyz[0] == pytest.approx([0.002, 0.0, 1.0], abs=1e-9)
     assert Mean().process(found, forecast).xyz[0] == pytest.approx([0.039, 0.0, 1.0])
 
 
 def test_mean_shift_leaves_a_forecast_that_its_candidates_contradict() -> None:
     found = candidates_at([(0.02, 0.0, 1.0)] + [(0.15 + 0.001 * i, 0.0, 1.0) for i in range(5)])
-    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)]))
+    position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
     assert position.xyz[0] == pytest.approx([0.152, 0.0, 1.0], abs=1e-6)
 
 
 def test_mean_shift_follows_candidates_metres_away_where_there_are_no_others() -> None:
     found = candidates_at([(5.0, 0.0, 1.0), (5.01, 0.0, 1.0)])
-    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)]))
+    position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)]))
     assert position.xyz[0] == pytest.approx([5.005, 0.0, 1.0], abs=1e-6)
 
 
@@ -112,7 +119,7 @@ def test_each_target_takes_its_own_candidates_and_shares_unlabelled_ones() -> No
         confirmed=[True, True, False],
         targets=[[True, False], [False, True], [True, True]],
     )
-    position = MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0), (0.17, 0.0, 1.0)]))
+    position = ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0), (0.17, 0.0, 1.0)]))
     assert position.target.tolist() == [0, 1]
     assert position.xyz[1] == pytest.approx([0.17, 0.0, 1.0])
     assert position.support.tolist() == [2, 1]
@@ -121,8 +128,8 @@ def test_each_target_takes_its_own_candidates_and_shares_unlabelled_ones() -> No
 @pytest.mark.parametrize("fusion", [MeanShift, Mean])
 def test_a_lost_target_gets_no_position_without_a_color_infrared_pair(fusion: type) -> None:
     places = [(0.0, 0.0, 1.0), (0.001, 0.0, 1.0)]
-    assert len(fusion().process(candidates_at(places, confirmed=[False, False]), None).target) == 0
-    assert len(fusion().process(candidates_at(places, confirmed=[True, False]), None).target) == 1
+    assert len(ready(fusion).process(candidates_at(places, confirmed=[False, False]), None).target) == 0
+    assert len(ready(fusion).process(candidates_at(places, confirmed=[True, False]), None).target) == 1
 
 
 @pytest.mark.parametrize(
@@ -140,14 +147,14 @@ def test_pairs_of_three_views_may_agree_less_well_for_a_target_that_appears(
     places = [(0.0, 0.0, 1.0), (0.01, 0.0, 1.0), (0.0, 0.01, 1.0)]
     exact = candidates_at(places, epipolar=[0.1, 2.5, 2.9], view=view)
     found = seal(Candidates(**{**vars(exact), "evident": np.array([evident, False, False])}))
-    assert MeanShift().process(found, None).support.tolist() == [support]
-    assert MeanShift().process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
-    assert MeanShift(recovery_epipolar_sigma=1.0).process(found, None).support.tolist() == [1]
+    assert ready(MeanShift).process(found, None).support.tolist() == [support]
+    assert ready(MeanShift).process(found, forecast_at([(0.0, 0.0, 1.0)])).support.tolist() == [1]
+    assert ready(MeanShift, recovery_epipolar_sigma=1.0).process(found, None).support.tolist() == [1]
 
 
 @pytest.mark.parametrize("start", ["forecast", "densest", "mean"])
 def test_every_initial_centre_finds_a_single_cluster(start: str) -> None:
     found = candidates_at([(0.001 * i, 0.0, 1.0) for i in range(5)])
-    position = MeanShift(initial_center=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
+    position = ready(MeanShift, initial_center=start).process(found, forecast_at([(0.01, 0.0, 1.0)]))
     assert position.xyz[0] == pytest.approx([0.002, 0.0, 1.0])
     assert position.iterations[0] >= 1
