@@ -34,6 +34,8 @@ def test_the_run_that_the_readme_shows_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shutil.copytree(ROOT / "graphs", tmp_path / "graphs")
+    room = tmp_path / "graphs" / "rooms" / "simulated.yaml"
+    room.write_text(room.read_text().replace("frames: 1200", "frames: 120"))
     monkeypatch.chdir(tmp_path)
     cells = [cell for cell in CELL.findall((ROOT / "README.md").read_text()) if "fs.run(" in cell]
     assert len(cells) == 1

@@ -15,7 +15,7 @@ FUZZ = Path(__file__).parents[2] / "tools" / "fuzz.py"
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict[str, Any]:
-    words = [sys.executable, str(FUZZ), "--share", "0.004", "--seed", "11", "--json"]
+    words = [sys.executable, str(FUZZ), "--share", "0.002", "--seed", "11", "--json"]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.stdout, done.stderr
     found: dict[str, Any] = json.loads(done.stdout)
