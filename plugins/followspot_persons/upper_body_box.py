@@ -16,6 +16,8 @@ LEVELS = {"nose": 0.91, "eye": 0.936, "ear": 0.926, "shoulder": 0.818, "hip": HI
 between them as in surveys of heads."""
 SPREAD = 0.08
 """Distance of the lowest from the highest joint that determines a box, in body heights: face to shoulders."""
+SMALLEST = 1.0
+"""Height of a box, px."""
 RATIO = 2 / 3
 """Width over height of the boxes, as `persons.hog` gives them."""
 
@@ -46,7 +48,7 @@ def upper_bodies(joints: Sequence[str], pixel: Array, weight: Array) -> Array:
         slope = (share * apart * pixel[..., 1]).sum(axis=1) / (share * apart**2).sum(axis=1)
     top = mean_row - mean_down * slope
     height = (1 - WAIST) * slope
-    sure = (spread >= SPREAD) & (slope > 0)
+    sure = (spread >= SPREAD) & (height >= SMALLEST)
     box = np.column_stack([middle - RATIO / 2 * height, top, middle + RATIO / 2 * height, top + height])
     return np.where(sure[:, None], box, np.nan)
 

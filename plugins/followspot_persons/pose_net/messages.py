@@ -10,6 +10,7 @@ from followspot import Array, Camera
 from followspot.geometry import undistort
 from followspot.people import Boxes
 from followspot.points import Points2D
+from followspot_persons.joint_headings import headings
 from followspot_persons.pose_net.contract import People
 from followspot_persons.upper_body_box import upper_bodies
 
@@ -37,7 +38,7 @@ def points_of(people: People, joints: Sequence[str], camera: Camera, minimum: fl
 def boxes_of(
     people: People, joints: Sequence[str], camera: str, minimum: float, threshold: float, turn: int
 ) -> Boxes:
-    """The upper bodies; their scores are log-odds above those of the threshold.
+    """The upper bodies with their directions; their scores are log-odds above those of the threshold.
 
     minimum: certainty of joints that count; threshold: score of a person at which a box's score is 0.
     """
@@ -48,8 +49,8 @@ def boxes_of(
     if turn:
         box[:, ::2] -= turn * np.floor((box[:, :1] + 0.5) / turn)
     odds = _log_odds(people.score[rows]) - _log_odds(np.array(threshold))
-    unknown = np.empty((len(rows), 0))
-    return Boxes(camera=camera, box=box, score=odds, torso=unknown, head=unknown)
+    torso, head = headings(joints, people.pixel[rows], weight[rows] > 0, box[:, 3] - box[:, 1])
+    return Boxes(camera=camera, box=box, score=odds, torso=torso, head=head)
 
 
 def _log_odds(share: Array) -> Array:
