@@ -16,6 +16,8 @@ from followspot.files import open_text
 from followspot.messages import MAX_TIME
 
 MOST_ROWS = 5_000_000
+FIRST_ROWS = 100
+"""Rows that are read before a run."""
 LONGEST_NAME = 100
 LARGEST = 2**31 - 1
 DECIMALS = {"s": 9, "ms": 6, "us": 3, "ns": 0}
@@ -156,6 +158,10 @@ def _rows(
     if absent:
         text = f"columns {', '.join(absent)} are missing"
         raise InputError([Mistake(Place(file, 1, 1), text, did_you_mean(absent[0], head, "columns"))])
+    shared = [word for word in wanted.values() if [*wanted.values()].count(word) > 1 and word in head]
+    if shared:
+        text = f"column {shared[0]} would be read as several"
+        raise InputError([Mistake(Place(file, 1, 1), text, "columns: name each column of the file once")])
     twice = [word for word in wanted.values() if head.count(word) > 1]
     if twice:
         text = f"the first line names column {twice[0]} twice"

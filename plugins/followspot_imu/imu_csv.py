@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import ClassVar
 
-from followspot import Source, Stage, at
+from followspot import Mistake, Room, Source, Stage, at
 from followspot.batches import BatchParams, batches
+from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
+from followspot.room import Member
 from followspot_imu.readings_file import FileParams, read_readings
 from followspot_imu.units import converted
 
@@ -25,6 +28,12 @@ class ImuCsv(Stage):
         """The file, its times, units and axes, and the size of messages."""
 
     params: Params
+
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Read the first rows. Raises InputError."""
+        read_readings(params, member.name if member is not None else None, room.sensors, FIRST_ROWS)
+        return ()
 
     def setup(self) -> None:
         """Read the file whole. Raises InputError with file, line and remedy."""

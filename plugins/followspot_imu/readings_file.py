@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from itertools import islice
 from typing import Literal
 
 import numpy as np
@@ -32,17 +33,20 @@ class FileParams(UnitParams):
     )
 
 
-def read_readings(given: FileParams, sensor: str, sensors: Collection[str]) -> tuple[Array, Array]:
+def read_readings(
+    given: FileParams, sensor: str | None, sensors: Collection[str], most_rows: int | None = None
+) -> tuple[Array, Array]:
     """Times (N,) ns and values (N, 9), in the file's units and in the order of `VALUES`.
 
-    sensors: of the room, among which a column sensor names the one that a row is of. Raises InputError with
-    file, line and remedy.
+    sensor: whose rows are kept; sensors: of the room, among which a column sensor names the one that a row
+    is of; most_rows: that are read, None for all. Raises InputError with file, line and remedy.
     """
     _check_head(given)
     most = (MOST / np.abs(given.scale)).tolist()
     times: list[int] = []
     values: list[list[float]] = []
-    for row in read_rows(given.path, (*TURN, *FORCE), (*MAGNETIC, "time", "sensor"), given.columns):
+    rows = read_rows(given.path, (*TURN, *FORCE), (*MAGNETIC, "time", "sensor"), given.columns)
+    for row in islice(rows, most_rows):
         if row.has("sensor") and row.known("sensor", sensors, "sensors of the room") != sensor:
             continue
         times.append(_time(row, given, len(times)))

@@ -9,11 +9,11 @@ from typing import Literal
 import numpy as np
 
 from followspot import Field, Mistake, Room, Source, Stage, at
-from followspot.csv_rows import Row
+from followspot.csv_rows import FIRST_ROWS, Row
 from followspot.people import Boxes
 from followspot.points import Points2D
 from followspot.room import Member
-from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameRows, FrameTable, read_frames
+from followspot_vision.frame_table import FrameParams, FrameRows, FrameTable, read_frames
 from followspot_vision.picture_points import (
     Found,
     PictureParams,

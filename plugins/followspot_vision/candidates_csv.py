@@ -9,11 +9,11 @@ import numpy as np
 from pydantic import field_validator
 
 from followspot import Field, Mistake, Room, Source, Stage, at
-from followspot.csv_rows import Row
+from followspot.csv_rows import FIRST_ROWS, Row
 from followspot.messages import Array
 from followspot.points import Points3D
 from followspot.room import Member
-from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameRows, FrameTable, read_frames
+from followspot_vision.frame_table import FrameParams, FrameRows, FrameTable, read_frames
 from followspot_vision.picture_points import label_of, score_of
 
 METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001, "in": 0.0254, "ft": 0.3048}

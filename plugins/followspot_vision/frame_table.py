@@ -17,8 +17,6 @@ from followspot.frame_times import capture_time, exact_rate
 T = TypeVar("T")
 MOST_IN_A_FRAME = 10_000
 """Rows of one frame and camera."""
-FIRST_ROWS = 100
-"""Rows that are read before a run."""
 MOST_FRAMES = 10_000_000
 """From the first frame of a file to the last."""
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from followspot import Mistake, Room, Source, Stage, at
-from followspot.csv_rows import Row
+from followspot.csv_rows import FIRST_ROWS, Row
 from followspot.points import Points2D
 from followspot.room import Member
-from followspot_vision.frame_table import FIRST_ROWS, FrameParams, FrameTable, read_frames
+from followspot_vision.frame_table import FrameParams, FrameTable, read_frames
 from followspot_vision.picture_points import Found, PictureParams, coordinate, label_of, points_of, score_of
 
 

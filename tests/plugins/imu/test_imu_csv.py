@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from followspot import Context, InputError, Member
+from followspot.csv_rows import FIRST_ROWS
 from followspot.inertial import Inertial
 from followspot.messages import seal
 from followspot.testing import check_stage, tiny_room
@@ -109,6 +110,11 @@ WRONG = {
     "order": (f"{HEAD}\n1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", {}, r"a\.csv:3:1: time 1 s comes after 1 s.*sort"),
     "time": (f"{HEAD}\n1e99,1,2,3,4,5,6\n", {}, r'a\.csv:2:1: "1e99" in column time.*a time in s'),
     "sensor": (f"{HEAD},sensor\n1,1,2,3,4,5,6,imu1\n", {}, r'a\.csv:2:15: "imu1" in column sensor.*"imu0"'),
+    "column twice": (
+        f"{HEAD}\n0,1,2,3,4,5,6\n",
+        {"columns": {"gx": "gy"}},
+        r"a\.csv:1:1: column gy would be read as several.*name each column of the file once",
+    ),
     "short": (f"{HEAD}\n1,1,2\n", {}, r"a\.csv:2:1: 3 columns, 7 needed"),
 }
 
@@ -120,6 +126,25 @@ def test_a_wrong_file_is_refused_with_line_and_remedy(
     with pytest.raises(InputError) as error:
         imu_csv(tmp_path / "a.csv", text, **params)
     assert re.search(told, str(error.value), re.DOTALL), str(error.value)
+
+
+@pytest.mark.parametrize(("text", "params", "told"), WRONG.values(), ids=WRONG)
+def test_check_tells_a_wrong_file_before_a_run(
+    text: str, params: dict[str, Any], told: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    for member in (Member("sensors", "imu0"), None):
+        with pytest.raises(InputError) as error:
+            ImuCsv.check_files(ImuCsv.Params(path=path, **params), tiny_room(), member)
+        assert re.search(told, str(error.value), re.DOTALL), str(error.value)
+
+
+def test_check_reads_the_first_rows_alone(tmp_path: Path) -> None:
+    rows = "".join(f"{k},1,2,3,4,5,6\n" for k in range(FIRST_ROWS))
+    (tmp_path / "a.csv").write_text(f"{HEAD}\n{rows}what comes later is read by the run\n")
+    params = ImuCsv.Params(path=tmp_path / "a.csv")
+    assert not ImuCsv.check_files(params, tiny_room(), Member("sensors", "imu0"))
 
 
 def test_a_file_without_readings_of_the_sensor_is_told(tmp_path: Path) -> None:

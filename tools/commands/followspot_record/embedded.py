@@ -41,6 +41,13 @@ def plan_of_recording(recording: Recording) -> Plan:
         raise FollowspotError(f"{recording.path}: {PLAN} is damaged: {error}") from None
 
 
+def offered_ports(recording: Recording) -> dict[str, tuple[str, ...]]:
+    """The recorded ports behind each output of a sub-graph: see `Plan.offered`. Raises FollowspotError."""
+    offered = plan_of_recording(recording).offered if PLAN in recording.attachments else {}
+    found = {name: tuple(p for p in ports if p in recording.ports) for name, ports in offered.items()}
+    return {name: ports for name, ports in found.items() if ports}
+
+
 def _mistakes(stage: PlannedStage) -> list[Mistake]:
     """Mistakes in a stage's parameters: unknown ones, and outputs outside the output folder."""
     try:

@@ -14,7 +14,7 @@ from followspot.graph.output_ports import chosen_ports
 from followspot.messages import Message
 from followspot.people import Gradients
 from followspot.tracking import Frame
-from followspot_record.embedded import plan_of_recording
+from followspot_record.embedded import offered_ports, plan_of_recording
 from followspot_record.formats import FORMATS, Port
 from followspot_record.record import PLAN
 from followspot_recording.contract import is_of, message_type, type_name
@@ -35,7 +35,7 @@ def export_command(args: argparse.Namespace) -> int:
         raise InputError.of(f"export --to {args.to} needs {form.needs}", remedy)
     folder = Path(args.folder)
     with Recording(args.recording) as recording:
-        names = chosen_ports(args.ports, recording.ports, "--ports")
+        names = chosen_ports(args.ports, recording.ports, "--ports", offered_ports(recording))
         if args.ports is None:
             left_out = HEAVY if form.pictures else (*HEAVY, PICTURES)
             names = tuple(name for name in names if recording.ports[name].schema not in left_out)

@@ -11,7 +11,7 @@ from followspot.closing import Closing
 from followspot.errors import FollowspotError, did_you_mean
 from followspot.graph.plan import Plan
 from followspot.messages import Message
-from followspot_record.embedded import plan_of_recording
+from followspot_record.embedded import offered_ports, plan_of_recording
 from followspot_record.export import recorded_room, type_of
 from followspot_record.recorded_rows import headings, rows
 from followspot_recording.decoding import decoded
@@ -71,11 +71,14 @@ class RecordedRun(Closing):
         return self._recording.problem
 
     def __getitem__(self, port: str) -> RecordedPort:
-        if port not in self._recording.ports:
-            raise FollowspotError(
-                f'{self.path} has no port "{port}"; {did_you_mean(port, self.ports, "ports")}'
-            )
-        return RecordedPort(self._recording, port)
+        offered = {} if port in self._recording.ports else offered_ports(self._recording)
+        behind = offered.get(port, (port,))
+        if len(behind) > 1:
+            raise FollowspotError(f'{self.path}: "{port}" stands for several ports: {", ".join(behind)}')
+        if behind[0] not in self._recording.ports:
+            remedy = did_you_mean(port, (*offered, *self.ports), "ports")
+            raise FollowspotError(f'{self.path} has no port "{port}"; {remedy}')
+        return RecordedPort(self._recording, behind[0])
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.ports)

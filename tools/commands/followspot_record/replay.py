@@ -21,7 +21,7 @@ from followspot.graph.sampling import plan_sampled_cycles
 from followspot.plugins.hooks import load_plan_options
 from followspot.plugins.registry import load_stage
 from followspot.ports import ports
-from followspot_record.embedded import recorded_plan
+from followspot_record.embedded import offered_ports, recorded_plan
 from followspot_record.played import NAMES, Clip, played, replays
 from followspot_recording.recording import Recording
 
@@ -34,7 +34,8 @@ def replay_command(args: argparse.Namespace) -> int:
     with Recording(args.recording) as recording:
         if recording.problem:
             print(f"followspot: {recording.problem}", file=sys.stderr)
-        more = chosen_ports(args.ports, recording.ports, "--ports") if args.ports else ()
+        offered = offered_ports(recording)
+        more = chosen_ports(args.ports, recording.ports, "--ports", offered) if args.ports else ()
         plan = _other_graph(args, recording) if args.graph else recorded_plan(recording, args.plugin_files)
         if args.seed is not None:
             plan = replace(plan, seed=args.seed)
