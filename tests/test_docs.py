@@ -102,7 +102,7 @@ def test_every_part_of_a_room_shown_fits_the_simulated_room(block: str, tmp_path
 
 def test_the_graph_and_the_sensors_shown_fit_the_simulated_room(tmp_path: Path) -> None:
     graph, sensors = blocks("inertial.md", "yaml")
-    (tmp_path / "ring.csv").touch()
+    (tmp_path / "ring.csv").write_text("time,gx,gy,gz,ax,ay,az\n")
     room = yaml.safe_load((GRAPHS / "rooms" / "simulated_imu.yaml").read_text())
     room["sensors"] = yaml.safe_load(sensors)["sensors"]
     (tmp_path / "room.yaml").write_text(yaml.safe_dump(room))
