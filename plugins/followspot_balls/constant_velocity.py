@@ -1,4 +1,4 @@
-"""Constant velocity of all targets at once, as a motion model of `followspot.target_filter`."""
+"""Constant velocity of all targets at once, as a motion model of `followspot_target_filter`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from followspot import Array
-from followspot.target_filter.motion_model import Estimate
 from followspot_balls.motion import Motion, followed, initiated, predict
+from followspot_target_filter.motion_model import Estimate
 
 
 class ConstantVelocity:

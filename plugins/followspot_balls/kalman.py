@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from followspot.target_filter.manoeuvre import ManoeuvreParams
-from followspot.target_filter.stage import TargetFilter
 from followspot_balls.constant_velocity import ConstantVelocity
+from followspot_target_filter.manoeuvre import ManoeuvreParams
+from followspot_target_filter.stage import TargetFilter
 
 
 class Kalman(TargetFilter):

@@ -8,7 +8,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from followspot.messages import Array
-from followspot.target_filter.manoeuvre import bounce_covariance
+from followspot_target_filter.manoeuvre import bounce_covariance
 
 
 class Motion(NamedTuple):

@@ -1,4 +1,4 @@
-"""One filter of the package filterpy for each target, as a motion model of `followspot.target_filter`."""
+"""One filter of the package filterpy for each target, as a motion model of `followspot_target_filter`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from followspot import Array
-from followspot.target_filter.motion_model import Estimate
+from followspot_target_filter.motion_model import Estimate
 
 FIRST_ORDER = 6
 """Numbers of position and velocity, with which every state begins."""

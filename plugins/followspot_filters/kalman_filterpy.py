@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Literal
 
 from followspot import Field
-from followspot.target_filter.manoeuvre import ManoeuvreParams
-from followspot.target_filter.motion_model import MotionModel
-from followspot.target_filter.stage import TargetFilter
 from followspot_filters.bank import Bank, TargetEstimator
 from followspot_filters.interacting import InteractingModels
 from followspot_filters.models import ConstantAcceleration, ConstantVelocity, Forgetful
 from followspot_filters.single import SingleModel
+from followspot_target_filter.manoeuvre import ManoeuvreParams
+from followspot_target_filter.motion_model import MotionModel
+from followspot_target_filter.stage import TargetFilter
 
 
 class KalmanFilterpy(TargetFilter):

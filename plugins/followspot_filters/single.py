@@ -8,9 +8,9 @@ import numpy as np
 from filterpy.kalman import KalmanFilter
 
 from followspot import Array
-from followspot.target_filter.manoeuvre import bounce_covariance
 from followspot_filters.bank import FIRST_ORDER
 from followspot_filters.models import Model, transition
+from followspot_target_filter.manoeuvre import bounce_covariance
 
 
 def filter_of(model: Model) -> KalmanFilter:

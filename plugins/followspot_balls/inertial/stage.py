@@ -11,7 +11,6 @@ import numpy as np
 from followspot import Camera, Field, Mistake, Room, Window
 from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
-from followspot.target_filter import stage as target_filter
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.bridge import with_predicted
 from followspot_balls.inertial.fix import fix_at
@@ -20,6 +19,7 @@ from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
 from followspot_balls.inertial.navigator import Frame, Navigator
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
+from followspot_target_filter import stage as target_filter
 
 WELL_KNOWN = 0.03
 """Sigma of a hidden target up to which it is sought near its forecast only, m."""

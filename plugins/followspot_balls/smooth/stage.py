@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from followspot import Field, Lagged, Stage, Window, at
-from followspot.target_filter.manoeuvre import ManoeuvreParams
 from followspot.tracking import Positions, Tracks
 from followspot_balls.motion import Motion
 from followspot_balls.smooth.smoother import Filtered, Model, filtered, nothing, smoothed
 from followspot_balls.smooth.step import Step, insert, observation, of_room
+from followspot_target_filter.manoeuvre import ManoeuvreParams
 
 
 class Smooth(Stage):

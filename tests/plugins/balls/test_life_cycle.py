@@ -7,10 +7,10 @@ import pytest
 from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.stage import Context
-from followspot.target_filter.stage import Outputs
 from followspot.tracking import LOST, MISSING, PREDICTED, STATES, TRACKED
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, predict, update
+from followspot_target_filter.stage import Outputs
 
 FPS = 30
 HERE, THERE = (0.0, 0.0, 1.0), (2.0, 0.0, 1.0)

@@ -10,9 +10,9 @@ from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.messages import Array
 from followspot.stage import Context
-from followspot.target_filter.manoeuvre import jump
 from followspot_balls.kalman import Kalman
 from followspot_balls.motion import Motion, initiated, manoeuvred, predict, update
+from followspot_target_filter.manoeuvre import jump
 
 T = 0.04
 NOISE = np.eye(3) * 0.008**2

@@ -15,7 +15,6 @@ from tests.plugins.balls.scene import make_room, picture
 from followspot.messages import Array, Header, Message, seal, stamped
 from followspot.room import Camera, Room, Target
 from followspot.stage import Context, Stage
-from followspot.target_filter.stage import Outputs
 from followspot.tracking import Blobs, Forecast, Frame
 from followspot_balls.bridge import Bridge
 from followspot_balls.bundle.stage import Bundle
@@ -28,6 +27,7 @@ from followspot_balls.search_gate import SearchGate
 from followspot_balls.template import learn_color, learn_infrared
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
+from followspot_target_filter.stage import Outputs
 
 RECORDINGS = Path(__file__).resolve().parents[3].parent / "shared/data/glowballs-dev"
 FRAME_NS = 33_333_333

@@ -10,10 +10,10 @@ from tests.plugins.balls.scene import make_room, positions_at
 
 from followspot.messages import Array, Header, seal, stamped
 from followspot.stage import Context
-from followspot.target_filter.stage import Outputs, TargetFilter
 from followspot.testing import check_stage
 from followspot.tracking import PREDICTED, TRACKED, Positions
 from followspot_balls.kalman import Kalman
+from followspot_target_filter.stage import Outputs, TargetFilter
 
 pytest.importorskip("filterpy")
 from followspot_filters.kalman_filterpy import KalmanFilterpy

@@ -13,10 +13,10 @@ from followspot.messages import Array
 from followspot.room import Camera, Room
 from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
-from followspot.target_filter.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
-from followspot.target_filter.marks import marked
-from followspot.target_filter.motion_model import MotionModel
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
+from followspot_target_filter.life_cycle import Evidence, LifeCycle, coasted, confirmed, sought
+from followspot_target_filter.marks import marked
+from followspot_target_filter.motion_model import MotionModel
 
 NANOSECOND = 1e-9
 DEFAULT_PERIOD = 1 / 30
