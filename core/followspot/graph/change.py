@@ -16,6 +16,7 @@ from followspot.graph.parameters import output_paths, plain_default, validated
 from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
 from followspot.graph.replacement import misfits
 from followspot.graph.subgraph_change import BY_A_CHANGE, is_subgraph, subgraph_changes
+from followspot.graph.told_once import told_once
 from followspot.graph.tune import tunes_of
 from followspot.plugins.registry import PluginError, load_stage
 from followspot.stage import Stage
@@ -62,7 +63,7 @@ def change_of(plan: Plan, words: Sequence[str], folder: Path = Path()) -> Change
     if not mistakes:
         _check_outputs(changed, plan, wishes, mistakes)
     if mistakes:
-        raise InputError(list(dict.fromkeys(mistakes)))
+        raise InputError(told_once(mistakes))
     new = tuple(stage for stage in changed if stage != wishes[stage.name].old)
     return Change(new, {stage.name: wishes[stage.name].origins for stage in new}, recipe)
 

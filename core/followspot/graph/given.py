@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from followspot.document import Node
 from followspot.errors import shown
 from followspot.graph.check import Checked, CheckedStage
-from followspot.graph.override import is_set
+from followspot.graph.override import is_set, options
 from followspot.graph.parameters import plain_default
 from followspot.graph.plan import Origin
 
@@ -43,7 +43,11 @@ def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
     """Who gave each parameter that is written anywhere, by instance and parameter."""
     return {
         stage.instance.name: {
-            parameter: Origin(origin_of(node, tuned=parameter in stage.instance.tuned), is_set(node))
+            parameter: Origin(
+                origin_of(node, tuned=parameter in stage.instance.tuned),
+                is_set(node),
+                frozenset(options(node)),
+            )
             for parameter, node in stage.instance.params.items()
         }
         for stage in checked.stages

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from followspot.document import MAX_DEPTH, Node, child, parse
@@ -81,6 +81,14 @@ def below_set(tune: Node, given: Node | None) -> Node:
 def _holds_set(node: Node) -> bool:
     """True if `--set` gives the value or a part of it."""
     return is_set(node) or (isinstance(node.value, Mapping) and any(map(_holds_set, node.value.values())))
+
+
+def options(node: Node) -> Iterator[str]:
+    """The options that give a value or a part of it, as they are written."""
+    if is_set(node):
+        yield node.place.written
+    for inner in node.value.values() if isinstance(node.value, Mapping) else ():
+        yield from options(inner)
 
 
 def overridden(entry: Node, override: Override, mistakes: list[Mistake]) -> Node:

@@ -151,6 +151,8 @@ class Origin:
 
     text: str
     kept: bool = False
+    options: frozenset[str] = frozenset()
+    """The options of the command line that gave the value or a part of it, as they are written."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from typing import Any
 from followspot.errors import InputError, Mistake, Place
 from followspot.graph.compile import compile_graph
 from followspot.graph.names import enclosing
+from followspot.graph.override import SUBGRAPH
 from followspot.graph.plan import Origin, Plan, PlannedStage, Recipe
 
 _RESTART = "a running graph keeps its stages and edges: stop it, and run it with --set {name}.graph=FILE"
@@ -47,13 +48,23 @@ def subgraph_changes(plan: Plan, word: str, folder: Path, place: Place) -> tuple
     path, _, value = word.partition("=")
     name, _, key = path.partition(".")
     if key:
+        _check_key(key.partition(".")[0], name, place)
         fresh = _planned(plan.recipe, plan, word)
-        return _set(_planned(plan.recipe, plan), fresh, name), plan.recipe
+        _check_same(plan, fresh, name, place)
+        return _set(fresh, name, word), plan.recipe
     made = (*plan.recipe.overrides, f"{path}.graph={(folder / value).absolute()}")
     recipe = replace(plan.recipe, overrides=made)
     fresh = _planned(recipe, plan)
     _check_same(plan, fresh, name, place)
     return _differing(plan, fresh, name), recipe
+
+
+def _check_key(key: str, name: str, place: Place) -> None:
+    """Raises InputError for a key that parameters do not stand below."""
+    if key in SUBGRAPH and key != "with":
+        text = f'"{key}" of sub-graph "{name}" cannot be changed'
+        remedy = f"write {name}.PARAMETER=VALUE, or swap {name}=FILE"
+        raise InputError([Mistake(place, text, remedy)])
 
 
 def _planned(recipe: Recipe, plan: Plan, *words: str) -> Plan:
@@ -67,10 +78,15 @@ def _stages(plan: Plan, name: str) -> dict[str, PlannedStage]:
     return {stage.name: stage for stage in plan.stages if name in enclosing(stage.group)[:-1]}
 
 
-def _set(before: Plan, after: Plan, name: str) -> list[StageChange]:
-    """The parameters that differ; each stage stays the plugin stage that it has become in the run."""
-    found = _differing(before, after, name)
-    return [replace(change, uses="", origins=dict.fromkeys(change.params, BY_A_CHANGE)) for change in found]
+def _set(fresh: Plan, name: str, word: str) -> list[StageChange]:
+    """The parameters that the word gives; each stage stays the plugin stage that it has become in the run."""
+    found = []
+    for stage in _stages(fresh, name).values():
+        origins = fresh.origins.get(stage.name, {})
+        params = {key: stage.params[key] for key, origin in origins.items() if word in origin.options}
+        if params:
+            found.append(StageChange(stage.name, "", params, dict.fromkeys(params, BY_A_CHANGE)))
+    return found
 
 
 def _differing(before: Plan, after: Plan, name: str) -> list[StageChange]:
@@ -94,14 +110,14 @@ def _check_same(plan: Plan, fresh: Plan, name: str, place: Place) -> None:
     if gone or added:
         said = [f"lacks {', '.join(gone[:4])}"] if gone else []
         said += [f"adds {', '.join(added[:4])}"] if added else []
-        _refuse(f'the new file {" and ".join(said)} in sub-graph "{name}"', name, place)
+        _refuse(f'the file {" and ".join(said)} in sub-graph "{name}"', name, place)
     edges = _edges(plan, old, fresh) ^ _edges(fresh, new, plan)
     if edges:
         start, port, end, to, _ = min(edges)
-        _refuse(f'the new file connects "{start}.{port}" and "{end}.{to}" in another way', name, place)
+        _refuse(f'the file connects "{start}.{port}" and "{end}.{to}" in another way', name, place)
     for stage in new.values():
         if _policy(stage) != _policy(old[stage.name]):
-            text = f'on_error, tolerance or deadline of "{stage.name}" differ in the new file'
+            text = f'on_error, tolerance or deadline of "{stage.name}" differ in the file'
             _refuse(text, name, place)
 
 

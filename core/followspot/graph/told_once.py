@@ -10,6 +10,8 @@ from followspot.errors import Mistake, Place
 
 _OF_A_MEMBER = re.compile(r"[\w-]+(?:/[\w-]+)+|\[[^\]]*\]")
 """What members of a fan-out differ in: names of stages in sub-graphs, and selectors of what they serve."""
+_OF_A_VALUE = re.compile(r'stage "[^"]*" (\([^)]*\))(?= cannot be | has no parameter )')
+"""The stage that a written value does not suit; an interface may give it to several."""
 
 
 def told_once(mistakes: Iterable[Mistake]) -> list[Mistake]:
@@ -21,7 +23,8 @@ def told_once(mistakes: Iterable[Mistake]) -> list[Mistake]:
     kept: list[Mistake] = []
     seen: set[tuple[Place | None, str]] = set()
     for mistake in mistakes:
-        value = (mistake.place and replace(mistake.place, outer=None), mistake.text)
+        written = _OF_A_VALUE.sub(r"\1", mistake.text)
+        value = (mistake.place and replace(mistake.place, outer=None), written)
         member = (mistake.place, _OF_A_MEMBER.sub("/", mistake.text))
         if value in seen or (mistake.place is not None and member in seen):
             continue

@@ -95,7 +95,8 @@ class GraphFiles:
             self._full = True
             return None
         try:
-            return self._read(path, above, outer, "paths are relative to this file", node.place)
+            base = "the working folder" if node.place.file.startswith("--") else "this file"
+            return self._read(path, above, outer, f"paths are relative to {base}", node.place)
         except InputError as error:
             self.mistakes += [_used_at(mistake, outer) for mistake in error.mistakes]
             return None

@@ -1,0 +1,67 @@
+"""Parameters of a sub-graph that are set while the graph runs; what cannot be set is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from tests.core.graph.composed import TRACKER, planned, write
+from tests.core.graph.test_subgraphs import EACH, SHARED, ZONED
+
+from followspot.errors import InputError
+from followspot.graph.change import change_of
+from followspot.graph.plan import Plan
+from followspot.operator.changed import with_change
+
+
+def after(plan: Plan, *words: str) -> Plan:
+    return with_change(plan, change_of(plan, words))
+
+
+def levels(plan: Plan) -> dict[str, float]:
+    return {stage.name: stage.params["level"] for stage in plan.stages if "level" in stage.params}
+
+
+def test_a_parameter_can_be_set_back_to_what_it_was(tmp_path: Path) -> None:
+    plan = planned(tmp_path, SHARED, "hall.level=0.25")
+    changed = after(plan, "hall.level=0.75")
+    assert set(levels(changed).values()) == {0.75}
+    assert levels(after(changed, "hall.level=0.25")) == levels(plan)
+
+
+def test_a_member_of_a_fan_out_can_be_set_back_alone(tmp_path: Path) -> None:
+    plan = planned(tmp_path, EACH, room=ZONED)
+    changed = after(plan, "tracker.level=0.75")
+    back = levels(after(changed, "tracker/stage.level=0.5"))
+    assert {name for name, level in back.items() if level == 0.5} == {"tracker/stage/detect/cam1"}
+    assert set(back.values()) == {0.5, 0.75}
+
+
+def test_a_value_that_suits_none_of_several_stages_is_one_mistake(tmp_path: Path) -> None:
+    plan = planned(tmp_path, EACH, room=ZONED)
+    with pytest.raises(InputError) as caught:
+        change_of(plan, ["tracker.level=high"])
+    (mistake,) = caught.value.mistakes
+    assert mistake.text.startswith('"level" of stage "tracker/hall/detect" (toy.detect) cannot be')
+
+
+@pytest.mark.parametrize(
+    "word", ["each=cameras", "cameras=cameras", "in.frames=eyes", "optional=true", "graph=x.yaml"]
+)
+def test_what_would_change_stages_or_edges_is_refused(tmp_path: Path, word: str) -> None:
+    plan = planned(tmp_path, EACH, room=ZONED)
+    with pytest.raises(InputError) as caught:
+        change_of(plan, [f"tracker.{word}"])
+    (mistake,) = caught.value.mistakes
+    assert (
+        mistake.text
+        == f'"{word.partition("=")[0].partition(".")[0]}" of sub-graph "tracker" cannot be changed'
+    )
+    assert "tracker.PARAMETER=VALUE" in mistake.remedy
+
+
+def test_a_file_that_was_edited_while_it_ran_is_refused(tmp_path: Path) -> None:
+    plan = planned(tmp_path, SHARED)
+    write(tmp_path, main=SHARED, tracker=TRACKER + "  more: {uses: toy.pair, in: {blobs: detect}}\n")
+    with pytest.raises(InputError, match=r'the file adds hall/more in sub-graph "hall"'):
+        change_of(plan, ["hall.level=0.25"])
