@@ -17,6 +17,7 @@ from followspot_persons.associate.box_tracks import (
     BoxTracks,
 )
 from followspot_persons.associate.ellipsoid import HEIGHT, PLACE, SPEED, WIDTH, boxes_of
+from followspot_persons.associate.existence import Evidence
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, View, Views
 
@@ -33,6 +34,7 @@ class BoxModel:
 
     delay: float
     floor: Array
+    evidence = Evidence(born=-3.0, most=2.0)
 
     def none(self) -> BoxTracks:
         """No bodies."""

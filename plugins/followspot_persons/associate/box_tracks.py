@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -25,10 +26,12 @@ EDGE = np.array([0.05, 0.035, 0.05, 0.05])
 STANDING = 0.15
 """Sigma of the lower end of a body above the floor, m."""
 HIDDEN = 0.1
-"""Probability that one edge of a box is not the body's: something hides it, or another body is in the box."""
-_WHOLE = np.ones((5, 4), bool)
-_WHOLE[1:][np.eye(4, dtype=bool)] = False
-"""Hypotheses: all edges count, or all but one."""
+"""Probability that an edge of a box is not the body's: something hides it, or another body is in the box."""
+NEAR = 0.5
+"""Distance of edges, over the body's height in the picture, beyond which a box is not compared."""
+_OWN = np.array([edges for edges in product((True, False), repeat=4) if sum(edges) >= 2])
+"""Hypotheses, (H, 4): the edges that are the body's, two at least."""
+_PRIOR = np.log(np.where(_OWN, 1 - HIDDEN, HIDDEN)).sum(axis=1)
 _DIAGONAL = np.eye(4)
 
 
@@ -65,28 +68,41 @@ class Fit:
 def fitted(tracks: BoxTracks, view: View, box: Array, delay: float) -> Fit:
     """Compare bodies with boxes (N, 4) px, whose edges beyond the picture are NaN.
 
-    delay: sigma of the time of exposure, s. Each box is compared whole and without each of its edges; the
-    likelier counts.
+    delay: sigma of the time of exposure, s. Each box is compared whole and without one or two of its edges;
+    the likeliest counts.
     """
     there, _, slope = slopes_of(view, tracks.state)
     S, unit = _spread(tracks, there, slope, delay)
-    residual = box[None] - there[:, None]
-    valid = np.isfinite(residual)[:, :, None] & _WHOLE
-    residual = np.where(valid, residual[:, :, None], 0.0)
-    S = np.where(valid[..., :, None] & valid[..., None, :], S[:, None, None], _DIAGONAL)
-    S = np.where(np.isfinite(S), S, _DIAGONAL)
+    ratio, edges = np.full((len(there), len(box)), -np.inf), np.zeros((len(there), len(box), 4), bool)
+    m, n = np.nonzero(_near(there, unit, box))
+    if not len(m):
+        return Fit(ratio, edges)
+    residual = box[n] - there[m]
+    valid = np.isfinite(residual)[:, None] & _OWN
+    residual = np.where(valid, residual[:, None], 0.0)
+    S = np.where(valid[..., :, None] & valid[..., None, :], S[m, None], _DIAGONAL)
     squared = np.vecdot(residual, np.linalg.solve(S, residual[..., None])[..., 0])
-    logdet = np.linalg.slogdet(S)[1]
-    size = np.tile(np.sqrt(view.size * unit[:, None] * [0.5, 1.0]), 2)
-    anywhere = np.where(valid, np.log(size / np.sqrt(2 * np.pi))[:, None, None], 0.0).sum(axis=-1)
-    ratio = anywhere - 0.5 * (squared + logdet)
-    ratio[..., 0] += np.log(1 - HIDDEN)
-    ratio[..., 1:] += np.log(HIDDEN / 4)
-    ratio[valid.sum(axis=-1) < 2] = -np.inf
-    best = ratio.argmax(axis=-1)[..., None]
-    edges = np.take_along_axis(valid, best[..., None], axis=2)[:, :, 0]
-    found = np.take_along_axis(ratio, best, axis=2)[..., 0]
-    return Fit(np.where(np.isfinite(found), found, -np.inf), edges)
+    size = np.tile(np.sqrt(view.size * unit[m, None] * [0.5, 1.0]), 2)
+    anywhere = np.where(valid, np.log(size / np.sqrt(2 * np.pi))[:, None], 0.0).sum(axis=-1)
+    each = anywhere - 0.5 * (squared + np.linalg.slogdet(S)[1]) + _PRIOR
+    each[valid.sum(axis=-1) < 2] = -np.inf
+    best = each.argmax(axis=1)
+    every = np.arange(len(m))
+    ratio[m, n], edges[m, n] = each[every, best], valid[every, best]
+    return Fit(ratio, edges)
+
+
+def _near(there: Array, unit: Array, box: Array) -> Array:
+    """Whether an edge of each box (N, 4) is near that of each body (M, 4), across and down: (M, N).
+
+    unit: (M,) px, heights of the bodies in the picture.
+    """
+    apart = np.abs(box[None] - there[:, None])
+    near = apart < NEAR * unit[:, None, None]
+    unknown = np.isnan(box).any(axis=1)
+    known = np.isfinite(there).all(axis=1)
+    across, down = near[..., 0] | near[..., 2], near[..., 1] | near[..., 3]
+    return np.asarray(((across & down) | unknown) & known[:, None])
 
 
 def updated(tracks: BoxTracks, rows: Array, view: View, box: Array, edges: Array, delay: float) -> BoxTracks:

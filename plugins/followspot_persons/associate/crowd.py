@@ -12,10 +12,9 @@ from followspot import Array
 from followspot.assignment import assigned
 from followspot_persons.associate.contraction import clusters
 from followspot_persons.associate.existence import (
-    BORN,
     HIGHEST,
     LOWEST,
-    MOST,
+    Evidence,
     missed,
     visible_shares,
 )
@@ -45,6 +44,8 @@ S = TypeVar("S", bound=Bodies)
 class Model(Protocol[S]):
     """A kind of bodies: how they move, what cameras see of them, how they begin."""
 
+    @property
+    def evidence(self) -> Evidence: ...
     def none(self) -> S: ...
     def predicted(self, tracks: S, seconds: float) -> S: ...
     def fresh(self, tracks: S) -> S: ...
@@ -147,7 +148,7 @@ def _seen(
         ratio = model.log_ratios(bodies, view, one.found)
         rows, columns = assigned(ratio)
         bodies = model.updated(bodies, rows, view, one.found[columns])
-        change[rows] = np.minimum(ratio[rows, columns], MOST)
+        change[rows] = np.minimum(ratio[rows, columns], model.evidence.most)
         seen[rows] = one.time
         free = np.asarray((ratio[crowd.lives.number > 0] <= 0).all(axis=0))
         free[columns] = False
@@ -173,7 +174,7 @@ def _with_new(
             apart = np.linalg.norm(model.middle(crowd.bodies) - middle, axis=1)
             if apart.min() < APART:
                 continue
-        odds = BORN + MOST * len(rows)
+        odds = model.evidence.born + model.evidence.most * len(rows)
         for c, view in enumerate(views.each):
             if c not in camera[rows]:
                 box, depth = model.silhouettes(crowd.bodies.joined(born), view)

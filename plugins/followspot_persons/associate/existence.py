@@ -4,15 +4,13 @@ be (Bar-Shalom, Willett & Tian 2011, section 3.6, the integrated probabilistic d
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from followspot import Array
 from followspot_persons.associate.views import View
 
-BORN = -5.0
-"""Log-odds of a new body before the detections that it is made of."""
-MOST = 3.0
-"""Largest log-odds that one detection adds: a body that one camera alone sees is not sure."""
 LOWEST, HIGHEST = -8.0, 10.0
 """Bounds of the log-odds, so that they can turn again."""
 SHRUNK = 0.8
@@ -21,6 +19,15 @@ NEARER = 0.2
 """Difference of depth from which a body hides another, m."""
 _ACROSS, _DOWN = np.meshgrid([0.25, 0.5, 0.75], (np.arange(7) + 0.5) / 7)
 _GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
+
+
+class Evidence(NamedTuple):
+    """Log-odds of a new body before the detections that it is made of, and the most that one detection adds:
+    a body that one camera alone sees is not sure.
+    """
+
+    born: float
+    most: float
 
 
 def visible_shares(box: Array, depth: Array, view: View) -> Array:

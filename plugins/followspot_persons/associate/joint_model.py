@@ -10,12 +10,17 @@ import numpy as np
 from followspot import Array
 from followspot_persons.associate import joint_tracks
 from followspot_persons.associate.affinity import pair_ratios
+from followspot_persons.associate.existence import Evidence
 from followspot_persons.associate.joint_tracks import JointTracks, speeds
 from followspot_persons.associate.triangulation import triangulated
 from followspot_persons.associate.views import Noise, View, Views, images
 
 LEAST = 3
 """Joints that two cameras must see of a new body."""
+DISTANT = 0.3
+"""Largest median sigma of a new body's joints, m: rays that are nearly parallel agree about everything."""
+LOWEST, HIGHEST = -0.3, 2.6
+"""Where most joints of a new body are above the floor, m."""
 UNSEEN = 0.5
 """Sigma of the place of a joint that was never seen about the middle of its body, m."""
 WALKING = 1.0
@@ -26,10 +31,12 @@ MARGIN = 0.1
 
 @dataclass(frozen=True)
 class JointModel:
-    """Names of the J joints, and errors of found points."""
+    """Names of the J joints, errors of found points, and the plane of the floor, (4,), if there is one."""
 
     joints: tuple[str, ...]
     noise: Noise
+    floor: tuple[float, ...] | None = None
+    evidence = Evidence(born=-5.0, most=4.0)
 
     def none(self) -> JointTracks:
         """No bodies."""
@@ -55,7 +62,7 @@ class JointModel:
         """The body of detections (V, J, 2) px of different cameras; None if they determine none."""
         joints = triangulated(views, camera, found, self.noise)
         known = joints.views > 0
-        if known.sum() < LEAST:
+        if known.sum() < LEAST or not self.is_sure(joints.xyz[known], joints.covariance[known]):
             return None
         middle = joints.xyz[known].mean(axis=0)
         count, unseen = len(self.joints), np.eye(3) * UNSEEN**2
@@ -68,6 +75,16 @@ class JointModel:
             views=joints.views[None],
             known=known[None],
         )
+
+    def is_sure(self, xyz: Array, covariance: Array) -> bool:
+        """Whether the places of a new body's joints, (K, 3) m, are known well enough and above the floor."""
+        sigma = np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
+        if np.median(sigma) > DISTANT:
+            return False
+        if self.floor is None:
+            return True
+        level = xyz @ np.array(self.floor[:3]) + self.floor[3]
+        return bool(np.quantile(level, 0.1) > LOWEST and np.quantile(level, 0.9) < HIGHEST)
 
     def fresh(self, tracks: JointTracks) -> JointTracks:
         """The bodies before a set: no camera saw them yet."""
@@ -98,5 +115,5 @@ class JointModel:
 
     def widened(self, tracks: JointTracks, names: Sequence[str]) -> tuple[JointModel, JointTracks]:
         """The model and the bodies with more joints."""
-        wider = JointModel((*self.joints, *names), self.noise)
+        wider = replace(self, joints=(*self.joints, *names))
         return wider, tracks.widened(len(names), self.middle(tracks), UNSEEN)

@@ -38,7 +38,7 @@ class AssociateParams(StageParams):
         "keeps people apart who stand close, and doubles",
     )
     detection_probability: float = Field(
-        0.85,
+        0.9,
         gt=0,
         lt=1,
         unit="1",

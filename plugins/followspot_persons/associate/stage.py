@@ -57,8 +57,9 @@ class Associate(Stage):
         self.number = {name: number for number, name in enumerate(cameras)}
         self.views = views_of(tuple(cameras.values()))
         noise = Noise(given.point_sigma, given.body_sigma, given.delay_sigma)
-        self.joint_model = JointModel((), noise)
-        self.box_model = BoxModel(given.delay_sigma, np.asarray(self.room.planes.get("floor", FLOOR)))
+        floor = self.room.planes.get("floor")
+        self.joint_model = JointModel((), noise, None if floor is None else tuple(np.asarray(floor).tolist()))
+        self.box_model = BoxModel(given.delay_sigma, FLOOR if floor is None else np.asarray(floor))
         p = given.confirmation_probability
         missed = round(given.maximum_missed_time * 1e9)
         self.rules = Rules(given.detection_probability, float(np.log(p / (1 - p))), missed, given.area)
