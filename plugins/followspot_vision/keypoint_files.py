@@ -1,5 +1,5 @@
-"""Joints of persons from JSON files of OpenPose and in COCO's format for results: checked, with the place of
-each mistake.
+"""Joints of persons from JSON files of OpenPose and MMPose, and in COCO's format for results: checked, with
+the place of each mistake.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ MOST_PERSONS = 1000
 MOST_JOINTS = 1000
 LARGEST = 2**31 - 1
 _OPENPOSE = re.compile(r"(?:.*_)?(\d{1,18})_keypoints\.json")
+_NUMBERED = re.compile(r"(?:.*\D)?(\d{1,18})\.json")
 _DIGITS = re.compile(r"(\d{1,18})(?:\.\w+)?$")
 
 Joint = tuple[float, float, float]
@@ -30,17 +31,18 @@ Person = Sequence[Joint]
 """The joints of one person; those that were not found have the score 0."""
 
 
-def openpose_files(folder: Path) -> list[tuple[int, Path]]:
-    """The files NAME_000000000012_keypoints.json of a folder, by the number of the picture.
+def picture_files(folder: Path) -> list[tuple[int, Path]]:
+    """The files of a folder with the persons of one picture each, by the number of the picture.
 
+    They are NAME_000000000012_keypoints.json as OpenPose writes them, or if there are none, NAME12.json.
     Raises InputError if two have one number.
     """
+    paths = sorted(folder.iterdir())
+    named = [(match, path) for path in paths if (match := _OPENPOSE.fullmatch(path.name))]
+    named = named or [(match, path) for path in paths if (match := _NUMBERED.fullmatch(path.name))]
     found: dict[int, Path] = {}
-    for path in sorted(folder.iterdir()):
-        named = _OPENPOSE.fullmatch(path.name)
-        if named is None:
-            continue
-        number = int(named[1])
+    for match, path in named:
+        number = int(match[1])
         if number > LARGEST:
             raise InputError.of(f"{path} has the number {number}", f"pictures are numbered up to {LARGEST}")
         if number in found:
@@ -50,12 +52,16 @@ def openpose_files(folder: Path) -> list[tuple[int, Path]]:
     return sorted(found.items())
 
 
-def read_openpose(path: Path) -> list[Person]:
-    """The persons of one picture. Raises InputError."""
+def read_picture(path: Path) -> list[Person]:
+    """The persons of one picture, in OpenPose's format or MMPose's. Raises InputError."""
     data = _read(path, DOCUMENT)
+    if isinstance(data, dict) and "instances" in data:
+        data = data["instances"]
+    if isinstance(data, list):
+        return _instances(data, str(path))
     people = data.get("people") if isinstance(data, dict) else None
     if not isinstance(people, list):
-        raise InputError.of(f"{path} has no list people", "it should be a file that OpenPose wrote")
+        raise InputError.of(f"{path} has no list people", "it should be a file that OpenPose or MMPose wrote")
     _check_count(len(people), f"{path} has")
     return [
         _person(_entry(one, "pose_keypoints_2d", f"{path}: people[{i}]"), f"{path}: people[{i}]")
@@ -63,21 +69,45 @@ def read_openpose(path: Path) -> list[Person]:
     ]
 
 
-def read_coco(path: Path) -> dict[int, list[Person]]:
-    """The persons of each picture, by its number: the last digits of image_id. Raises InputError."""
+def read_results(path: Path) -> dict[int, list[Person]]:
+    """The persons of each picture, by its number, of a file about many pictures. Raises InputError.
+
+    The file is a list in COCO's format for results, whose image_id ends in the number, or MMPose's of a
+    video: a list of {frame_id, instances}.
+    """
     data = _read(path, DATA)
     if isinstance(data, dict):
-        data = data.get("annotations")
+        data = data.get("annotations", data.get("instance_info"))
     if not isinstance(data, list):
         remedy = "it should be a list of {image_id, keypoints, score}, or a folder of OpenPose's files"
         raise InputError.of(f"{path} is no list of results", remedy)
     found: dict[int, list[Person]] = {}
     for i, one in enumerate(data):
         where = f"{path}: [{i}]"
-        persons = found.setdefault(_number(_entry(one, "image_id", where), where), [])
-        persons.append(_person(_entry(one, "keypoints", where), where))
-        _check_count(len(persons), f"{where}: a picture has")
+        if isinstance(one, dict) and "instances" in one:
+            number = _number(_entry(one, "frame_id", where), where, "frame_id")
+            found.setdefault(number, []).extend(_instances(one["instances"], f"{where}.instances"))
+        else:
+            number = _number(_entry(one, "image_id", where), where, "image_id")
+            found.setdefault(number, []).append(_person(_entry(one, "keypoints", where), where))
+        _check_count(len(found[number]), f"{where}: a picture has")
     return found
+
+
+def _instances(instances: Any, where: str) -> list[Person]:
+    """Persons as MMPose writes them: keypoints [[x, y], ...] and keypoint_scores. Raises InputError."""
+    if not isinstance(instances, list):
+        raise InputError.of(f"{where} is no list of instances")
+    _check_count(len(instances), f"{where} has")
+    return [_instance(one, f"{where}[{i}]") for i, one in enumerate(instances)]
+
+
+def _instance(one: Any, where: str) -> Person:
+    places, scores = _entry(one, "keypoints", where), _entry(one, "keypoint_scores", where)
+    pairs = isinstance(places, list) and all(isinstance(xy, list) and len(xy) == 2 for xy in places)
+    if not pairs or not isinstance(scores, list) or len(scores) != len(places):
+        raise InputError.of(f"{where} has no keypoints [[x, y], ...] with as many keypoint_scores")
+    return _person([n for xy, score in zip(places, scores, strict=True) for n in (*xy, score)], where)
 
 
 def _read(path: Path, most: int) -> Any:
@@ -102,14 +132,12 @@ def _entry(one: Any, key: str, where: str) -> Any:
     return one[key]
 
 
-def _number(image: Any, where: str) -> int:
+def _number(image: Any, where: str, key: str) -> int:
     """The number of a picture: 12, "12" or "pictures/cam0_000012.jpg"."""
     digits = _DIGITS.search(image) if isinstance(image, str) else None
     number = int(digits[1]) if digits else image
     if type(number) is not int or not 0 <= number <= LARGEST:
-        raise InputError.of(
-            f"{where}.image_id is {str(image)[:40]!r}", "it should be a number, or end in one"
-        )
+        raise InputError.of(f"{where}.{key} is {str(image)[:40]!r}", "it should be a number, or end in one")
     return number
 
 

@@ -1,8 +1,8 @@
-"""Joints of persons that OpenPose or a program with COCO's format found."""
+"""Joints of persons that OpenPose, MMPose or a program with COCO's format found."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from followspot import Field, InputPath, Mistake, Room, Source, Stage, at
@@ -11,7 +11,7 @@ from followspot.frame_times import capture_time, exact_rate
 from followspot.points import Points2D
 from followspot.room import Member
 from followspot_vision.frame_table import MOST_FRAMES
-from followspot_vision.keypoint_files import Person, openpose_files, read_coco, read_openpose
+from followspot_vision.keypoint_files import Person, picture_files, read_picture, read_results
 from followspot_vision.picture_points import Found, PictureParams, points_of
 from followspot_vision.skeletons import joint_names
 
@@ -20,7 +20,8 @@ _SMALL = 1_000_000
 
 
 class KeypointsJson(Stage):
-    """Joints of persons from the JSON files of OpenPose (a folder) or in COCO's format for results (a file).
+    """Joints of persons from the JSON files of OpenPose or MMPose (a folder with one for each picture), or
+    from one file in COCO's format for results or of MMPose about a video.
 
     Each point has the joint's name as its label and the person's number in the picture as its instance.
     Joints with the score 0 were not found and are left out.
@@ -49,9 +50,9 @@ class KeypointsJson(Stage):
         """Read the first picture of a folder, or the file if it is small. Raises InputError."""
         place = of_camera(params.path, member.name) if member is not None else params.path
         if place.is_dir():
-            persons = [one for _, path in openpose_files(place)[:1] for one in read_openpose(path)]
+            persons = [one for _, path in picture_files(place)[:1] for one in read_picture(path)]
         elif place.stat().st_size <= _SMALL:
-            persons = [person for found in read_coco(place).values() for person in found]
+            persons = [person for found in read_results(place).values() for person in found]
         else:
             persons = []
         for count in sorted({len(person) for person in persons if person}):
@@ -61,8 +62,8 @@ class KeypointsJson(Stage):
     def setup(self) -> None:
         """Find the files. Raises InputError if they are none."""
         place = of_camera(self.params.path, self.camera.name)
-        self.files = dict(openpose_files(place)) if place.is_dir() else {}
-        self.results = {} if place.is_dir() else read_coco(place)
+        self.files = dict(picture_files(place)) if place.is_dir() else {}
+        self.results = {} if place.is_dir() else read_results(place)
         numbers = [*self.files, *self.results]
         first = self.params.first_picture
         if numbers and min(numbers) < first:
@@ -83,19 +84,25 @@ class KeypointsJson(Stage):
         """One message for each picture up to the last; empty for one without results."""
         rate = exact_rate(self.params.fps)
         for number in range(self.count):
-            found = list(self.found(number + self.params.first_picture))
+            found = self.found(number + self.params.first_picture)
             yield at(capture_time(number, rate), points_of(found, self.camera, self.params), seq=number)
 
-    def found(self, picture: int) -> Iterator[Found]:
+    def found(self, picture: int) -> list[Found]:
         """The joints of all persons. Raises InputError if the file is none."""
         persons: Sequence[Person] = self.results.get(picture, ())
         if picture in self.files:
-            persons = read_openpose(self.files[picture])
-        for instance, person in enumerate(persons):
-            names = joint_names(len(person), self.params.joints, str(self.params.path)) if person else ()
-            for name, (x, y, score) in zip(names, person, strict=True):
-                if score > 0:
-                    yield Found(x, y, name, instance, score)
+            persons = read_picture(self.files[picture])
+        return joints_of(persons, self.params.joints, str(self.params.path))
+
+
+def joints_of(persons: Sequence[Person], names: Sequence[str], file: str) -> list[Found]:
+    """The joints that were found of all persons. names: the user's, if any. Raises InputError."""
+    found = []
+    for instance, person in enumerate(persons):
+        own = joint_names(len(person), names, file) if person else ()
+        joints = zip(own, person, strict=True)
+        found += [Found(x, y, name, instance, score) for name, (x, y, score) in joints if score > 0]
+    return found
 
 
 def of_camera(path: Path, camera: str) -> Path:

@@ -100,7 +100,7 @@ def _near(there: Array, unit: Array, box: Array) -> Array:
     apart = np.abs(box[None] - there[:, None])
     near = apart < NEAR * unit[:, None, None]
     unknown = np.isnan(box).any(axis=1)
-    known = np.isfinite(there).all(axis=1)
+    known = np.asarray(np.isfinite(there).all(axis=1))
     across, down = near[..., 0] | near[..., 2], near[..., 1] | near[..., 3]
     return np.asarray(((across & down) | unknown) & known[:, None])
 

@@ -15,6 +15,7 @@ from followspot_persons.associate.existence import (
     HIGHEST,
     LOWEST,
     Evidence,
+    Tally,
     missed,
     visible_shares,
 )
@@ -112,11 +113,13 @@ def after(
 ) -> Crowd[S]:
     """The people after one set of detections, each camera's at its own time of exposure."""
     crowd = replace(crowd, bodies=model.fresh(crowd.bodies))
-    left = []
+    left, tally = [], Tally.none(len(crowd.bodies))
     for one in sorted(sets, key=lambda each: each.time):
         crowd = _moved(crowd, model, one.time)
-        crowd, free = _seen(crowd, model, views.each[one.camera], one, rules)
+        crowd, tally, free = _seen(crowd, tally, model, views.each[one.camera], one, rules)
         left.append(replace(one, found=one.found[free]))
+    odds = np.clip(crowd.lives.odds + tally.change(), LOWEST, HIGHEST)
+    crowd = replace(crowd, lives=replace(crowd.lives, odds=odds))
     crowd = _with_new(crowd, model, views, left, rules)
     return _ended(_numbered(crowd, rules), model, rules)
 
@@ -135,25 +138,28 @@ def _moved(crowd: Crowd[S], model: Model[S], time: int) -> Crowd[S]:
 
 
 def _seen(
-    crowd: Crowd[S], model: Model[S], view: View, one: Detections, rules: Rules
-) -> tuple[Crowd[S], Array]:
-    """The people after one camera, and whether each detection, (N,), is none of them."""
+    crowd: Crowd[S], tally: Tally, model: Model[S], view: View, one: Detections, rules: Rules
+) -> tuple[Crowd[S], Tally, Array]:
+    """The people after one camera, what is known of their existence, and whether each detection, (N,), is
+    none of them.
+    """
+    free = np.ones(len(one.found), bool)
     if not len(crowd.bodies):
-        return crowd, np.ones(len(one.found), bool)
+        return crowd, tally, free
     box, depth = model.silhouettes(crowd.bodies, view)
-    change = missed(visible_shares(box, depth, view), rules.detection)
-    free, seen = np.ones(len(one.found), bool), crowd.lives.seen.copy()
-    bodies = crowd.bodies
-    if len(one.found):
-        ratio = model.log_ratios(bodies, view, one.found)
-        rows, columns = assigned(ratio)
-        bodies = model.updated(bodies, rows, view, one.found[columns])
-        change[rows] = np.minimum(ratio[rows, columns], model.evidence.most)
-        seen[rows] = one.time
-        free = np.asarray((ratio[crowd.lives.number > 0] <= 0).all(axis=0))
-        free[columns] = False
-    odds = np.clip(crowd.lives.odds + change, LOWEST, HIGHEST)
-    return replace(crowd, bodies=bodies, lives=replace(crowd.lives, odds=odds, seen=seen)), free
+    loss = missed(visible_shares(box, depth, view), rules.detection)
+    if not len(one.found):
+        return crowd, replace(tally, loss=tally.loss + loss), free
+    ratio = model.log_ratios(crowd.bodies, view, one.found)
+    rows, columns = assigned(ratio)
+    bodies = model.updated(crowd.bodies, rows, view, one.found[columns])
+    seen, gain, views = crowd.lives.seen.copy(), np.zeros(len(loss)), np.zeros(len(loss), int)
+    gain[rows] = np.minimum(ratio[rows, columns], model.evidence.most)
+    loss[rows], views[rows], seen[rows] = 0.0, 1, one.time
+    free = np.asarray((ratio[crowd.lives.number > 0] <= 0).all(axis=0))
+    free[columns] = False
+    tally = Tally(tally.gain + gain, tally.loss + loss, tally.views + views)
+    return replace(crowd, bodies=bodies, lives=replace(crowd.lives, seen=seen)), tally, free
 
 
 def _with_new(

@@ -4,6 +4,7 @@ be (Bar-Shalom, Willett & Tian 2011, section 3.6, the integrated probabilistic d
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -22,12 +23,32 @@ _GRID = np.column_stack([_ACROSS.ravel(), _DOWN.ravel()])
 
 
 class Evidence(NamedTuple):
-    """Log-odds of a new body before the detections that it is made of, and the most that one detection adds:
-    a body that one camera alone sees is not sure.
-    """
+    """Log-odds of a new body before its detections count, and the most that one detection adds."""
 
     born: float
     most: float
+
+
+@dataclass(frozen=True, eq=False)
+class Tally:
+    """What the cameras of one set say of M bodies. gain, loss: (M,) sums of log-odds; views: (M,) cameras
+    that detected each.
+    """
+
+    gain: Array
+    loss: Array
+    views: Array
+
+    @classmethod
+    def none(cls, bodies: int) -> Tally:
+        """Before the first camera."""
+        return cls(np.zeros(bodies), np.zeros(bodies), np.zeros(bodies, int))
+
+    def change(self) -> Array:
+        """Change of the log-odds, (M,). One camera alone is no evidence: any false detection has a body that
+        fits it.
+        """
+        return np.where(self.views > 1, self.gain, 0.0) + self.loss
 
 
 def visible_shares(box: Array, depth: Array, view: View) -> Array:

@@ -1,0 +1,90 @@
+"""Joints of persons that another program finds now and writes into a folder, picture by picture."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import ClassVar
+
+from followspot import Field, InputPath, Source, Stage, at
+from followspot.errors import InputError
+from followspot.frame_times import capture_time, exact_rate
+from followspot.points import Points2D
+from followspot_vision.keypoint_files import Person, picture_files, read_picture
+from followspot_vision.keypoints_json import joints_of, of_camera
+from followspot_vision.picture_points import PictureParams, points_of
+
+
+class KeypointsLive(Stage):
+    """Joints of persons from a folder into which OpenPose or MMPose writes a JSON file for each picture.
+
+    Files that are there at the start are old and left out. A file that cannot be read yet is tried again; if
+    it stays so, it is left out with a warning.
+    """
+
+    per_camera: ClassVar[bool] = True
+    live: ClassVar[bool] = True
+
+    class Params(PictureParams):
+        """The folder, the times of its pictures and their frame of reference."""
+
+        path: InputPath = Field(description="the camera's folder, or a folder with CAMERA/ for each camera")
+        fps: float | None = Field(
+            None,
+            ge=0.001,
+            le=100_000,
+            unit="1/s",
+            description="frame rate: picture n was taken at n / fps; by default when its file was written",
+        )
+        joints: tuple[str, ...] = Field(
+            (), description="names of the joints; by default those of COCO (17) or OpenPose (18, 25)"
+        )
+        poll_interval: float = Field(
+            0.02, ge=0.001, le=10, unit="s", description="time between two looks into the folder"
+        )
+        read_timeout: float = Field(
+            1.0, ge=0, le=60, unit="s", description="time after which a file that cannot be read is left out"
+        )
+
+    params: Params
+
+    @classmethod
+    def nominal_rate(cls, params: Params) -> float | None:
+        """The frame rate, if it is given."""
+        return params.fps
+
+    def setup(self) -> None:
+        """See what is in the folder. Raises InputError if it is none."""
+        self.folder = of_camera(self.params.path, self.camera.name)
+        if not self.folder.is_dir():
+            raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")
+        self.last = max((number for number, _ in picture_files(self.folder)), default=-1)
+
+    def process(self) -> Source[Points2D]:
+        """A message for each picture when its file is complete, in the order of their numbers."""
+        while self.context.pause(self.params.poll_interval):
+            new = [(number, path) for number, path in picture_files(self.folder) if number > self.last]
+            for number, path in new:
+                persons = self.persons(path)
+                self.last = number
+                if persons is not None:
+                    yield from self.message(number, path, persons)
+
+    def persons(self, path: Path) -> list[Person] | None:
+        """The persons of a picture as soon as its file can be read; None if it never can."""
+        until = time.monotonic() + self.params.read_timeout
+        while True:
+            try:
+                return read_picture(path)
+            except InputError as error:
+                if time.monotonic() > until or not self.context.pause(self.params.poll_interval):
+                    self.context.warn(f"left out: {error}")
+                    return None
+
+    def message(self, number: int, path: Path, persons: list[Person]) -> Iterator[Points2D]:
+        """The joints of one picture. Raises InputError if they have no names."""
+        rate = self.params.fps
+        found = joints_of(persons, self.params.joints, str(path))
+        when = capture_time(number, exact_rate(rate)) if rate else path.stat().st_mtime_ns
+        yield at(when, points_of(found, self.camera, self.params), seq=number)
