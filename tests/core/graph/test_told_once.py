@@ -106,3 +106,17 @@ def test_an_output_of_one_member_can_be_read(tmp_path: Path) -> None:
     main = MAIN + "  show: {uses: toy.any, in: {blobs: one/cam1.blobs}}\n"
     found = [edge.from_stage for edge in planned(tmp_path, main, one=ONE).edges if edge.to_stage == "show"]
     assert found == ["one/cam1/detect/cam1"]
+
+
+@pytest.mark.parametrize("name", ["eyes/cam0", "one/cam1/detect/cam1"])
+def test_an_option_for_one_instance_says_who_can_give_it(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InputError) as caught:
+        planned(tmp_path, MAIN, f"{name}.level=0.5", one=ONE)
+    (mistake,) = caught.value.mistakes
+    group = name.rpartition("/")[0]
+    assert (
+        mistake.text
+        == f'"{name}" is an instance of stage "{group}", and --set reaches all instances of a stage'
+    )
+    assert f"write {group}.level=VALUE" in mistake.remedy
+    assert f"tune: {{{name}.level: VALUE}}" in mistake.remedy

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from followspot.document import Node
+from followspot.document import Node, child
 from followspot.errors import Mistake, Place, did_you_mean
 from followspot.graph.compose.belonging import seen_only, serving
 from followspot.graph.compose.feeds import items, origin
@@ -78,8 +78,7 @@ def compose(
     for override in (found for found in units.unknown if not found.tune):
         name = below(override.within, override.stage)
         known = {*stages, *(found.name for found in _units(unit))}
-        text = f'the graph has no stage "{name}"'
-        mistakes.append(Mistake(override.stage_place, text, did_you_mean(name, known, "stages")))
+        mistakes.append(_no_stage(name, override, stages, known))
     check_nested(unit, wrong)
     mistakes += wrong
     stages = seen_only(stages, _units(unit))
@@ -100,6 +99,19 @@ def compose(
         tuple(optional_uses(unit)) if not wrong else (),
         frozenset(units.tuned),
         _outputs(unit) if not wrong else {},
+    )
+
+
+def _no_stage(name: str, override: Override, stages: Mapping[str, Node], known: Collection[str]) -> Mistake:
+    """The mistake of an option for a stage that the graph lacks; one for an instance says how to give it."""
+    group, _, member = name.rpartition("/")
+    if group in stages and child(stages[group], "each") is not None:
+        key = ".".join(override.keys)
+        text = f'"{name}" is an instance of stage "{group}", and --set reaches all instances of a stage'
+        remedy = f"write {group}.{key}=VALUE; for {member} alone the room says tune: {{{name}.{key}: VALUE}}"
+        return Mistake(override.stage_place, text, remedy)
+    return Mistake(
+        override.stage_place, f'the graph has no stage "{name}"', did_you_mean(name, known, "stages")
     )
 
 
