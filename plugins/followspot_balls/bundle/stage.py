@@ -10,6 +10,7 @@ from followspot import Array, Field, Latest, Stage
 from followspot.tracking import Candidates, Forecast, Positions
 from followspot_balls.blob_params import BlobParams
 from followspot_balls.bundle.assignment import Claims, assigned, shares, squared_errors
+from followspot_balls.bundle.contradiction import contradicted
 from followspot_balls.bundle.glow import glow_sigma, nearest_planes
 from followspot_balls.bundle.points import (
     PARAMETERS,
@@ -101,6 +102,14 @@ class Bundle(Stage):
             ge=0,
             unit="m",
             description="sigma added to the forecast's; raising it trusts precise forecasts less",
+        )
+
+        contradiction_exponent: float = Field(
+            10.0,
+            gt=0,
+            unit="1",
+            description="exponent of the distrust over the trust of all views in the odds that the rejected "
+            "ones are right; raising it trusts majorities more",
         )
 
     params: Params
@@ -227,5 +236,7 @@ class Bundle(Stage):
         for _ in range(STEPS):
             step = solved(weighted(design, step, views), belief)
         equations = weighted(design, step, views)
-        step, covariance = estimated(equations, glow, p.prior_errors)
+        covariance = contradicted(design, step, equations.trust, found, p.contradiction_exponent)
+        step, known = estimated(equations, glow, p.prior_errors)
+        covariance += known
         return Fit(start + step[:, :3], covariance, equations.trust, slot)
