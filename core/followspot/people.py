@@ -108,6 +108,28 @@ class Poses(Message):
         ]
 
 
+BONES: tuple[tuple[str, str], ...] = (
+    ("left_ear", "left_eye"),
+    ("left_eye", "nose"),
+    ("nose", "right_eye"),
+    ("right_eye", "right_ear"),
+    ("left_shoulder", "right_shoulder"),
+    ("left_hip", "right_hip"),
+    *(
+        (f"{side}_{upper}", f"{side}_{lower}")
+        for side in ("left", "right")
+        for upper, lower in (
+            ("shoulder", "elbow"),
+            ("elbow", "wrist"),
+            ("shoulder", "hip"),
+            ("hip", "knee"),
+            ("knee", "ankle"),
+        )
+    ),
+)
+"""Names of the joints at both ends of what is drawn of a skeleton."""
+
+
 class Skeletons(Message):
     """Joints in the room of persons whose identity is known, one row each."""
 
@@ -133,6 +155,23 @@ class PoseTruth(Message):
     tilt: Array = column("M", unit="rad")
     visible: Array = column("M")
     """Visible share of the upper body in the camera that sees most of it."""
+
+
+def bones_of(skeletons: Skeletons) -> tuple[Array, Array]:
+    """Both ends of each bone of `BONES` whose joints are there, (B, 2, 3) m, and its person, (B,)."""
+    row = {
+        (int(person), skeletons.labels[label]): number
+        for number, (person, label) in enumerate(zip(skeletons.person, skeletons.label, strict=True))
+    }
+    people = dict.fromkeys(skeletons.person.tolist())
+    ends = [
+        (row[person, a], row[person, b], person)
+        for person in people
+        for a, b in BONES
+        if (person, a) in row and (person, b) in row
+    ]
+    table = np.array(ends, int).reshape(-1, 3)
+    return skeletons.xyz[table[:, :2]], table[:, 2]
 
 
 def as_seen(camera: Camera | None, xy: Array, heading: Array) -> tuple[Array, Array, Array]:

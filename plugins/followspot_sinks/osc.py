@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
+import numpy as np
 from pythonosc.osc_bundle_builder import IMMEDIATELY, OscBundleBuilder
 from pythonosc.osc_message_builder import OscMessageBuilder
 
 from followspot import Field
-from followspot.people import Poses
+from followspot.people import Poses, Skeletons
 from followspot.tracking import Tracks
 from followspot_sinks.datagrams import DatagramSink
-from followspot_sinks.slots import PersonSlotParams, PersonSlots, Slots, with_tracks
+from followspot_sinks.slots import FARTHEST, PersonSlotParams, PersonSlots, Slots, with_tracks
+
+_NOT_IN_ADDRESS = re.compile(r"[^\w.-]")
 
 
 class OscSink(DatagramSink):
@@ -68,6 +72,31 @@ class OscPoses(OscSink):
     def process(self, poses: Poses) -> None:
         """Send one frame."""
         self.send(self.persons.after(poses), heading=True)
+
+
+class OscSkeletons(OscSink):
+    """Send a bundle with the joints of each person: `/followspot/1/joint/left_wrist` x y z (m).
+
+    1 is the person's number. Joints whose place is not known are not sent.
+    """
+
+    def process(self, skeletons: Skeletons) -> None:
+        """Send one frame."""
+        if self.network is not None:
+            for person in np.unique(skeletons.person):
+                own = skeletons.where(skeletons.person == person)
+                self.network.send(joint_bundle(self.params.prefix, own))
+
+
+def joint_bundle(prefix: str, skeletons: Skeletons) -> bytes:
+    """One OSC bundle with a message for each joint; characters that an address cannot have become _."""
+    build = OscBundleBuilder(IMMEDIATELY)
+    names = [_NOT_IN_ADDRESS.sub("_", name) for name in skeletons.labels]
+    known = (np.abs(skeletons.xyz) <= FARTHEST).all(axis=1)
+    rows = zip(skeletons.person[known], skeletons.label[known], skeletons.xyz[known], strict=True)
+    for person, label, xyz in rows:
+        _add(build, f"{prefix}/{person}/joint/{names[label]}", xyz.tolist())
+    return build.build().dgram
 
 
 def bundle(prefix: str, slots: Slots, heading: bool) -> bytes:

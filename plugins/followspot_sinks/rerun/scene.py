@@ -10,7 +10,7 @@ import numpy as np
 from followspot import Message, Room
 from followspot.inertial import PosedTracks
 from followspot.messages import Array
-from followspot.people import Poses, PoseTruth
+from followspot.people import Poses, PoseTruth, Skeletons, bones_of
 from followspot.rotation import matrix
 from followspot.tracking import STATES, Frame, Tracks, Truth
 
@@ -18,6 +18,8 @@ ROOT = "room"
 _JPEG_QUALITY = 85
 _RADIUS = 0.02
 """Radius of points in the room whose size is unknown, m."""
+_BONE = 0.01
+"""Radius of the bones of a skeleton, m."""
 _HEADING = 0.4
 """Length of the arrow of a chest's heading, m."""
 _AXIS = 0.2
@@ -53,7 +55,10 @@ def shape_of(rerun: Any, message: Message, room: Room) -> Any:
 
 
 def parts_of(rerun: Any, message: Message) -> dict[str, Any]:
-    """What is shown beside a shape, by the name of an entity below: uncertainty and axes of tracks."""
+    """What is shown beside a shape, by the name of an entity below: uncertainty and axes of tracks, bones."""
+    if isinstance(message, Skeletons):
+        ends, _ = bones_of(message)
+        return {"bones": rerun.LineStrips3D(strips=ends[np.isfinite(ends).all(axis=(1, 2))], radii=_BONE)}
     if not isinstance(message, Tracks):
         return {}
     parts = {"uncertainty": _uncertainty(rerun, message)}

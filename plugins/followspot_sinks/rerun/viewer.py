@@ -17,7 +17,8 @@ TIMELINE = "capture"
 class Rerun(Stage):
     """Show pictures, blobs, points, tracks and poses in the Rerun viewer, with the room's cameras.
 
-    Tracks have an ellipsoid of three sigma, and their axes if their orientation is known.
+    Tracks have an ellipsoid of three sigma, and their axes if their orientation is known; skeletons have
+    bones.
 
     Use one sink per port. Sinks with the same viewer share a recording there; each file is a recording of its
     own: open several together.

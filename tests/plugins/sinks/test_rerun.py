@@ -12,7 +12,7 @@ from followspot import Context, Message
 from followspot.errors import FollowspotError
 from followspot.inertial import PosedTracks
 from followspot.messages import Header, seal, stamped
-from followspot.people import Poses, PoseTruth
+from followspot.people import Poses, PoseTruth, Skeletons, bones_of
 from followspot.testing import tiny_room
 from followspot.tracking import Blobs, Candidates, Frame, Pairs, Positions, Tracks, Truth
 from followspot_sinks.rerun.scene import entity_of, parts_of
@@ -59,7 +59,10 @@ def test_what_a_camera_saw_stands_below_the_camera() -> None:
         Frame("cam0", np.zeros((4, 6, 1), "u1")),
         TRACKS,
         POSED,
-        *(kind.empty() for kind in (Frame, Tracks, Blobs, Candidates, Positions, Poses, PoseTruth, Truth)),
+        *(
+            kind.empty()
+            for kind in (Frame, Tracks, Blobs, Candidates, Positions, Poses, PoseTruth, Skeletons, Truth)
+        ),
     ],
 )
 def test_it_is_written_into_a_file_of_the_viewer(tmp_path: Path, message: Message) -> None:
@@ -89,6 +92,22 @@ class Kept:
 
     def __getattr__(self, name: str) -> object:
         return lambda **columns: (name, columns)
+
+
+def test_skeletons_have_a_bone_between_known_joints_of_one_person() -> None:
+    skeletons = Skeletons(
+        labels=("left_elbow", "tail", "left_wrist"),
+        person=np.array([4, 4, 4, 5, 6], "i4"),
+        label=np.array([2, 1, 0, 0, 2], "i4"),
+        xyz=np.arange(15.0).reshape(5, 3),
+        covariance=np.zeros((5, 3, 3)),
+        views=np.ones(5, "i4"),
+    )
+    name, found = parts_of(Kept(), skeletons)["bones"]
+    assert name == "LineStrips3D"
+    assert found["strips"].tolist() == [[[6, 7, 8], [0, 1, 2]]]
+    ends, person = bones_of(skeletons)
+    assert (ends.tolist(), person.tolist()) == ([[[6, 7, 8], [0, 1, 2]]], [4])
 
 
 def test_tracks_have_an_ellipsoid_of_three_sigma_and_axes_where_they_are_known() -> None:

@@ -19,10 +19,10 @@ from followspot import Context, Header, Message, Room, Target
 from followspot.errors import InputError
 from followspot.inertial import PosedTracks
 from followspot.messages import stamped
-from followspot.people import Poses
+from followspot.people import Poses, Skeletons
 from followspot.rotation import from_rotation_vector
 from followspot.tracking import Tracks
-from followspot_sinks.osc import Osc, OscPoses
+from followspot_sinks.osc import Osc, OscPoses, joint_bundle
 from followspot_sinks.psn.stage import Psn, PsnPoses, axes_matrix
 from followspot_sinks.slots import PersonSlots
 from followspot_sinks.udp_json import UdpJson
@@ -278,3 +278,19 @@ def test_orientations_in_json_datagrams(receiver: socket.socket) -> None:
     )
     assert (known["object"], known["qw"], known["qz"], known["orientation_sigma"]) == ("green", 1.0, 0.0, 0.0)
     assert unknown["qw"] is None
+
+
+def test_joints_of_a_person_have_an_address_each() -> None:
+    skeletons = Skeletons(
+        labels=("left_wrist", "right/wrist", "nose"),
+        person=np.array([3, 3, 3], "i4"),
+        label=np.array([0, 1, 2], "i4"),
+        xyz=np.array([[1.0, 2.0, 0.5], [1.5, 2.0, 0.5], [np.nan, 0.0, 0.0]]),
+        covariance=np.zeros((3, 3, 3)),
+        views=np.ones(3, "i4"),
+    )
+    told = OscPacket(joint_bundle("/followspot", skeletons)).messages
+    assert [(m.message.address, m.message.params) for m in told] == [
+        ("/followspot/3/joint/left_wrist", [1.0, 2.0, 0.5]),
+        ("/followspot/3/joint/right_wrist", [1.5, 2.0, 0.5]),
+    ]
