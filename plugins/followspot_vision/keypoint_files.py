@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,15 +31,17 @@ Person = Sequence[Joint]
 """The joints of one person; those that were not found have the score 0."""
 
 
-def picture_files(folder: Path) -> list[tuple[int, Path]]:
+def picture_files(folder: Path, cameras: Collection[str]) -> list[tuple[int, Path]]:
     """The files of a folder with the persons of one picture each, by the number of the picture.
 
-    They are NAME_000000000012_keypoints.json as OpenPose writes them, or if there are none, NAME12.json.
-    Raises InputError if two have one number.
+    They are NAME_000000000012_keypoints.json as OpenPose writes them, or if there are none, NAME12.json
+    where NAME12 is none of the room's cameras: cam1.json has the results of the camera cam1. Raises
+    InputError if two have one number.
     """
     paths = sorted(folder.iterdir())
     named = [(match, path) for path in paths if (match := _OPENPOSE.fullmatch(path.name))]
-    named = named or [(match, path) for path in paths if (match := _NUMBERED.fullmatch(path.name))]
+    others = [path for path in paths if path.stem not in cameras]
+    named = named or [(match, path) for path in others if (match := _NUMBERED.fullmatch(path.name))]
     found: dict[int, Path] = {}
     for match, path in named:
         number = int(match[1])

@@ -50,7 +50,9 @@ class KeypointsJson(Stage):
         """Read the first picture of a folder, or the file if it is small. Raises InputError."""
         place = of_camera(params.path, member.name) if member is not None else params.path
         if place.is_dir():
-            persons = [one for _, path in picture_files(place)[:1] for one in read_picture(path)]
+            persons = [
+                one for _, path in picture_files(place, room.cameras)[:1] for one in read_picture(path)
+            ]
         elif place.stat().st_size <= _SMALL:
             persons = [person for found in read_results(place).values() for person in found]
         else:
@@ -62,7 +64,7 @@ class KeypointsJson(Stage):
     def setup(self) -> None:
         """Find the files. Raises InputError if they are none."""
         place = of_camera(self.params.path, self.camera.name)
-        self.files = dict(picture_files(place)) if place.is_dir() else {}
+        self.files = dict(picture_files(place, self.room.cameras)) if place.is_dir() else {}
         self.results = {} if place.is_dir() else read_results(place)
         numbers = [*self.files, *self.results]
         first = self.params.first_picture

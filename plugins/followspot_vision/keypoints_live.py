@@ -59,17 +59,21 @@ class KeypointsLive(Stage):
         self.folder = of_camera(self.params.path, self.camera.name)
         if not self.folder.is_dir():
             raise InputError.of(f"{self.folder} is no folder", "name the folder that the network writes into")
-        self.last = max((number for number, _ in picture_files(self.folder)), default=-1)
+        self.last = max((number for number, _ in self.pictures()), default=-1)
 
     def process(self) -> Source[Points2D]:
         """A message for each picture when its file is complete, in the order of their numbers."""
         while self.context.pause(self.params.poll_interval):
-            new = [(number, path) for number, path in picture_files(self.folder) if number > self.last]
+            new = [(number, path) for number, path in self.pictures() if number > self.last]
             for number, path in new:
                 persons = self.persons(path)
                 self.last = number
                 if persons is not None:
                     yield from self.message(number, path, persons)
+
+    def pictures(self) -> list[tuple[int, Path]]:
+        """The files of the folder by the numbers of their pictures. Raises InputError."""
+        return picture_files(self.folder, self.room.cameras)
 
     def persons(self, path: Path) -> list[Person] | None:
         """The persons of a picture as soon as its file can be read; None if it never can."""

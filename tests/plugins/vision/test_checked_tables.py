@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from followspot import InputError, room_file
+from followspot import Context, InputError, Member, room_file
 from followspot.errors import Mistake
 from followspot.graph.compile import compile_graph
 from followspot.stage import Stage
 from followspot.testing import tiny_room
+from followspot_vision.keypoints_json import KeypointsJson
 from followspot_vision.points_csv import PointsCsv
 
 GRAPH = """\
@@ -125,3 +126,16 @@ def test_a_check_that_fails_itself_is_told(tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "table.csv").write_text(POINTS)
     (mistake,) = checked(tmp_path, "vision.points_csv", "table.csv")
     assert mistake.text == "vision.points_csv.check_files failed: ZeroDivisionError: oh"
+
+
+def test_results_of_one_camera_are_no_pictures_of_another(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    found.mkdir()
+    (found / "cam0.json").write_text(json.dumps([{"image_id": 1, "keypoints": [1, 2, 0.5] * 17}]))
+    assert checked(tmp_path, "vision.keypoints_json", "found") == ()
+    told: list[str] = []
+    stage = KeypointsJson(
+        Context("joints", tiny_room(), Member("cameras", "cam1"), warn=told.append), path=found, fps=30
+    )
+    stage.setup()
+    assert (stage.length(), told) == (0, [f"{found} has no results"])
