@@ -263,10 +263,11 @@ class Stage:
 
     @classmethod
     def check_files(cls, params: Any, room: Room, member: Member | None) -> Iterable[Mistake]:
-        """Mistakes of the files that `params` names, as far as they are found at once, in the first rows.
+        """Mistakes of the files and members of the room that `params` names, as far as is found at once.
 
-        member: that the instance serves. A mistake in a file has its place there. InputError may be raised
-        instead. A run reads the whole in `setup`.
+        Of a table the first rows are read; a run reads the whole in `setup`. member: that the instance
+        serves. A mistake in a file has its place there; a text that begins with "PARAMETER: " is about the
+        value of that parameter. InputError may be raised instead.
         """
         return ()
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from followspot.errors import Mistake
 from followspot.messages import Array
-from followspot.room import Camera, Room
+from followspot.room import Camera, Member, Room
 from followspot.stage import Stage
 from followspot.stage_params import Field, StageParams
 from followspot.tracking import LOST, MISSING, PREDICTED, TRACKED, Forecast, Positions, Tracks
@@ -111,6 +111,12 @@ class TargetFilter(Stage):
         if len(room.targets) > 1 and untold and cameras and all(c.kind == "infrared" for c in cameras):
             text = f"infrared cameras alone cannot tell {', '.join(untold)} from the other targets"
             yield Mistake(None, text, "with: {marks: {TARGET: [x, y, z]}}, where each is at the beginning")
+
+    @classmethod
+    def check_files(cls, params: Params, room: Room, member: Member | None) -> Iterable[Mistake]:
+        """Raises InputError if a mark is that of no target."""
+        marked(params.marks, tuple(room.targets))
+        return ()
 
     def setup(self) -> None:
         """Begin with every target lost. Raises InputError if a mark is that of no target."""

@@ -1,4 +1,4 @@
-"""Whether the files that parameters name can be read, as far as their stages find out at once."""
+"""Whether the files and members of the room that parameters name are there, as far as stages find out."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def check_files(stages: Sequence[Checked], room: Room, mistakes: list[Mistake]) 
     """Note what stages find in their files: at the place in the file, together with that of the path."""
     for checked in stages:
         if checked.stage.check_files.__func__ is not Stage.check_files.__func__:  # type: ignore[attr-defined]
-            place = _place(checked)
             for mistake in _found(checked, room):
+                place = _place(checked, mistake)
                 at = place if mistake.place is None else mistake.place.within(place)
                 mistakes.append(replace(mistake, place=at))
 
@@ -35,8 +35,11 @@ def _found(checked: Checked, room: Room) -> Iterator[Mistake]:
         yield Mistake(None, text, "tell the author of the plugin")
 
 
-def _place(checked: Checked) -> Place:
-    """Where the first path is written, else the stage."""
+def _place(checked: Checked, mistake: Mistake) -> Place:
+    """Where the parameter that the mistake names is written, else the first path, else the stage."""
     written = checked.instance.params
+    named = written.get(mistake.text.partition(": ")[0])
+    if named is not None:
+        return named.place
     paths = [name for name in path_parameters(checked.stage.Params, PathIn) if name in written]
     return written[paths[0]].place if paths else checked.instance.declared.place
