@@ -10,13 +10,15 @@ from followspot import Array, Field, Stage, StageParams
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 from followspot.rotation import canonical
-from followspot_imu.attitude import AttitudeFilter, Complementary
+from followspot_imu.attitude import GRAVITY, AttitudeFilter, Complementary
 from followspot_imu.versatile import Versatile
 
 NANOSECOND = 1e-9
 COUNTED = 32
 """Readings over which the rate is measured if the room does not say it."""
-FIRST_INCLINATION = 0.2
+FIRST_SPEED = 3.0
+"""Sigma of the velocity that a sensor gains while its first readings are averaged, m/s."""
+STEEPEST = 1.0
 """Sigma of the inclination at the first reading, rad."""
 BELIEVED = (100.0, 4000.0)
 """Largest turn rate, rad/s, and specific force, m/s^2, of a sensor."""
@@ -120,9 +122,7 @@ class FindOrientation(Stage):
         found = self.filter.update(values[:, :3], values[:, 3:6], field)
         age = (self.count + index + 1) * self.period
         self.count += len(values)
-        sigma = np.hypot(
-            self.params.inclination_sigma, FIRST_INCLINATION * np.exp(-age / self.params.time_constant)
-        )
+        sigma = np.hypot(self.params.inclination_sigma, first_inclination(age, self.params.time_constant))
         return Orientation(sensor, self.time[first:], canonical(found[index]), sigma)
 
     def state(self) -> Any:
@@ -142,6 +142,17 @@ class FindOrientation(Stage):
         if state["filter"]:
             self.filter = self.filter_of(self.period)
             self.filter.restore(state["filter"])
+
+
+def first_inclination(age: Array, time_constant: float) -> Array:
+    """Sigma of what is left of the first error of the inclination, (N,) rad. age, time_constant: s.
+
+    The mean force over the first readings is upward but for the velocity gained meanwhile, v / t; the filter
+    forgets it slowly.
+    """
+    return np.asarray(
+        np.minimum(STEEPEST, FIRST_SPEED / (GRAVITY * age)) * np.exp(-age / (2 * time_constant))
+    )
 
 
 def believed(readings: Inertial) -> tuple[Array, Array]:

@@ -7,17 +7,23 @@ from typing import NamedTuple
 import numpy as np
 
 from followspot import Array
-from followspot_balls.inertial.heading import is_learnt, is_lost
+from followspot_balls.inertial.beginning import is_lost
+from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint
+from followspot_balls.inertial.history import NANOSECOND
 from followspot_balls.inertial.navigation import TURN, oriented, sighted
-from followspot_balls.inertial.navigator import CONTRADICTIONS, GATE, NANOSECOND, Checkpoint
 from followspot_balls.inertial.process_noise import UNREAD_ACCELERATION
 from followspot_balls.inertial.turns import quaternion_of
 
+VAGUE = np.radians(10.0)
+"""Sigma of the heading while it is sought, from which on the orientation is not told."""
+
 
 class Fix(NamedTuple):
-    """One target: xyz (3,) m, velocity (3,) m/s, covariance (3, 3) m^2 of the position, quaternion (4,) from
-    axes of the sensor to those of the room, orientation_sigma in rad; contradicted: positions in successive
-    frames that did not fit.
+    """One target.
+
+    xyz: (3,) m; velocity: (3,) m/s; covariance: of the position, (3, 3) m^2; quaternion: (4,), from axes of
+    the sensor to those of the room; orientation_sigma: rad; both are NaN while the heading is vague;
+    contradicted: positions in successive frames that did not fit.
     """
 
     xyz: Array
@@ -47,16 +53,29 @@ def fix_at(checkpoint: Checkpoint | None, time: int, ahead: float = 0.0) -> Fix 
     if checkpoint is None or checkpoint.nav is None:
         return None
     nav = checkpoint.nav
-    if not is_learnt(nav) or is_lost(nav):
+    if is_lost(nav):
         return None
     seconds = (time - checkpoint.read) * NANOSECOND + ahead
     sight = sighted(nav, seconds)
     unread = np.eye(3) * (UNREAD_ACCELERATION * ahead * ahead / 2) ** 2
+    quaternion, orientation_sigma = _orientation(checkpoint, seconds)
     return Fix(
-        sight.position[0],
-        sight.velocity[0],
-        sight.covariance[0] + unread,
-        quaternion_of(oriented(nav, seconds)[0]),
-        float(np.sqrt(np.trace(nav.covariance[0, TURN, TURN]))),
-        int(nav.rejected[0]),
+        sight.position,
+        sight.velocity,
+        sight.covariance + unread,
+        quaternion,
+        orientation_sigma,
+        nav.rejected,
     )
+
+
+def _orientation(checkpoint: Checkpoint, seconds: float) -> tuple[Array, float]:
+    """Quaternion (4,) and its sigma, rad, some seconds after the reading."""
+    nav, search = checkpoint.nav, checkpoint.search
+    assert nav is not None
+    sigma = float(np.sqrt(nav.covariance[TURN, TURN].trace()))
+    if search is not None:
+        sigma = max(sigma, search.sigma)
+        if sigma > VAGUE:
+            return np.full(4, np.nan), np.nan
+    return quaternion_of(oriented(nav, seconds)), sigma

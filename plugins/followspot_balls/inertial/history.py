@@ -11,6 +11,7 @@ from followspot import Array
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import MAX_TIME
 
+NANOSECOND = 1e-9
 MOST_ROWS = 8192
 """Rows that are kept at most, whatever the rate."""
 FASTEST = 100.0
@@ -46,6 +47,8 @@ class Rows(NamedTuple):
             return self
         time = np.concatenate([self.time, other.time])
         values = np.concatenate([self.values, other.values])
+        if (time[1:] > time[:-1]).all():
+            return Rows(time, values)
         time, first = np.unique(time, return_index=True)
         return Rows(time, values[first])
 
@@ -76,3 +79,11 @@ def orientations_of(messages: Sequence[Orientation], sensor: str) -> Rows:
 
 def _in_time(time: Array) -> Array:
     return np.asarray(np.abs(time) <= MAX_TIME)
+
+
+def levelled(readings: Rows, orientations: Rows) -> Rows:
+    """Readings with their orientations, (N, 11), at the times of both."""
+    time, row, other = np.intersect1d(
+        readings.time, orientations.time, assume_unique=True, return_indices=True
+    )
+    return Rows(time, np.concatenate([readings.values[row], orientations.values[other]], axis=1))

@@ -1,14 +1,14 @@
 """State of a target that carries an inertial sensor, and how readings and positions change it.
 
-B hypotheses that differ in heading are filtered side by side; with a known heading B is 1. The error state
-has 19 components: rotation of the orientation about the axes of the room (rad), velocity (m/s), position (m),
-bias of the gyroscope (rad/s) and of the accelerometer (m/s^2) and lever arm (m) in axes of the sensor, delay
-(s).
+The error state has 19 components: rotation of the orientation about the axes of the room (rad), velocity
+(m/s), position (m), bias of the gyroscope (rad/s) and of the accelerometer (m/s^2) and lever arm (m) in axes
+of the sensor, delay (s).
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,41 +25,46 @@ _EYE, _UNIT = np.eye(3), np.eye(SIZE)
 
 
 class Navigation(NamedTuple):
-    """The state at the time of a reading, of B hypotheses."""
+    """The state at the time of a reading."""
 
     turn: Array
-    """(B, 3, 3), rotates axes of the sensor into those of the room."""
+    """(3, 3), rotates axes of the sensor into those of the room."""
     velocity: Array
-    """(B, 3) m/s, of the sensor."""
+    """(3,) m/s, of the sensor."""
     position: Array
-    """(B, 3) m, of the sensor."""
+    """(3,) m, of the sensor."""
     gyroscope_bias: Array
-    """(B, 3) rad/s."""
+    """(3,) rad/s."""
     accelerometer_bias: Array
-    """(B, 3) m/s^2."""
+    """(3,) m/s^2."""
     lever_arm: Array
-    """(B, 3) m, from the sensor to the target's position, in axes of the sensor."""
-    delay: Array
-    """(B,) s, time stamps of readings minus those of positions at the same moment."""
+    """(3,) m, from the sensor to the target's position, in axes of the sensor."""
+    delay: float
+    """s, time stamps of readings minus those of positions at the same moment."""
     covariance: Array
-    """(B, 19, 19), of the error state."""
+    """(19, 19), of the error state."""
     turn_rate: Array
-    """(B, 3) rad/s, in axes of the room."""
+    """(3,) rad/s, in axes of the room."""
     acceleration: Array
-    """(B, 3) m/s^2, in axes of the room, without gravity."""
-    evidence: Array
-    """(B,) log likelihood of the positions so far."""
-    rejected: Array
-    """(B,) positions in a row that did not fit."""
+    """(3,) m/s^2, in axes of the room, without gravity."""
+    rejected: int
+    """Positions in a row that did not fit."""
 
-    def only(self, chosen: Array | list[int]) -> Navigation:
-        """Some hypotheses. chosen: (B,) bool, or indices."""
-        return Navigation(*(field[chosen] for field in self))
+    def plain(self) -> dict[str, Array]:
+        """Arrays, for a checkpoint."""
+        return {name: np.array(value) for name, value in self._asdict().items()}
+
+    @classmethod
+    def restored(cls, plain: Mapping[str, Array]) -> Navigation:
+        """The state of a checkpoint."""
+        arrays: dict[str, Any] = {name: np.array(plain[name]) for name in cls._fields}
+        return cls(**arrays | {"delay": float(plain["delay"]), "rejected": int(plain["rejected"])})
 
 
 class Sight(NamedTuple):
-    """What a state says of the target's position at a moment: position (B, 3) m, velocity (B, 3) m/s,
-    covariance of the position (B, 3, 3) m^2, Jacobian (B, 3, 19).
+    """What a state says of the target's position at a moment.
+
+    position: (3,) m; velocity: (3,) m/s; covariance: of the position, (3, 3) m^2; jacobian: (3, 19).
     """
 
     position: Array
@@ -73,55 +78,45 @@ def carried(nav: Navigation, rates: Array, forces: Array, seconds: Array, errors
 
     rates, forces: (K, 3) rad/s and m/s^2, means over the steps; seconds: (K,) lengths of the steps.
     """
-    rate = rates - nav.gyroscope_bias[:, None]
-    force = forces - nav.accelerometer_bias[:, None]
-    step = seconds[:, None]
-    halves = turns(rate * (step / 2))
-    middle, turn = np.empty_like(halves), nav.turn
-    for k in range(len(seconds)):
-        middle[:, k] = turn @ halves[:, k]
-        turn = middle[:, k] @ halves[:, k]
+    rate, force, step = rates - nav.gyroscope_bias, forces - nav.accelerometer_bias, seconds[:, None]
+    halves, turn = turns(rate * (step / 2)), nav.turn
+    middle = np.empty_like(halves)
+    for half, between in zip(halves, middle, strict=True):
+        np.matmul(turn, half, out=between)
+        turn = between @ half
     gain = (middle @ force[..., None])[..., 0] * step
-    speed, bend = gain.sum(axis=1), _twice(gain, step)
-    spread, twice = (middle * step[..., None]).sum(axis=1), _twice(middle * step[..., None], step[..., None])
     total = float(seconds.sum())
-    F = _unit(len(nav.covariance))
-    F[:, VELOCITY, TURN], F[:, POSITION, TURN] = -cross_matrices(speed), -cross_matrices(bend)
-    F[:, POSITION, VELOCITY] = _EYE * total
-    F[:, TURN, GYRO], F[:, VELOCITY, ACCELERATION], F[:, POSITION, ACCELERATION] = -spread, -spread, -twice
-    F[:, VELOCITY, GYRO] = cross_matrices(speed) @ spread / 2
-    F[:, POSITION, GYRO] = cross_matrices(bend) @ spread / 3
-    acceleration = gain[:, -1] / seconds[-1] + _DOWN
-    covariance = F @ nav.covariance @ F.swapaxes(1, 2)
+    later = (total - seconds.cumsum() + seconds / 2) * seconds
+    spread = (seconds @ middle.reshape(-1, 9)).reshape(3, 3)
+    twice = (later @ middle.reshape(-1, 9)).reshape(3, 3)
+    speed, bend = gain.sum(axis=0), (later / seconds) @ gain
+    across_speed, across_bend = cross_matrices(speed), cross_matrices(bend)
+    F = _UNIT.copy()
+    F[VELOCITY, TURN], F[POSITION, TURN] = -across_speed, -across_bend
+    F[POSITION, VELOCITY] = _EYE * total
+    F[TURN, GYRO] = F[VELOCITY, ACCELERATION] = -spread
+    F[POSITION, ACCELERATION] = -twice
+    F[VELOCITY, GYRO] = across_speed @ spread / 2
+    F[POSITION, GYRO] = across_bend @ spread / 3
+    covariance = F @ nav.covariance @ F.T
     add_noise(covariance, of_readings(rates, gain / step + _DOWN, errors), total)
     return nav._replace(
         turn=turn,
         velocity=nav.velocity + speed + _DOWN * total,
         position=nav.position + nav.velocity * total + bend + _DOWN * (total * total / 2),
         covariance=covariance,
-        turn_rate=(middle[:, -1] @ rate[:, -1, :, None])[..., 0],
-        acceleration=acceleration,
+        turn_rate=middle[-1] @ rate[-1],
+        acceleration=gain[-1] / seconds[-1] + _DOWN,
     )
-
-
-def _unit(count: int) -> Array:
-    """Identity matrices, (B, 19, 19)."""
-    return np.repeat(_UNIT[None], count, axis=0)
-
-
-def _twice(gain: Array, step: Array) -> Array:
-    """Integral of the running sum of velocity gains: each acts half in its own step, whole in later ones."""
-    later = step.sum(axis=0) - np.cumsum(step, axis=0) + step / 2
-    return np.asarray((gain * later).sum(axis=1))
 
 
 def coasted(nav: Navigation, seconds: float) -> Navigation:
     """The state after a time without readings: orientation and velocity stay, and grow uncertain."""
-    F = np.eye(SIZE)
+    F = _UNIT.copy()
     F[POSITION, VELOCITY] = _EYE * seconds
     covariance = F @ nav.covariance @ F.T
     add_noise(covariance, without_readings(seconds), seconds)
-    still = np.zeros_like(nav.velocity)
+    still = np.zeros(3)
     position = nav.position + nav.velocity * seconds
     return nav._replace(position=position, covariance=covariance, turn_rate=still, acceleration=still)
 
@@ -131,20 +126,22 @@ def sighted(nav: Navigation, seconds: float) -> Sight:
 
     p + R l + (v + w x R l) s + a s^2 / 2, with s = seconds + delay.
     """
-    s = (seconds + nav.delay)[:, None]
-    arm = (nav.turn @ nav.lever_arm[..., None])[..., 0]
-    velocity = nav.velocity + (cross_matrices(nav.turn_rate) @ arm[..., None])[..., 0]
-    H = np.zeros((len(s), 3, SIZE))
-    H[:, :, TURN], H[:, :, POSITION], H[:, :, ARM] = -cross_matrices(arm), _EYE, nav.turn
-    H[:, :, VELOCITY] = _EYE * s[..., None]
-    H[:, :, DELAY] = velocity + nav.acceleration * s
+    s = seconds + nav.delay
+    arm = nav.turn @ nav.lever_arm
+    across = cross_matrices(arm)
+    velocity = nav.velocity - across @ nav.turn_rate
+    later = velocity + nav.acceleration * s
+    H = np.zeros((3, SIZE))
+    H[:, TURN], H[:, POSITION], H[:, ARM] = -across, _EYE, nav.turn
+    H[:, VELOCITY] = _EYE * s
+    H[:, DELAY] = later
     position = nav.position + arm + velocity * s + nav.acceleration * (s * s / 2)
-    return Sight(position, velocity + nav.acceleration * s, H @ nav.covariance @ H.swapaxes(1, 2), H)
+    return Sight(position, later, H @ nav.covariance @ H.T, H)
 
 
 def oriented(nav: Navigation, seconds: float) -> Array:
-    """Orientation at a capture time as for :func:`sighted`, (B, 3, 3)."""
-    return np.asarray(turns(nav.turn_rate * (seconds + nav.delay)[:, None]) @ nav.turn)
+    """Orientation at a capture time as for :func:`sighted`, (3, 3)."""
+    return np.asarray(turns(nav.turn_rate * (seconds + nav.delay)) @ nav.turn)
 
 
 def corrected(nav: Navigation, sight: Sight, xyz: Array, noise: Array, gate: float) -> Navigation:
@@ -154,32 +151,28 @@ def corrected(nav: Navigation, sight: Sight, xyz: Array, noise: Array, gate: flo
     filter (Barrau & Bonnabel, IEEE Transactions on Automatic Control 62, 2017): large errors of the heading
     are then learnt without false certainty.
 
-    xyz: (3,) m; noise: (3, 3) m^2, R; gate: sigmas beyond which a position is rejected by all hypotheses.
+    xyz: (3,) m; noise: (3, 3) m^2, R; gate: sigmas beyond which a position is rejected.
     """
     H, P = sight.jacobian, nav.covariance
     n = xyz - sight.position
-    S = sight.covariance + noise
-    S_inverse = np.linalg.inv(S)
-    squared = (n[:, None] @ S_inverse @ n[..., None])[:, 0, 0]
-    if squared.min() > gate * gate:
+    S_inverse = np.linalg.inv(sight.covariance + noise)
+    if n @ S_inverse @ n > gate * gate:
         return nav._replace(rejected=nav.rejected + 1)
-    K = P @ H.swapaxes(1, 2) @ S_inverse
-    error = (K @ n[..., None])[..., 0]
+    K = P @ H.T @ S_inverse
+    error = K @ n
     rest = _UNIT - K @ H
-    covariance = rest @ P @ rest.swapaxes(1, 2) + K @ noise @ K.swapaxes(1, 2)
-    by = turns(error[:, TURN])
-    along = _unit(len(P))
-    along[:, TURN, TURN] = along[:, VELOCITY, VELOCITY] = along[:, POSITION, POSITION] = by
-    covariance = along @ covariance @ along.swapaxes(1, 2)
+    by = turns(error[TURN])
+    along = _UNIT.copy()
+    along[TURN, TURN] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = by
+    covariance = along @ (rest @ P @ rest.T + K @ noise @ K.T) @ along.T
     return nav._replace(
         turn=by @ nav.turn,
-        velocity=nav.velocity + error[:, VELOCITY],
-        position=nav.position + error[:, POSITION],
-        gyroscope_bias=nav.gyroscope_bias + error[:, GYRO],
-        accelerometer_bias=nav.accelerometer_bias + error[:, ACCELERATION],
-        lever_arm=nav.lever_arm + error[:, ARM],
-        delay=nav.delay + error[:, DELAY],
-        covariance=(covariance + covariance.swapaxes(1, 2)) / 2,
-        evidence=nav.evidence - (squared + np.log(np.linalg.det(S))) / 2,
-        rejected=np.zeros_like(nav.rejected),
+        velocity=nav.velocity + error[VELOCITY],
+        position=nav.position + error[POSITION],
+        gyroscope_bias=nav.gyroscope_bias + error[GYRO],
+        accelerometer_bias=nav.accelerometer_bias + error[ACCELERATION],
+        lever_arm=nav.lever_arm + error[ARM],
+        delay=nav.delay + float(error[DELAY]),
+        covariance=(covariance + covariance.T) / 2,
+        rejected=0,
     )

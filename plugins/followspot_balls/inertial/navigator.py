@@ -8,40 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from followspot import Array
-from followspot_balls.inertial.heading import begun, doubted, is_lost, settled
-from followspot_balls.inertial.history import Rows
+from followspot_balls.inertial.beginning import doubted, is_lost
+from followspot_balls.inertial.checkpoint import CONTRADICTIONS, GATE, Checkpoint, Frame
+from followspot_balls.inertial.heading import HeadingSearch
+from followspot_balls.inertial.history import NANOSECOND, Rows, levelled
+from followspot_balls.inertial.learning import navigated, search_from, searched
 from followspot_balls.inertial.navigation import Navigation, carried, coasted, corrected, sighted
 from followspot_balls.inertial.sensor_errors import SensorErrors
-
-NANOSECOND = 1e-9
-GATE = 6.0
-"""Sigmas beyond which a position is no measurement of the target."""
-CONTRADICTIONS = 5
-"""Such positions in successive frames, after which the target is there."""
-
-
-class Frame(NamedTuple):
-    """One frame: its capture time, ns, and the measured position (3,) m with covariance (3, 3), or None."""
-
-    time: int
-    measured: tuple[Array, Array] | None
-
-
-class Checkpoint(NamedTuple):
-    """The navigation after a frame.
-
-    read: capture time up to which readings are in it, ns; last: (6,) that reading.
-    """
-
-    frame: Frame
-    nav: Navigation | None
-    read: int
-    last: Array
 
 
 class Navigator:
@@ -106,39 +83,45 @@ class Navigator:
 
     def _processed(self, frame: Frame) -> Checkpoint:
         """The checkpoint that follows the last one."""
-        if not self.checkpoints or self.checkpoints[-1].nav is None:
-            return self._begun(frame)
+        last = self.checkpoints[-1] if self.checkpoints else None
+        found = Checkpoint(frame, None, None, frame.time, np.zeros(6))
+        if last is not None and last.nav is not None:
+            found = self._navigated(last, frame)
+            if found.nav is not None and last.search is None:
+                return found
+        return self._sought(last.search if last is not None else None, found)
+
+    def _navigated(self, last: Checkpoint, frame: Frame) -> Checkpoint:
+        """The checkpoint that follows one with a navigation; without one if its heading is lost."""
         known = self.ahead is not None and self.ahead[0] == frame.time
-        before = self.ahead[1] if known and self.ahead else self._carried(self.checkpoints[-1], frame.time)
+        before = self.ahead[1] if known and self.ahead else self._carried(last, frame.time)
         before = before._replace(frame=frame)
         self.ahead, nav = None, before.nav
-        if nav is None:
-            return before
+        assert nav is not None
         if frame.measured is None:
-            return before._replace(nav=nav._replace(rejected=np.zeros_like(nav.rejected)))
+            return before._replace(nav=nav._replace(rejected=0))
         if is_lost(nav):
-            return self._begun(frame)
+            return before._replace(nav=None)
         sight = sighted(nav, (frame.time - before.read) * NANOSECOND)
-        nav = settled(corrected(nav, sight, *frame.measured, GATE))
-        if nav.rejected.min() >= CONTRADICTIONS:
-            nav = doubted(nav, *frame.measured)
-        return before._replace(nav=nav)
+        found: Navigation | None = corrected(nav, sight, *frame.measured, GATE)
+        if found is not None and found.rejected >= CONTRADICTIONS:
+            found = doubted(found, *frame.measured)
+        return before._replace(nav=found)
 
-    def _begun(self, frame: Frame) -> Checkpoint:
-        """The checkpoint of a frame in which navigation begins, if position and orientation are known."""
-        none = Checkpoint(frame, None, frame.time, np.zeros(6))
-        seen = self.orientations.between(frame.time - self.history, frame.time)
-        read = self.readings.between(frame.time - self.history, frame.time)
-        if frame.measured is None or not len(seen.time) or not len(read.time):
-            return none
-        at = min(int(seen.time[-1]), int(read.time[-1]))
-        row = int(np.searchsorted(seen.time, at, side="right")) - 1
-        last = int(np.searchsorted(read.time, at, side="right")) - 1
-        if row < 0 or last < 0 or frame.time - at > self.gap / NANOSECOND:
-            return none
-        *quaternion, inclination = seen.values[row]
-        nav = begun(np.array(quaternion), inclination, *frame.measured, self.errors)
-        return Checkpoint(frame, nav, int(read.time[last]), read.values[last])
+    def _sought(self, search: HeadingSearch | None, found: Checkpoint) -> Checkpoint:
+        """A checkpoint before whose frame the heading was not known, with the search for it."""
+        frame, whole = found.frame, self._levelled(found.frame.time - self.history, found.frame.time)
+        if search is not None:
+            search = searched(search, frame, whole.since(search.read), self.gap, self.errors)
+        if search is None:
+            search = search_from(frame, whole, self.gap, self.errors)
+        if search is None:
+            return found._replace(search=None)
+        return navigated(found, search, whole, self.errors)
+
+    def _levelled(self, after: int, until: int) -> Rows:
+        """The readings with orientations later than one capture time, up to another, ns."""
+        return levelled(self.readings.between(after, until), self.orientations.between(after, until))
 
     def _carried(self, checkpoint: Checkpoint, time: int) -> Checkpoint:
         """A checkpoint with the readings up to a capture time; over gaps without readings it coasts."""
@@ -159,7 +142,7 @@ class Navigator:
         read, last = int(times[-1]), values[-1]
         if (time - read) * NANOSECOND > self.gap:
             nav, read = coasted(nav, (time - read) * NANOSECOND), time
-        return Checkpoint(checkpoint.frame, nav, read, last)
+        return Checkpoint(checkpoint.frame, nav, checkpoint.search, read, last)
 
     def state(self) -> dict[str, Any]:
         """Checkpoint of plain values: the oldest navigation, and what came since."""
@@ -173,7 +156,8 @@ class Navigator:
             "times": np.array([frame.time for frame in frames], np.int64),
             "xyz": np.array([xyz for xyz, _ in measured]).reshape(-1, 3),
             "noise": np.array([noise for _, noise in measured]).reshape(-1, 3, 3),
-            "nav": oldest.nav._asdict() if oldest and oldest.nav else {},
+            "nav": oldest.nav.plain() if oldest and oldest.nav else {},
+            "search": oldest.search.plain() if oldest and oldest.search else {},
             "read": oldest.read if oldest else 0,
             "last": oldest.last if oldest else np.zeros(6),
             "late": self.late,
@@ -188,9 +172,9 @@ class Navigator:
         frames = [
             Frame(int(time), (xyz, noise) if np.isfinite(xyz).all() else None) for time, xyz, noise in rows
         ]
-        nav = Navigation(**{name: np.array(v) for name, v in state["nav"].items()}) if state["nav"] else None
-        self.checkpoints = [
-            Checkpoint(frame, nav, int(state["read"]), np.array(state["last"])) for frame in frames[:1]
-        ]
+        nav = Navigation.restored(state["nav"]) if state["nav"] else None
+        search = HeadingSearch.restored(state["search"]) if state["search"] else None
+        read, last = int(state["read"]), np.array(state["last"])
+        self.checkpoints = [Checkpoint(frame, nav, search, read, last) for frame in frames[:1]]
         for frame in frames[1:]:
             self.checkpoints.append(self._processed(frame))

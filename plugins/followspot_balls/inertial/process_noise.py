@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -22,31 +23,31 @@ ACCELEROMETER_WALK = 2e-4
 
 
 class Densities(NamedTuple):
-    """Spectral densities of white noise, (B,) or numbers."""
+    """Spectral densities of white noise."""
 
-    turn: Array | float
+    turn: float
     """rad^2/s, of the turn rate."""
-    force: Array | float
+    force: float
     """m^2/s^3, of the acceleration."""
-    gyroscope_bias: Array | float
+    gyroscope_bias: float
     """rad^2/s^3."""
-    accelerometer_bias: Array | float
+    accelerometer_bias: float
     """m^2/s^5."""
 
 
 def of_readings(rates: Array, accelerations: Array, errors: SensorErrors) -> Densities:
-    """Densities while readings come. rates: (K, 3) rad/s; accelerations: (B, K, 3) m/s^2, without gravity.
+    """Densities while readings come. rates: (K, 3) rad/s; accelerations: (K, 3) m/s^2, without gravity.
 
     An error of scale acts as noise that is correlated over a swing. An accelerometer that turns feels gravity
     along another axis, with another error, so its apparent bias walks with the angle.
     """
-    turning = float(np.vecdot(rates, rates).mean())
-    moving = np.vecdot(accelerations, accelerations).mean(axis=1)
+    turning = float(np.vdot(rates, rates)) / len(rates)
+    moving = float(np.vdot(accelerations, accelerations)) / len(accelerations)
     return Densities(
         errors.gyroscope_noise**2 + errors.gyroscope_scale**2 * turning * SWING,
         errors.accelerometer_noise**2 + errors.accelerometer_scale**2 * moving * SWING,
         GYROSCOPE_WALK**2,
-        ACCELEROMETER_WALK**2 + (errors.accelerometer_scale * GRAVITY) ** 2 * np.sqrt(turning),
+        ACCELEROMETER_WALK**2 + (errors.accelerometer_scale * GRAVITY) ** 2 * sqrt(turning),
     )
 
 
@@ -56,16 +57,16 @@ def without_readings(seconds: float) -> Densities:
 
 
 def add_noise(covariance: Array, densities: Densities, seconds: float) -> None:
-    """Add the noise of a step to (B, 19, 19) in place; components as in `Navigation`."""
-    i = np.arange(3)
-    turn, velocity, position, gyroscope, accelerometer = i, i + 3, i + 6, i + 9, i + 12
-    force = np.atleast_1d(densities.force)[:, None]
-    covariance[:, turn, turn] += np.atleast_1d(densities.turn)[:, None] * seconds
-    covariance[:, velocity, velocity] += force * seconds
-    covariance[:, position, position] += force * (seconds**3 / 3)
-    covariance[:, velocity, position] += force * (seconds**2 / 2)
-    covariance[:, position, velocity] += force * (seconds**2 / 2)
-    covariance[:, gyroscope, gyroscope] += np.atleast_1d(densities.gyroscope_bias)[:, None] * seconds
-    covariance[:, accelerometer, accelerometer] += (
-        np.atleast_1d(densities.accelerometer_bias)[:, None] * seconds
-    )
+    """Add the noise of a step to a contiguous (19, 19) in place; components as in `Navigation`."""
+    size = len(covariance)
+    cells = covariance.reshape(-1)
+    diagonal = cells[:: size + 1]
+    diagonal[0:3] += densities.turn * seconds
+    diagonal[3:6] += densities.force * seconds
+    diagonal[6:9] += densities.force * (seconds**3 / 3)
+    diagonal[9:12] += densities.gyroscope_bias * seconds
+    diagonal[12:15] += densities.accelerometer_bias * seconds
+    both = densities.force * (seconds**2 / 2)
+    for row, column in ((3, 6), (6, 3)):  # velocity and position
+        first = row * size + column
+        cells[first : first + 2 * size + 3 : size + 1] += both

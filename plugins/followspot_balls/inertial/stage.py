@@ -13,10 +13,11 @@ from followspot.inertial import Inertial, Orientation, PosedTracks
 from followspot.messages import stamped
 from followspot.tracking import PREDICTED, TRACKED, Forecast, Positions, Tracks
 from followspot_balls.bridge import with_predicted
+from followspot_balls.inertial.checkpoint import Frame
 from followspot_balls.inertial.fix import fix_at
 from followspot_balls.inertial.history import orientations_of, readings_of
 from followspot_balls.inertial.messages import Fixes, foreseen, posed, unplaced
-from followspot_balls.inertial.navigator import Frame, Navigator
+from followspot_balls.inertial.navigator import Navigator
 from followspot_balls.inertial.sensor_errors import SensorErrors
 from followspot_balls.kalman import Kalman
 from followspot_target_filter import stage as target_filter

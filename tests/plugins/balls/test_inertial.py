@@ -36,8 +36,8 @@ def test_heading_lever_arm_and_delay_are_learnt_from_motion_alone(seed: int) -> 
     assert run.error[moved].max() < 0.006
     nav = stage.navigators[0].checkpoints[-1].nav
     assert nav is not None
-    assert np.abs(nav.lever_arm[0] - np.array(ARM)).max() < 0.004
-    assert abs(nav.delay[0] - REAL.delay) < 0.001
+    assert np.abs(nav.lever_arm - np.array(ARM)).max() < 0.004
+    assert abs(nav.delay - REAL.delay) < 0.001
     sigma = np.degrees(run.tracks[-1].orientation_sigma[0])
     assert 0.05 < sigma < 1.0
 
@@ -99,7 +99,7 @@ def test_false_positions_are_rejected_until_they_persist() -> None:
     assert moved.error[briefly].max() < 0.02
     away = np.array([t.xyz[0] for t in moved.tracks]) - moved.truth
     assert np.linalg.norm(away[at_last] - aside, axis=1).max() < 0.03
-    assert moved.turn_error[at_last].max() < 8.0
+    assert moved.turn_error[moved.time > 4.5].max() < 3.0
 
 
 def test_target_without_a_sensor_is_filtered_as_by_kalman() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from followspot import Array
 from followspot.rotation import from_rotation_vector, matrix, rotation_vector
-from followspot_balls.inertial.heading import begun, doubted, settled
+from followspot_balls.inertial.beginning import begun, doubted
 from followspot_balls.inertial.navigation import (
     ACCELERATION,
     ARM,
@@ -31,44 +31,45 @@ EXACT = SensorErrors(0.0, 0.0, 0.0, 0.0, 0.02, 0.1, 0.03, 0.005)
 STEP = 1e-5
 FORCE = (5.0, -3.0, 9.81)
 NOISE = np.diag([1e-5, 2e-5, 3e-5])
+SIGMA = np.array([0.02, 0.02, 0.1])
 
 
 def example(seed: int = 0) -> Navigation:
     """A settled navigation with values and covariances of all kinds."""
     rng = np.random.default_rng(seed)
-    nav = begun(np.array([0.5, -0.5, 0.5, 0.5]), 0.02, rng.normal(size=3), NOISE, EXACT).only([3])
+    nav = begun(np.array([0.5, -0.5, 0.5, 0.5]), SIGMA, rng.normal(size=3), NOISE, EXACT)
     spread = rng.normal(size=(SIZE, SIZE)) * 1e-3
     return nav._replace(
-        velocity=rng.normal(size=(1, 3)),
-        gyroscope_bias=0.1 * rng.normal(size=(1, 3)),
-        accelerometer_bias=0.1 * rng.normal(size=(1, 3)),
-        lever_arm=0.1 * rng.normal(size=(1, 3)),
-        delay=np.array([0.004]),
-        covariance=(spread @ spread.T + 1e-7 * np.eye(SIZE))[None],
-        turn_rate=rng.normal(size=(1, 3)),
-        acceleration=rng.normal(size=(1, 3)),
+        velocity=rng.normal(size=3),
+        gyroscope_bias=0.1 * rng.normal(size=3),
+        accelerometer_bias=0.1 * rng.normal(size=3),
+        lever_arm=0.1 * rng.normal(size=3),
+        delay=0.004,
+        covariance=spread @ spread.T + 1e-7 * np.eye(SIZE),
+        turn_rate=rng.normal(size=3),
+        acceleration=rng.normal(size=3),
     )
 
 
 def moved(nav: Navigation, error: Array) -> Navigation:
     """The state with an error (19,) added."""
     return nav._replace(
-        turn=turns(error[None, TURN]) @ nav.turn,
+        turn=turns(error[TURN]) @ nav.turn,
         velocity=nav.velocity + error[VELOCITY],
         position=nav.position + error[POSITION],
         gyroscope_bias=nav.gyroscope_bias + error[GYRO],
         accelerometer_bias=nav.accelerometer_bias + error[ACCELERATION],
         lever_arm=nav.lever_arm + error[ARM],
-        delay=nav.delay + error[DELAY],
+        delay=nav.delay + float(error[DELAY]),
     )
 
 
 def away(a: Navigation, b: Navigation) -> Array:
     """The error of a state from another, (19,)."""
-    turn = rotation_vector(quaternion_of(a.turn[0] @ b.turn[0].T))
-    parts = [turn, a.velocity[0] - b.velocity[0], a.position[0] - b.position[0]]
-    parts += [a.gyroscope_bias[0] - b.gyroscope_bias[0], a.accelerometer_bias[0] - b.accelerometer_bias[0]]
-    return np.concatenate([*parts, a.lever_arm[0] - b.lever_arm[0], a.delay - b.delay])
+    turn = rotation_vector(quaternion_of(a.turn @ b.turn.T))
+    parts = [turn, a.velocity - b.velocity, a.position - b.position]
+    parts += [a.gyroscope_bias - b.gyroscope_bias, a.accelerometer_bias - b.accelerometer_bias]
+    return np.concatenate([*parts, a.lever_arm - b.lever_arm, [a.delay - b.delay]])
 
 
 def readings(seed: int = 1) -> tuple[Array, Array, Array]:
@@ -80,17 +81,17 @@ def readings(seed: int = 1) -> tuple[Array, Array, Array]:
 @pytest.mark.parametrize("component", range(SIZE))
 def test_an_error_grows_as_its_covariance(component: int) -> None:
     error = np.eye(SIZE)[component] * STEP
-    nav = example()._replace(covariance=np.outer(error, error)[None])
+    nav = example()._replace(covariance=np.outer(error, error))
     after = carried(nav, *readings(), EXACT)
     grown = away(carried(moved(nav, error), *readings(), EXACT), after)
-    walk = carried(nav._replace(covariance=np.zeros((1, SIZE, SIZE))), *readings(), EXACT).covariance[0]
-    assert after.covariance[0] - walk == pytest.approx(np.outer(grown, grown), abs=2e-3 * STEP**2)
+    walk = carried(nav._replace(covariance=np.zeros((SIZE, SIZE))), *readings(), EXACT).covariance
+    assert after.covariance - walk == pytest.approx(np.outer(grown, grown), abs=2e-3 * STEP**2)
 
 
 def test_readings_integrate_to_the_path_of_constant_force_and_rate() -> None:
-    nav = example()._replace(gyroscope_bias=np.zeros((1, 3)), accelerometer_bias=np.zeros((1, 3)))
+    nav = example()._replace(gyroscope_bias=np.zeros(3), accelerometer_bias=np.zeros(3))
     rate = np.array([0.0, 0.0, 2.0])
-    up = matrix(np.array([1.0, 0, 0, 0]))[None]
+    up = matrix(np.array([1.0, 0, 0, 0]))
     after = carried(
         nav._replace(turn=up),
         np.tile(rate, (200, 1)),
@@ -98,89 +99,79 @@ def test_readings_integrate_to_the_path_of_constant_force_and_rate() -> None:
         np.full(200, 0.005),
         EXACT,
     )
-    assert after.velocity - nav.velocity == pytest.approx(np.array([[0, 0, 2.0]]), abs=1e-9)
-    assert after.position - nav.position - nav.velocity == pytest.approx(np.array([[0, 0, 1.0]]), abs=1e-9)
-    assert after.turn[0] == pytest.approx(matrix(from_rotation_vector(rate)))
-    assert after.acceleration == pytest.approx(np.array([[0, 0, 2.0]]))
-    assert after.turn_rate == pytest.approx(rate[None])
+    assert after.velocity - nav.velocity == pytest.approx(np.array([0, 0, 2.0]), abs=1e-9)
+    assert after.position - nav.position - nav.velocity == pytest.approx(np.array([0, 0, 1.0]), abs=1e-9)
+    assert after.turn == pytest.approx(matrix(from_rotation_vector(rate)))
+    assert after.acceleration == pytest.approx(np.array([0, 0, 2.0]))
+    assert after.turn_rate == pytest.approx(rate)
 
 
 @pytest.mark.parametrize("component", range(SIZE))
 def test_jacobian_of_the_sight_is_that_of_its_position(component: int) -> None:
     nav, error = example(), np.eye(SIZE)[component] * STEP
-    kept = nav._replace(turn_rate=np.zeros((1, 3)))  # how the arm's speed turns is left out
-    slope = (sighted(moved(kept, error), 0.003).position - sighted(kept, 0.003).position)[0] / STEP
-    assert sighted(kept, 0.003).jacobian[0, :, component] == pytest.approx(slope, abs=1e-4)
+    kept = nav._replace(turn_rate=np.zeros(3))  # how the arm's speed turns is left out
+    slope = (sighted(moved(kept, error), 0.003).position - sighted(kept, 0.003).position) / STEP
+    assert sighted(kept, 0.003).jacobian[:, component] == pytest.approx(slope, abs=1e-4)
 
 
 def test_sight_moves_with_velocity_turn_rate_and_acceleration() -> None:
     nav = example()
-    now, later = sighted(nav, -nav.delay[0]), sighted(nav, 0.01 - nav.delay[0])
-    arm = nav.turn[0] @ nav.lever_arm[0]
-    assert now.position[0] == pytest.approx(nav.position[0] + arm)
-    velocity = nav.velocity[0] + np.cross(nav.turn_rate[0], arm)
-    assert later.position[0] == pytest.approx(now.position[0] + 0.01 * velocity + 5e-5 * nav.acceleration[0])
-    assert later.velocity[0] == pytest.approx(velocity + 0.01 * nav.acceleration[0])
+    now, later = sighted(nav, -nav.delay), sighted(nav, 0.01 - nav.delay)
+    arm = nav.turn @ nav.lever_arm
+    assert now.position == pytest.approx(nav.position + arm)
+    velocity = nav.velocity + np.cross(nav.turn_rate, arm)
+    assert later.position == pytest.approx(now.position + 0.01 * velocity + 5e-5 * nav.acceleration)
+    assert later.velocity == pytest.approx(velocity + 0.01 * nav.acceleration)
 
 
 def test_correction_is_that_of_the_information_form() -> None:
     nav = example()
     sight = sighted(nav, 0.003)
-    found = corrected(nav, sight, sight.position[0] + [0.002, -0.001, 0.003], NOISE, 6.0)
-    H, P = sight.jacobian[0], nav.covariance[0]
+    found = corrected(nav, sight, sight.position + np.array([0.002, -0.001, 0.003]), NOISE, 6.0)
+    H, P = sight.jacobian, nav.covariance
     wanted = np.linalg.inv(np.linalg.inv(P) + H.T @ np.linalg.inv(NOISE) @ H)
     step = wanted @ H.T @ np.linalg.inv(NOISE) @ [0.002, -0.001, 0.003]
     assert away(found, nav) == pytest.approx(step, abs=1e-9)
     by = turns(step[TURN])
     along = np.eye(SIZE)
     along[TURN, TURN] = along[VELOCITY, VELOCITY] = along[POSITION, POSITION] = by
-    assert found.covariance[0] == pytest.approx(along @ wanted @ along.T, rel=1e-6, abs=1e-12)
-    assert found.rejected[0] == 0
+    assert found.covariance == pytest.approx(along @ wanted @ along.T, rel=1e-6, abs=1e-12)
+    assert found.rejected == 0
 
 
 def test_position_far_away_changes_nothing_but_the_count() -> None:
     nav = example()
-    found = corrected(nav, sighted(nav, 0.0), sighted(nav, 0.0).position[0] + 1.0, NOISE, 6.0)
-    assert found.rejected[0] == 1
+    found = corrected(nav, sighted(nav, 0.0), sighted(nav, 0.0).position + 1.0, NOISE, 6.0)
+    assert found.rejected == 1
     assert (away(found, nav) == 0).all()
     assert (found.covariance == nav.covariance).all()
 
 
 def test_navigation_begins_and_is_doubted_with_the_covariance_of_the_position() -> None:
     place = np.array([1.0, 2.0, 3.0])
-    for nav in (begun(np.array([1.0, 0, 0, 0]), 0.02, place, NOISE, EXACT), doubted(example(), place, NOISE)):
+    for nav in (
+        begun(np.array([1.0, 0, 0, 0]), SIGMA, place, NOISE, EXACT),
+        doubted(example(), place, NOISE),
+    ):
         assert nav is not None
-        sight = sighted(nav, -float(nav.delay[0]))
-        assert sight.position == pytest.approx(np.broadcast_to(place, sight.position.shape))
+        sight = sighted(nav, -nav.delay)
+        assert sight.position == pytest.approx(place)
         still = sighted(
             nav._replace(turn_rate=np.zeros_like(nav.velocity), acceleration=0 * nav.velocity),
-            -float(nav.delay[0]),
+            -nav.delay,
         )
-        assert still.covariance == pytest.approx(np.broadcast_to(NOISE, still.covariance.shape), abs=1e-9)
+        assert still.covariance == pytest.approx(NOISE, abs=1e-9)
         assert np.linalg.eigvalsh(nav.covariance).min() > -1e-12
         assert np.abs(nav.velocity).max() == 0
 
 
 def test_coasting_grows_as_a_constant_unknown_acceleration() -> None:
-    nav = example()._replace(covariance=np.zeros((1, SIZE, SIZE)))
+    nav = example()._replace(covariance=np.zeros((SIZE, SIZE)))
     after = coasted(nav, 0.5)
     assert after.position == pytest.approx(nav.position + 0.5 * nav.velocity)
-    assert np.sqrt(after.covariance[0, 3, 3]) == pytest.approx(12.0 * 0.5)
-    assert np.sqrt(after.covariance[0, 0, 0]) == pytest.approx(3.0 * 0.5)
+    assert np.sqrt(after.covariance[3, 3]) == pytest.approx(12.0 * 0.5)
+    assert np.sqrt(after.covariance[0, 0]) == pytest.approx(3.0 * 0.5)
     assert (after.acceleration == 0).all()
-
-
-def test_hypotheses_that_fall_behind_are_dropped_and_those_that_agree_are_one() -> None:
-    nav = begun(np.array([1.0, 0, 0, 0]), 0.02, np.zeros(3), NOISE, EXACT)
-    assert len(settled(nav).evidence) == 8
-    behind = nav._replace(evidence=np.array([0.0, -5, -13, -20, -20, -20, -13, -5]))
-    assert settled(behind).evidence.tolist() == [0.0, -5, -5]
-    sure = nav.covariance.copy()
-    sure[:, 2, 2] = np.radians(5) ** 2
-    apart = behind._replace(covariance=sure)
-    assert len(settled(apart).evidence) == 3
-    same = apart._replace(turn=nav.turn[[0] * 8])
-    assert len(settled(same).evidence) == 1
 
 
 @pytest.mark.parametrize("axis", range(3))
@@ -188,10 +179,10 @@ def test_bias_of_the_gyroscope_bends_the_path(axis: int) -> None:
     rates, forces = np.tile([0.02, -0.01, 0.03], (40, 1)) + example().gyroscope_bias, np.tile(FORCE, (40, 1))
     component, seconds = 9 + axis, 0.005
     error = np.eye(SIZE)[component] * STEP
-    nav = example()._replace(covariance=np.outer(error, error)[None])
+    nav = example()._replace(covariance=np.outer(error, error))
     after = carried(nav, rates, forces, np.full(40, seconds), EXACT)
     slope = away(carried(moved(nav, error), rates, forces, np.full(40, seconds), EXACT), after) / STEP
-    column = after.covariance[0, component] / STEP**2
+    column = after.covariance[component] / STEP**2
     for part in (TURN, VELOCITY, POSITION):
         size = np.linalg.norm(slope[part])
         assert np.linalg.norm(column[part] - slope[part]) < 0.15 * size
@@ -200,7 +191,7 @@ def test_bias_of_the_gyroscope_bends_the_path(axis: int) -> None:
 
 def test_noise_of_two_halves_of_a_step_is_that_of_the_step() -> None:
     densities = Densities(1.0, 2.0, 3.0, 4.0)
-    whole, half = np.zeros((1, SIZE, SIZE)), np.zeros((1, SIZE, SIZE))
+    whole, half = np.zeros((SIZE, SIZE)), np.zeros((SIZE, SIZE))
     add_noise(whole, densities, 0.2)
     add_noise(half, densities, 0.1)
     F = np.eye(SIZE)
@@ -208,15 +199,15 @@ def test_noise_of_two_halves_of_a_step_is_that_of_the_step() -> None:
     halves = F @ half @ F.T
     add_noise(halves, densities, 0.1)
     assert halves == pytest.approx(whole)
-    assert np.diagonal(whole[0])[[0, 3, 9, 12]] == pytest.approx([0.2, 0.4, 0.6, 0.8])
+    assert np.diagonal(whole)[[0, 3, 9, 12]] == pytest.approx([0.2, 0.4, 0.6, 0.8])
 
 
 def test_errors_of_scale_grow_with_turn_rate_and_acceleration() -> None:
     errors = SensorErrors(2e-4, 4e-3, 0.002, 0.003, 0.02, 0.1, 0.03, 0.005)
-    still = of_readings(np.zeros((4, 3)), np.zeros((1, 4, 3)), errors)
+    still = of_readings(np.zeros((4, 3)), np.zeros((4, 3)), errors)
     assert still.turn == pytest.approx(4e-8)
     assert still.force == pytest.approx(1.6e-5)
-    moving = of_readings(np.tile([0, 5.0, 0], (4, 1)), np.tile([0, 0, 20.0], (1, 4, 1)), errors)
+    moving = of_readings(np.tile([0, 5.0, 0], (4, 1)), np.tile([0, 0, 20.0], (4, 1)), errors)
     assert moving.turn == pytest.approx(4e-8 + (0.002 * 5) ** 2 * 0.2)
     assert moving.force == pytest.approx(1.6e-5 + (0.003 * 20) ** 2 * 0.2)
     assert moving.accelerometer_bias == pytest.approx(4e-8 + (0.003 * 9.81) ** 2 * 5)

@@ -12,7 +12,7 @@ from followspot.errors import InputError
 from followspot.inertial import Inertial, Orientation
 from followspot.messages import identical, seal
 from followspot.rotation import from_rotation_vector, inverse, multiply, rotation_vector, turned
-from followspot_imu.orientation import FindOrientation
+from followspot_imu.orientation import FindOrientation, first_inclination
 
 RATE = 100.0
 METHODS = ["vqf", "complementary"]
@@ -135,3 +135,11 @@ def test_repeated_and_unknown_readings_are_left_out() -> None:
     assert made.process(first) is None
     broken = Inertial("imu0", second.time, second.turn_rate * np.nan, second.specific_force, second.field)
     assert made.process(seal(at(second.header.time, broken))) is None
+
+
+def test_first_inclination_is_as_vague_as_the_speed_that_may_be_gained_meanwhile() -> None:
+    age = np.array([0.01, 1.0, 3.0, 60.0])
+    sigma = first_inclination(age, 3.0)
+    assert sigma[0] == pytest.approx(1.0, abs=0.01)
+    assert sigma[1:3] == pytest.approx(3.0 / (9.81 * age[1:3]) * np.exp(-age[1:3] / 6.0))
+    assert sigma[3] < 1e-6

@@ -1,0 +1,98 @@
+"""When navigation begins, and what becomes of one whose heading the search contradicts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from followspot import Array
+from followspot.rotation import from_rotation_vector
+from followspot_balls.inertial.beginning import begun, heading_sigma, turned_away
+from followspot_balls.inertial.checkpoint import Checkpoint, Frame
+from followspot_balls.inertial.fix import fix_at
+from followspot_balls.inertial.heading import HeadingSearch, search_begun
+from followspot_balls.inertial.history import Rows, levelled
+from followspot_balls.inertial.learning import navigated
+from followspot_balls.inertial.navigation import Navigation
+from followspot_balls.inertial.sensor_errors import SensorErrors
+
+ERRORS = SensorErrors(2e-4, 4e-3, 0.002, 0.002, 0.02, 0.1, 0.03, 0.005)
+PLACE, NOISE = np.array([1.0, 2.0, 1.5]), np.eye(3) * 1e-5
+TIME = 1_000_000_000
+LEVEL = np.array([0.02])
+ROWS = Rows(
+    np.array([TIME]), np.concatenate([np.zeros(5), [9.81], from_rotation_vector(np.zeros(3)), LEVEL])[None]
+)
+
+
+def searched(degrees: float, sigma: float) -> HeadingSearch:
+    """A search that has found a heading with a sigma, both in degrees."""
+    evidence = np.exp(1j * np.radians(degrees)) / np.radians(sigma) ** 2
+    return search_begun(TIME, PLACE, NOISE, 0j, 0.02, ERRORS)._replace(evidence=complex(evidence))
+
+
+def headed(degrees: float) -> Array:
+    return from_rotation_vector(np.array([0.0, 0.0, np.radians(degrees)]))
+
+
+def checkpoint(nav: Navigation | None) -> Checkpoint:
+    return Checkpoint(Frame(TIME, (PLACE, NOISE)), nav, None, TIME, np.zeros(6))
+
+
+def navigation(degrees: float) -> Navigation:
+    return begun(headed(degrees), np.full(3, 0.02), PLACE, NOISE, ERRORS)
+
+
+@pytest.mark.parametrize(
+    ("sigma", "begins", "ends"), [(20.0, False, False), (12.0, True, False), (4.0, True, True)]
+)
+def test_navigation_begins_at_the_heading_that_is_found(sigma: float, begins: bool, ends: bool) -> None:
+    found = navigated(checkpoint(None), searched(70.0, sigma), ROWS, ERRORS)
+    assert (found.nav is not None, found.search is None) == (begins, ends)
+    if found.nav is not None:
+        assert turned_away(found.nav, headed(70.0)) == pytest.approx(0.0, abs=1e-9)
+        assert heading_sigma(found.nav) == pytest.approx(np.radians(sigma))
+
+
+def test_navigation_far_from_the_heading_that_is_found_begins_anew() -> None:
+    found = navigated(checkpoint(navigation(50.0)), searched(70.0, 4.0), ROWS, ERRORS)
+    assert found.nav is not None
+    assert turned_away(found.nav, headed(70.0)) == pytest.approx(0.0, abs=1e-9)
+    assert heading_sigma(found.nav) == pytest.approx(np.radians(4.0))
+
+
+def test_smaller_difference_from_the_heading_that_is_found_counts_as_uncertainty() -> None:
+    nav = navigation(63.0)
+    found = navigated(checkpoint(nav), searched(70.0, 4.0), ROWS, ERRORS)
+    assert found.nav is not None
+    assert found.search is None
+    assert (found.nav.turn == nav.turn).all()
+    assert heading_sigma(found.nav) == pytest.approx(np.hypot(0.02, np.radians(7.0)))
+
+
+def test_navigation_is_left_alone_until_the_search_ends() -> None:
+    nav = navigation(50.0)
+    found = navigated(checkpoint(nav), searched(70.0, 6.0), ROWS, ERRORS)
+    assert found.nav is nav
+    assert found.search is not None
+
+
+def test_orientation_is_told_once_the_search_is_sure_enough() -> None:
+    vague, known = (
+        fix_at(checkpoint(navigation(50.0))._replace(search=searched(50.0, sigma)), TIME)
+        for sigma in (11.0, 9.0)
+    )
+    assert vague is not None
+    assert known is not None
+    assert np.isnan(vague.quaternion).all()
+    assert vague.xyz == pytest.approx(PLACE)
+    assert known.quaternion == pytest.approx(headed(50.0))
+    assert known.orientation_sigma == pytest.approx(np.radians(9.0))
+
+
+def test_readings_are_levelled_where_both_are_known() -> None:
+    readings = Rows(np.array([1, 2, 4]), np.arange(18.0).reshape(3, 6))
+    orientations = Rows(np.array([2, 3, 4]), 100.0 + np.arange(15.0).reshape(3, 5))
+    found = levelled(readings, orientations)
+    assert found.time.tolist() == [2, 4]
+    assert found.values[1].tolist() == [12, 13, 14, 15, 16, 17, 110, 111, 112, 113, 114]
