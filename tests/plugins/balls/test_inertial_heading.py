@@ -35,7 +35,13 @@ def paths(seconds: float, size: float, seed: int = 0) -> tuple[Array, Array]:
 
 
 def searched(
-    z: Array, force: Array, heading: float, seed: int = 0, bias: complex = 0.0, inclination: float = 0.02
+    z: Array,
+    force: Array,
+    heading: float,
+    seed: int = 0,
+    bias: complex = 0.0,
+    inclination: float = 0.02,
+    turn_rate: float = 0.5,
 ) -> HeadingSearch:
     """The search after noisy positions that are the path turned by the heading."""
     rng = np.random.default_rng((seed, 1))
@@ -45,7 +51,7 @@ def searched(
     search = search_begun(0, np.array([seen[0].real, seen[0].imag, 1.0]), NOISE, 0j, inclination, ERRORS)
     for frame, (place, part) in enumerate(zip(seen[1:], read, strict=True), 1):
         time = round(frame * PERIOD * 1e9)
-        steps = Steps(time, np.full(PARTS, PERIOD / PARTS), part, np.full(PARTS, 0.5), inclination)
+        steps = Steps(time, np.full(PARTS, PERIOD / PARTS), part, np.full(PARTS, turn_rate), inclination)
         search = search_carried(search, steps, ERRORS)
         search = search_corrected(search, time, np.array([place.real, place.imag, 1.0]), NOISE, 6.0)
     return search
@@ -79,6 +85,12 @@ def test_vertical_motion_tells_no_heading_and_motion_along_one_axis_does() -> No
     line = searched(z.real + 0j, force.real + 0j, 1.0)
     assert line.sigma < np.radians(5.0)
     assert away(line, 1.0) < 3 * line.sigma
+
+
+def test_wrong_inclination_and_an_unknown_lever_arm_make_the_heading_vaguer() -> None:
+    sure = searched(*paths(3.0, 0.1), 1.0).sigma
+    assert searched(*paths(3.0, 0.1), 1.0, inclination=0.2).sigma > 2.0 * sure
+    assert searched(*paths(3.0, 0.1), 1.0, turn_rate=5.0).sigma > 1.3 * sure
 
 
 def test_evidence_is_the_likelihood_of_a_filter_with_each_heading() -> None:
