@@ -75,6 +75,7 @@ def test_a_face_tells_the_side_to_which_a_chest_is_turned():
 def test_a_chest_whose_joints_were_not_found_is_where_the_neck_allows_it():
     torso, head = told(standing(3.0, heading=np.pi + 1.0), "nose", "ear")
     assert head.argmax() == torso.argmax()
+    assert torso.max() > torso[torso.argmax() - 8] + 1
     assert np.ptp(torso) < np.ptp(told(standing(3.0, heading=np.pi + 1.0), *ALL)[0])
 
 

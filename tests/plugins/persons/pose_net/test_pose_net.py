@@ -118,6 +118,32 @@ def test_a_person_on_the_seam_of_a_panorama_is_found_once_with_places_in_the_pic
     assert -0.5 <= x0 < 1395.5 < x1
 
 
+def test_a_person_beyond_the_seam_has_a_box_at_the_left_of_a_panorama(movenet):
+    camera, column = panorama(), 1396 + 100
+    width = -(-round((1396 + 260) * 256 / 260) // 32) * 32
+    share = column * 256 / 260 / width
+    net = ready(PoseNet, camera, model=movenet(person(share, 0.1, 0.8, sides=0.01)))
+    found = net.process(frame_of(camera, np.full((260, 1396, 3), 255, np.uint8)))
+    assert found.boxes.box[0, [0, 2]].mean() == pytest.approx(100, abs=1)
+
+
+def test_blazepose_looks_beyond_the_seam_of_a_panorama(blazepose):
+    camera = panorama()
+    net = ready(PoseNet, camera, model=blazepose, decoder="blazepose")
+    pixels = np.zeros((260, 1396, 3), np.uint8)
+    pixels[:, :150] = pixels[:, -150:] = 255
+    found = net.process(frame_of(camera, pixels), boxed([1376.0, 60.0, 1416.0, 120.0]))
+    side = 1.3 * 60 / 0.385
+    assert joint(found.points, "nose")[0, 0] == pytest.approx(side / 2, abs=1.5)  # r = 1 is its right border
+
+
+def test_a_model_of_one_size_gets_pictures_in_that_size(movenet, tmp_path):
+    path = tmp_path / "fixed.onnx"
+    path.write_bytes(lit(np.stack([person(0.25, 0.1, 0.6)]), size=(96, 128)))
+    found = ready(PoseNet, CAMERA, model=path).process(frame_of(CAMERA, WHITE))
+    assert joint(found.points, "nose")[0] == pytest.approx([0.25 * 320 - 0.5, 0.154 * 240 - 0.5])
+
+
 def test_blazepose_looks_at_each_box_and_needs_opencv_alone(blazepose):
     net = ready(PoseNet, CAMERA, model=blazepose, decoder="blazepose")
     frame = frame_of(CAMERA, WHITE)

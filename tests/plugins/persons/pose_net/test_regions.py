@@ -74,3 +74,10 @@ def test_the_square_about_a_person_is_about_the_hips_and_has_the_body_s_size():
 )
 def test_boxes_that_no_picture_shows_have_no_region(box):
     assert about(np.array(box, float), (640, 480), (256, 256)) is None
+
+
+def test_fine_patterns_are_averaged_when_a_picture_is_reduced():
+    v, u = np.mgrid[:512, :512]
+    pixels = np.repeat((255 * ((u + v) % 2))[:, :, None], 3, axis=2).astype(np.uint8)
+    image = whole(512, 512, 96, 32, None).cut(pixels)
+    assert np.abs(image.astype(int) - 127).max() <= 2

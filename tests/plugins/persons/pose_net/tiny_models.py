@@ -27,7 +27,7 @@ TINY_BLAZEPOSE = zlib.decompress(b85decode(_TFLITE))
 256 r, 256 g, 0, r + g + b, 0, and of one, the mean of r, g and b."""
 
 
-def lit(rows: Array, kind: str = "int") -> bytes:
+def lit(rows: Array, kind: str = "int", size: Sequence[int | str] = ("height", "width")) -> bytes:
     """ONNX with input (1, height, width, 3) int32 or f4 and output (1, P, N): the brightest number / 255
     times the rows (P, N).
     """
@@ -37,9 +37,7 @@ def lit(rows: Array, kind: str = "int") -> bytes:
         _node("ReduceMax", ["float"], "brightest", _numbers("axes", [1, 2, 3]) + _number("keepdims", 0)),
         _node("Mul", ["brightest", "rows"], "people"),
     ]
-    graph = _graph(
-        nodes, [_tensor("rows", scaled)], ("height", "width"), scaled.shape, INT if kind == "int" else FLOAT
-    )
+    graph = _graph(nodes, [_tensor("rows", scaled)], size, scaled.shape, INT if kind == "int" else FLOAT)
     return _integer(1, 8) + _field(8, _integer(2, 13)) + _field(7, graph)
 
 
