@@ -24,6 +24,8 @@ from followspot_balls.outline import unit_outline
 
 PARALLEL = 1e-6
 """Smallest squared sine of the angle between two rays."""
+UNLIKELY = 1e-8
+"""Odds of rivals below which they are left out: 10 cm away they add 10 micrometres to a deviation."""
 IDENTITY = np.eye(3)
 TINY = np.finfo(float).tiny
 
@@ -142,8 +144,9 @@ class ModeCovariance:
         sigma = glow_sigma(clearance, p.glow_sigma, p.glow_range)
         if not sigma.any():
             return np.zeros((len(center), 3, 3))
-        share = information * self.color
-        shift = ((share[..., None, None] * gain).sum(axis=1) @ normal[..., None]) * sigma[:, None, None]
+        views = len(self.focal)
+        total = (information * self.color)[:, None] @ gain.reshape(len(center), views, 9)
+        shift = (total.reshape(len(center), 3, 3) @ normal[..., None]) * sigma[:, None, None]
         return np.asarray((1 + p.glow_mean**2) * shift * shift.swapaxes(1, 2))
 
 
@@ -180,6 +183,8 @@ def rivals_covariance(xyz: Array, center: Array, weights: Array, held: Array, ex
     total = outside.sum(axis=1)
     ratio = total / np.maximum(held.sum(axis=1), TINY)
     odds = np.minimum(ratio, 1e6) ** exponent
+    if odds.max(initial=0.0) < UNLIKELY:
+        return np.zeros((len(center), 3, 3))
     offset = xyz - center[:, None]
     spread = (outside[..., None] * offset).swapaxes(1, 2) @ offset
     return np.asarray(spread * (odds / (1 + odds) / np.maximum(total, TINY))[:, None, None])

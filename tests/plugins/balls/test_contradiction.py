@@ -28,6 +28,8 @@ def test_rejected_views_count_by_their_spread_and_the_odds_that_they_are_right()
     assert found[0] == pytest.approx(np.outer(off, off) / 2)
     found = contradicted(design, step, np.array([[1.0, 0.5]]), both, 6.0)
     assert found[0] == pytest.approx(np.outer(off, off) / (1 + 3.0**6))
+    found = contradicted(design, step, np.array([[0.25, 0.0]]), both, 6.0)
+    assert found[0] == pytest.approx(np.outer(off, off) / 1.75 / 2)  # the first view fits after the step
     none = contradicted(design, step, np.array([[1.0, 0.0]]), np.array([[True, False]]), 6.0)
     assert not none.any()
 
