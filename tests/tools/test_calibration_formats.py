@@ -47,6 +47,14 @@ def test_cameras_planes_and_radius_are_read(tmp_path: Path) -> None:
     assert got.ball_radius == 0.05
 
 
+@pytest.mark.parametrize(("number", "called"), [(3, "3"), ("left", "left")])
+def test_cameras_may_be_numbered(tmp_path: Path, number: object, called: str) -> None:
+    one = camera() | {"camera": number}
+    del one["name"]
+    (found,) = read_calibration(written(tmp_path, {"cameras": [one]})).cameras
+    assert found.name == called
+
+
 def test_short_distortion_is_filled_with_zeros(tmp_path: Path) -> None:
     document = {"cameras": [camera(name="a", dist=None), camera(name="b", dist=[1, 2, 3, 4])]}
     a, b = read_calibration(written(tmp_path, document)).cameras

@@ -31,7 +31,7 @@ KINDS: Mapping[str, str] = {
 
 
 def parse(files: Texts) -> Calibration | None:
-    """JSON whose cameras have K, R and t."""
+    """JSON whose cameras have K, R and t, and a name, or a name or number `camera`."""
     document = json_object(files)
     listed = document.get("cameras")
     if not isinstance(listed, list) or not listed:
@@ -70,7 +70,8 @@ def _ball_radius(document: Mapping[str, Any]) -> float | None:
 
 
 def _camera(one: Mapping[str, Any], where: str) -> Camera:
-    called = name(one.get("name"), where)
+    given = one.get("name", one.get("camera"))
+    called = name(str(given) if type(given) is int else given, where)
     kind = KINDS.get(str(one.get("kind", "color")).lower())
     if kind is None:
         raise Unfit(f"camera {called} has kind {one['kind']!r}, known: {', '.join(KINDS)}")
