@@ -13,6 +13,7 @@ from followspot_balls.inertial.fix import fix_at
 from followspot_balls.inertial.heading import HeadingSearch, search_begun
 from followspot_balls.inertial.history import Rows, levelled
 from followspot_balls.inertial.learning import navigated
+from followspot_balls.inertial.learning import searched as search_after
 from followspot_balls.inertial.navigation import Navigation
 from followspot_balls.inertial.sensor_errors import SensorErrors
 
@@ -96,3 +97,21 @@ def test_readings_are_levelled_where_both_are_known() -> None:
     found = levelled(readings, orientations)
     assert found.time.tolist() == [2, 4]
     assert found.values[1].tolist() == [12, 13, 14, 15, 16, 17, 110, 111, 112, 113, 114]
+
+
+def test_search_goes_on_from_the_first_reading_after_a_gap() -> None:
+    search = searched(0.0, 4.0)
+    time = TIME + np.array([200, 205]) * 1_000_000
+    level = np.tile(from_rotation_vector(np.zeros(3)), (2, 1))
+    forces = np.tile([10.0, -4.0, 9.81], (2, 1))
+    rows = Rows(time, np.hstack([np.zeros((2, 3)), forces, level, np.full((2, 1), 0.02)]))
+    found = search_after(search, Frame(int(time[-1]), None), rows, 0.05, ERRORS)
+    assert found is not None
+    assert found.states[1, 1] == pytest.approx((10.0 - 4.0j) * 0.005)
+    assert found.read == time[-1]
+    assert found.sigma > np.radians(20.0)
+    later = search_after(
+        found, Frame(int(time[-1]) + 300_000_000, None), rows.since(found.read), 0.05, ERRORS
+    )
+    assert later is not None
+    assert later.sigma > found.sigma
