@@ -15,6 +15,14 @@ class AssociateParams(StageParams):
         unit="1",
         description="probability that a camera shows a ball that is there; lowering it suits crowds",
     )
+    persistence: float = Field(
+        0.85,
+        ge=0,
+        lt=1,
+        unit="1",
+        description="correlation over 1/30 s of whether a camera shows a ball; raising it forgives a "
+        "view that stays empty, and doubts what turns up there",
+    )
     clutter: float = Field(
         0.015,
         gt=0,
@@ -47,30 +55,37 @@ class AssociateParams(StageParams):
         unit="1",
         description="probability of paint, light or a reflector at a place, over that of a ball",
     )
-    jump_sigma: float = Field(
-        0.05,
+    forecast_sigma: float = Field(
+        0.01,
         gt=0,
         unit="m",
-        description="sigma of a place around the forecast; raising it lets targets jump",
+        description="sigma that adds to the forecast's; raising it trusts forecasts less",
     )
-    largest_jump: float = Field(
-        3.0,
+    jump_sigma: float = Field(
+        0.1,
         gt=0,
-        unit="sigma",
-        description="jump beyond which its length does not count any more",
+        unit="m",
+        description="the same for a target that jumps; raising it lets targets jump farther",
+    )
+    jump_probability: float = Field(
+        0.02,
+        gt=0,
+        lt=1,
+        unit="1",
+        description="probability of a jump; raising it leaves wrong places sooner",
     )
     memory: float = Field(
         0.9,
         ge=0,
         lt=1,
         unit="1",
-        description="share of the log-odds that a frame keeps; raising it averages over more frames",
+        description="share of the log-odds that 1/30 s keeps; raising it averages over more frames",
     )
     drift: float = Field(
         0.2,
         ge=0,
         unit="nats",
-        description="what a frame takes from the log-odds; raising it gives targets up sooner",
+        description="what 1/30 s takes from the log-odds; raising it gives targets up sooner",
     )
     absence: float = Field(
         0.5,
@@ -85,7 +100,7 @@ class AssociateParams(StageParams):
         description="largest log-odds of a target; raising it keeps covered targets longer",
     )
     silence_odds: float = Field(
-        -3.0,
+        -2.5,
         unit="nats",
         description="log-odds below which a tracked target is given up; raising it goes silent sooner",
     )

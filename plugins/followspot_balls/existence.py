@@ -89,12 +89,14 @@ def restored(state: Mapping[str, Any]) -> Existence:
     return Existence(float(state["odds"]), bool(state["found"]), rivals)
 
 
-def followed(before: Existence, gain: float, place: Array, rules: Rules) -> Existence:
+def followed(before: Existence, gain: float, place: Array, rules: Rules, steps: float = 1.0) -> Existence:
     """A tracked target one frame later. A place that is given up stays a rival, with its odds.
 
-    gain: log-likelihood ratio of the frame; place: (3,) m.
+    Frames that follow each other faster say less that is new, so a frame counts as a part of a step.
+    gain: log-likelihood ratio of the frame; place: (3,) m; steps: that the frame counts as.
     """
-    odds = float(np.clip(rules.memory * before.odds + gain - rules.drift, -rules.bound, rules.bound))
+    odds = rules.memory**steps * before.odds + steps * (gain - rules.drift)
+    odds = float(np.clip(odds, -rules.bound, rules.bound))
     given_up = Places(place[None].copy(), np.array([odds])) if odds < rules.silent else Places.none()
     return Existence(odds, False, given_up)
 

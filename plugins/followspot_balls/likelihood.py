@@ -89,20 +89,28 @@ def likeliest(model: Model, sight: Sight, rivals: Array) -> Likely:
     return Likely(slot, ratio[at], variance[at])
 
 
-def view_ratios(model: Model, likely: Likely, inside: Array) -> Array:
-    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 if it cannot see the place."""
-    return np.asarray(np.log1p(model.detection * (likely.ratio - 1.0)) * inside)
+def view_ratios(shown: Array | float, likely: Likely, inside: Array) -> Array:
+    """Log-likelihood ratio of each view, (M, C): below 0 without a blob, 0 if it cannot see the place.
 
-
-def information(rays: Array, scale: Array, likely: Likely, views: Array) -> Array:
-    """Information of each view on the place: (M, C, 3, 3) 1/m^2, weighted by the probability that its blob is
-    the ball's.
-
-    rays: (M, C, 3) unit vectors towards the place; scale: (M, C) px/m; views: (M, C) of :func:`view_ratios`.
+    shown: (M, C) or for all, probability that a view shows the ball that is there.
     """
-    across = np.eye(3) - rays[..., :, None] * rays[..., None, :]
-    believed = -np.expm1(-np.maximum(views, 0.0))
-    return np.asarray(across * (believed * np.square(scale) / likely.variance)[..., None, None])
+    return np.asarray(np.log1p(shown * (likely.ratio - 1.0)) * inside)
+
+
+def precision(likely: Likely, views: Array) -> Array:
+    """Precision of the blob of each view, weighted by the probability that it is the ball's: (M, C) 1/px^2.
+
+    views: (M, C) of :func:`view_ratios`.
+    """
+    return np.asarray(-np.expm1(-np.maximum(views, 0.0)) / likely.variance)
+
+
+def information(jacobian: Array, weight: Array) -> Array:
+    """Information of each view on the place: (M, C, 3, 3) 1/m^2.
+
+    jacobian: (M, C, 2, 3) px/m, of the images by the place; weight: (M, C) 1/px^2, :func:`precision`.
+    """
+    return np.asarray((jacobian * weight[..., None, None]).swapaxes(2, 3) @ jacobian)
 
 
 def coincidences(views: Array, color: Array, prior: Array) -> Array:

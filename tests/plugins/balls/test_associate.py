@@ -12,6 +12,7 @@ from followspot.messages import Array, seal
 from followspot.stage import Context
 from followspot.tracking import Blobs, Candidates, Forecast
 from followspot_balls.associate import Associate
+from followspot_balls.hypotheses import hypotheses
 from followspot_balls.triangulate import Triangulate
 from followspot_balls.verify_pairs import VerifyPairs
 
@@ -122,10 +123,50 @@ def test_two_places_that_are_as_likely_wait() -> None:
     assert len(red(found)) == 6
 
 
+def test_views_that_never_show_the_ball_are_forgiven_and_doubted() -> None:
+    associate, there = stage(), forecast_at([BALL, (-1, 0, 0.5)])
+    for _ in range(20):
+        associated(associate, views({BALL: ("cam0", "cam1", "cam3")}), there)
+    assert associate.shown[0, [0, 1, 3]] == pytest.approx([0.94] * 3, abs=0.01)
+    assert associate.shown[0, 2] < 0.15
+    before = associate.existence[0].odds
+    associated(associate, views({BALL: ("cam1", "cam3")}), there)
+    lost = before - associate.existence[0].odds
+    for _ in range(3):
+        associated(associate, views({BALL: ("cam1", "cam3")}), there)
+    before = associate.existence[0].odds
+    associated(associate, views({BALL: ("cam1", "cam3")}), there)
+    assert before - associate.existence[0].odds < 0.5 * lost
+
+
+def test_pairs_that_disagree_lead_to_the_place_on_which_all_views_agree() -> None:
+    """Each view is off by 1 px another way, as the centres of fragments are."""
+    off = {"cam0": (1.0, 0.0), "cam1": (0.0, 1.0), "cam2": (1.0, 0.0), "cam3": (0.0, 1.0)}
+    small = [
+        seal(replace(b, xy=b.xy + np.array(off[b.camera]), area=np.full(len(b.area), 14.0)))
+        for b in views({BALL: EVERYWHERE})
+    ]
+    verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
+    verify.setup()
+    triangulate.setup()
+    candidates = seal(triangulate.process(seal(verify.process(small))))
+    row = np.flatnonzero(candidates.targets[:, 0])
+    target, tracked = np.zeros_like(row), np.zeros(2, bool)
+    associate = stage()
+    begun = hypotheses(candidates.xyz, row, target, None, tracked, associate.prior)
+    blobs = associate.evidence.blobs(candidates, None, tracked)
+    found, _ = associate.evidence.likeliest(begun, blobs, associate.shown)
+    assert len(row) > 2
+    assert np.ptp(begun.xyz, axis=0).max() > 0.02
+    assert np.ptp(found.xyz, axis=0).max() < 0.005
+
+
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:
     associate, again = stage(), stage()
     for _ in range(3):
         associated(associate, views({PATCH: COLOR}), forecast_at([PATCH, (-1, 0, 0.5)]))
     again.restore(associate.state())
     assert [one.odds for one in again.existence] == [one.odds for one in associate.existence]
+    assert again.shown == pytest.approx(associate.shown)
+    assert again.shown[0, 1] < again.shown[0, 0], "paint"
     assert not len(associated(again, views({}), None).xyz)

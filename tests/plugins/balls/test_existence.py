@@ -52,6 +52,16 @@ def test_weak_evidence_in_every_frame_keeps_a_target() -> None:
     assert not len(existence.places.odds)
 
 
+def test_half_a_step_twice_is_nearly_a_step() -> None:
+    """Odds and evidence go by time, so that a faster camera neither prolongs nor ends a track."""
+    before = Existence(4.0, False, Places.none())
+    whole = followed(before, 1.3, np.array(HERE), RULES)
+    half = followed(followed(before, 1.3, np.array(HERE), RULES, 0.5), 1.3, np.array(HERE), RULES, 0.5)
+    assert whole.odds == pytest.approx(0.9 * 4 + 1.3 - 0.5)
+    assert followed(before, 1.3, np.array(HERE), RULES, 0.5).odds == pytest.approx(0.9**0.5 * 4 + 0.4)
+    assert half.odds == pytest.approx(whole.odds, abs=0.03)
+
+
 def test_odds_are_bounded_below_too() -> None:
     existence = Existence.unknown()
     for _ in range(50):

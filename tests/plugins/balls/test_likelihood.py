@@ -16,6 +16,7 @@ from followspot_balls.likelihood import (
     densities,
     information,
     likeliest,
+    precision,
     view_ratios,
 )
 
@@ -76,8 +77,8 @@ def test_other_blobs_nearby_count_as_clutter_and_far_ones_do_not() -> None:
 
 def test_a_blob_that_is_another_target_is_no_evidence() -> None:
     sight, nobody = seen([0], [1.0]), np.zeros((1, 1, 1))
-    alone = view_ratios(MODEL, likeliest(MODEL, sight, nobody), sight.inside)
-    theirs = view_ratios(MODEL, likeliest(MODEL, sight, nobody + 0.5), sight.inside)
+    alone = view_ratios(0.6, likeliest(MODEL, sight, nobody), sight.inside)
+    theirs = view_ratios(0.6, likeliest(MODEL, sight, nobody + 0.5), sight.inside)
     assert alone > 3
     assert theirs < 0
 
@@ -90,8 +91,8 @@ def test_the_likeliest_blob_is_the_nearest_of_equal_ones() -> None:
 def test_a_view_without_the_blob_speaks_against_the_place_unless_it_cannot_see_it() -> None:
     sight = seen([30], [1.0])
     likely = likeliest(MODEL, sight, np.zeros((1, 1, 1)))
-    assert view_ratios(MODEL, likely, sight.inside)[0, 0] == pytest.approx(np.log(0.4), abs=1e-6)
-    assert view_ratios(MODEL, likely, np.zeros((1, 1), bool))[0, 0] == 0
+    assert view_ratios(0.6, likely, sight.inside)[0, 0] == pytest.approx(np.log(0.4), abs=1e-6)
+    assert view_ratios(0.6, likely, np.zeros((1, 1), bool))[0, 0] == 0
 
 
 def test_only_both_kinds_of_cameras_tell_a_ball() -> None:
@@ -106,13 +107,30 @@ def test_with_one_kind_of_camera_all_views_add_up(kind: bool) -> None:
     assert ratio([2, 3, -1, 4], color=np.full(4, kind)) == pytest.approx(8)
 
 
+def test_the_less_a_view_showed_the_ball_the_less_its_blob_and_its_lack_say() -> None:
+    slot, inside = np.zeros((1, 2), int), np.ones((1, 2), bool)
+    likely = Likely(slot, np.array([[50.0, 0.0]]), np.ones((1, 2)))
+    often, seldom = view_ratios(0.9, likely, inside), view_ratios(0.1, likely, inside)
+    assert often[0] == pytest.approx(np.log([45.1, 0.1]))
+    assert seldom[0] == pytest.approx(np.log([5.9, 0.9]))
+
+
+def test_a_blob_informs_by_its_precision_as_far_as_it_is_believed() -> None:
+    likely = Likely(np.zeros((1, 3), int), np.ones((1, 3)), np.array([[4.0, 4.0, 4.0]]))
+    views = np.log([[5.0, 2.0, 0.5]])
+    assert precision(likely, views) == pytest.approx(np.array([[0.8 / 4, 0.5 / 4, 0.0]]))
+    jacobian = np.array([[[[40.0, 0, 0], [0, 40.0, 0]]]])
+    known = information(jacobian, np.full((1, 1), 0.25))
+    assert known[0, 0] == pytest.approx(np.diag([400.0, 400.0, 0.0]))
+
+
 def test_a_lone_pair_may_be_a_coincidence_the_more_so_the_less_was_known() -> None:
-    rays = np.array([[[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-0.6, 0.8, 0]]])
-    slot = np.zeros((1, 4), int)
+    rays = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-0.6, 0.8, 0]])
+    across = np.linalg.svd(rays[:, None])[2][None, :, 1:]
 
     def chance(views: list[float], sigma: float) -> Array:
-        likely = Likely(slot, np.ones((1, 4)), np.ones((1, 4)))
-        known = information(rays, np.full((1, 4), 40.0), likely, np.array([views], float))
+        believed = 1 - np.exp(-np.maximum([views], 0.0))
+        known = information(40 * across, believed)
         return coincidences(known, COLOR, np.array([1 / sigma**2]))[:, 0]
 
     pair = [5, -1, 5, -1]
@@ -120,3 +138,11 @@ def test_a_lone_pair_may_be_a_coincidence_the_more_so_the_less_was_known() -> No
     assert (chance(pair, 0.15) < chance(pair, 0.05) - 0.5).all()
     assert chance([5, 5, 5, -1], 0.15)[1] > chance(pair, 0.15)[1] + 0.5, "two colour views fix the place"
     assert chance([-1] * 4, 0.15) == pytest.approx(0)
+
+
+def test_the_share_of_places_at_which_views_agree_follows_from_what_they_tell() -> None:
+    """One colour and one infrared view of one direction each, beside a prior: determinants by hand."""
+    known = np.zeros((1, 2, 3, 3))
+    known[0, 0, 0, 0], known[0, 1, 1, 1] = 8.0, 24.0
+    chance = coincidences(known, np.array([True, False]), np.array([1.0]))
+    assert chance[:, 0] == pytest.approx(0.5 * np.log([1 / 225, 9 / 225, 25 / 225]))

@@ -1,0 +1,105 @@
+"""What the blobs of all cameras of a room say about places of targets."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from followspot.messages import Array
+from followspot.room import Room
+from followspot.tracking import Candidates, Forecast
+from followspot_balls.bundle.points import Images, point_images
+from followspot_balls.bundle.sightings import Sightings, sightings
+from followspot_balls.bundle.trust import Outlines
+from followspot_balls.hypotheses import Hypotheses, jacobians, step
+from followspot_balls.likelihood import Likely, Model, Sight, densities, likeliest, precision, view_ratios
+
+NEAREST = 1e-3
+"""Smallest depth of a place that has an image, m."""
+STEPS = 2
+"""Gauss-Newton steps of a place."""
+
+
+class Views(NamedTuple):
+    """M places as C views show them."""
+
+    likely: Likely
+    """The likeliest blobs."""
+    inside: Array
+    """(M, C) bool, whether the picture contains the place."""
+    ratio: Array
+    """(M, C) log-likelihood ratios."""
+    jacobian: Array
+    """(M, C, 2, 3) px/m, of the images by the places."""
+    error: Array
+    """(M, C, 2) px, of the likeliest blobs from the images."""
+
+
+class FrameBlobs(NamedTuple):
+    """The blobs of one frame."""
+
+    table: Sightings
+    """FrameBlobs of C cameras, up to K in each."""
+    sizes: Array
+    """(C, K) areas over that of a ball of unit radius at unit depth."""
+    rivals: Array
+    """(T, C, K) 1/px^2, densities of the blobs as targets other than each."""
+
+
+class ViewEvidence:
+    """The cameras of a room, which tell how balls show to them."""
+
+    def __init__(self, room: Room, model: Model) -> None:
+        cameras = list(room.cameras.values())
+        self.model = model
+        self.P = np.array([c.projection for c in cameras]).reshape(-1, 3, 4)
+        self.focal = np.array([c.matrix[0, 0] for c in cameras])
+        self.size = np.array([c.size for c in cameras], float).reshape(-1, 2)
+        self.radii = np.array([t.radius for t in room.targets.values()])
+        self.outlines = Outlines(room)
+
+    def blobs(self, candidates: Candidates, forecast: Forecast | None, tracked: Array) -> FrameBlobs:
+        """The blobs of N > 0 candidates. tracked: (T,) bool."""
+        table = sightings(candidates, len(self.P))
+        sizes = self.outlines.at_unit_depth(table.xy, table.area)
+        blobs = FrameBlobs(table, sizes, np.zeros((len(self.radii), *table.area.shape)))
+        if forecast is None or not tracked.any() or len(self.radii) < 2:
+            return blobs
+        return blobs._replace(rivals=self.rivals(blobs, forecast, tracked))
+
+    def rivals(self, blobs: FrameBlobs, forecast: Forecast, tracked: Array) -> Array:
+        """Densities of blobs as targets other than each, where those are expected: (T, C, K) 1/px^2."""
+        sight, seen = self.sight(forecast.xyz, np.arange(len(self.radii)), blobs)
+        variance = forecast.covariance.diagonal(axis1=1, axis2=2).mean(axis=1)[:, None]
+        spread = variance * np.square(self.focal / seen.depth)
+        density, _ = densities(self.model, sight, spread[..., None])
+        density *= self.model.detection * tracked[:, None, None]
+        return np.asarray(density.sum(axis=0) - density)
+
+    def sight(self, xyz: Array, target: Array, blobs: FrameBlobs) -> tuple[Sight, Images]:
+        """The blobs as seen from places (M, 3) m of targets (M,), and the images of these."""
+        table, seen = blobs.table, point_images(self.P, xyz)
+        off = table.xy - seen.xy[:, :, None]
+        depth, radius = np.maximum(seen.depth, NEAREST), self.radii[target][:, None]
+        inside = ((seen.xy >= 0) & (seen.xy < self.size)).all(axis=2) & (depth > NEAREST)
+        share = blobs.sizes * np.square(depth / radius)[..., None]
+        sight = Sight(np.vecdot(off, off), share, self.focal * radius / depth, table.targets[target], inside)
+        return sight, Images(seen.xy, depth)
+
+    def views(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> Views:
+        """The places as the views show them. shown: (T, C), probabilities that they show the targets."""
+        sight, seen = self.sight(found.xyz, found.target, blobs)
+        likely = likeliest(self.model, sight, blobs.rivals[found.target])
+        ratio = view_ratios(shown[found.target], likely, sight.inside)
+        error = blobs.table.xy[np.arange(len(self.P)), likely.slot] - seen.xy
+        return Views(likely, sight.inside, ratio, jacobians(self.P, seen.xy, seen.depth), error)
+
+    def likeliest(self, found: Hypotheses, blobs: FrameBlobs, shown: Array) -> tuple[Hypotheses, Views]:
+        """The hypotheses at their likeliest places, and their views; shown as for :meth:`views`."""
+        views = self.views(found, blobs, shown)
+        for _ in range(STEPS):
+            weight = precision(views.likely, views.ratio)
+            found = found.moved(found.xyz + step(found, views.jacobian, views.error, weight))
+            views = self.views(found, blobs, shown)
+        return found, views
