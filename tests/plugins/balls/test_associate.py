@@ -42,11 +42,14 @@ def stage(**params: float) -> Associate:
 
 
 def associated(to: Associate, blobs: tuple[Blobs, ...], forecast: Forecast | None) -> Candidates:
+    return to.process(candidates_of(blobs, forecast), forecast)
+
+
+def candidates_of(blobs: tuple[Blobs, ...], forecast: Forecast | None = None) -> Candidates:
     verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
     verify.setup()
     triangulate.setup()
-    pairs = seal(verify.process(blobs))
-    return to.process(seal(triangulate.process(pairs, forecast)), forecast)
+    return seal(triangulate.process(seal(verify.process(blobs)), forecast))
 
 
 def red(found: Candidates) -> Array:
@@ -142,14 +145,11 @@ def test_views_that_never_show_the_ball_are_forgiven_and_doubted() -> None:
 def test_pairs_that_disagree_lead_to_the_place_on_which_all_views_agree() -> None:
     """Each view is off by 1 px another way, as the centres of fragments are."""
     off = {"cam0": (1.0, 0.0), "cam1": (0.0, 1.0), "cam2": (1.0, 0.0), "cam3": (0.0, 1.0)}
-    small = [
+    small = tuple(
         seal(replace(b, xy=b.xy + np.array(off[b.camera]), area=np.full(len(b.area), 14.0)))
         for b in views({BALL: EVERYWHERE})
-    ]
-    verify, triangulate = VerifyPairs(Context(room=ROOM)), Triangulate(Context(room=ROOM))
-    verify.setup()
-    triangulate.setup()
-    candidates = seal(triangulate.process(seal(verify.process(small))))
+    )
+    candidates = candidates_of(small)
     row = np.flatnonzero(candidates.targets[:, 0])
     target, tracked = np.zeros_like(row), np.zeros(2, bool)
     associate = stage()
@@ -159,6 +159,41 @@ def test_pairs_that_disagree_lead_to_the_place_on_which_all_views_agree() -> Non
     assert len(row) > 2
     assert np.ptp(begun.xyz, axis=0).max() > 0.02
     assert np.ptp(found.xyz, axis=0).max() < 0.005
+
+
+def test_frames_that_follow_each_other_faster_count_as_less() -> None:
+    counts = []
+    for period in (1 / 15, 1 / 30, 1 / 60):
+        associate = stage()
+        there = seal(replace(forecast_at([BALL, (-1, 0, 0.5)]), period=period))
+        for _ in range(40):
+            associated(associate, views({BALL: EVERYWHERE}), there)
+        shown = [len(red(associated(associate, views({BALL: INFRARED}), there))) for _ in range(120)]
+        counts.append(shown.index(0))
+    slow, usual, fast = counts
+    assert slow == usual, "a frame counts as one step at most"
+    assert 2 * usual <= fast < 4 * usual
+
+
+def test_of_two_equal_places_the_one_at_the_forecast_is_taken() -> None:
+    beside = (BALL[0] - 0.12, BALL[1] + 0.05, BALL[2])
+    for here, there in ((BALL, beside), (beside, BALL)):
+        twice = views({BALL: EVERYWHERE, beside: EVERYWHERE})
+        found = red(associated(stage(), twice, forecast_at([here, (-1, 0, 0.5)])))
+        assert np.linalg.norm(found - here, axis=1).max() < 0.02
+        assert np.linalg.norm(found - there, axis=1).min() > 0.1
+
+
+def test_a_vague_forecast_of_another_ball_claims_its_blobs_less() -> None:
+    owners, tracked = [[True, True]], np.ones(2, bool)
+    candidates = candidates_of(views({BALL: EVERYWHERE}, owners))
+    evidence = stage().evidence
+    exact, vague = (
+        evidence.blobs(candidates, forecast_at([(-1, 0, 0.5), BALL], sigma), tracked).rivals[0, :, 0]
+        for sigma in (0.01, 0.1)
+    )
+    assert (vague < 0.3 * exact).all()
+    assert (vague > 0).all()
 
 
 def test_nothing_seen_is_nothing_found_and_the_state_comes_back() -> None:

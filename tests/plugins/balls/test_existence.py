@@ -97,6 +97,14 @@ def test_three_views_that_agree_need_less() -> None:
     assert after(1, {HERE: 1.2, THERE: 0.0}, complete=True) == [-1], "but still a lead"
 
 
+def test_odds_of_places_are_bounded() -> None:
+    existence = Existence.unknown()
+    for _ in range(30):
+        existence, _ = sought(existence, candidates({HERE: 6.0, THERE: -20.0}), None, 0, RULES)
+    assert existence.odds == RULES.bound
+    assert existence.places.odds == pytest.approx([2 * RULES.bound, -RULES.bound])
+
+
 def test_a_place_that_was_certain_stays_so_while_more_speaks_for_it() -> None:
     existence, _ = sought(Existence.unknown(), candidates({HERE: 6.0}), None, 0, RULES)
     assert existence.found

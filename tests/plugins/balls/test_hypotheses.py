@@ -94,3 +94,11 @@ def test_a_precise_prior_and_vague_views_meet_between() -> None:
     far, near = (np.linalg.norm(moved(0.02, [w] * 4) - HERE) for w in (0.05, 50.0))
     assert 0.02 < far < 0.087
     assert near < 0.005
+
+
+def test_without_views_a_place_goes_to_the_mean_of_its_prior() -> None:
+    found = one(np.array(HERE), BESIDE, 0.02)
+    seen = point_images(P, found.xyz)
+    error, nothing = np.ones((1, 4, 2)), np.zeros((1, 4))
+    taken = step(found, jacobians(P, seen.xy, seen.depth), error, nothing)
+    assert taken == pytest.approx((BESIDE - HERE)[None])

@@ -146,3 +146,10 @@ def test_the_share_of_places_at_which_views_agree_follows_from_what_they_tell() 
     known[0, 0, 0, 0], known[0, 1, 1, 1] = 8.0, 24.0
     chance = coincidences(known, np.array([True, False]), np.array([1.0]))
     assert chance[:, 0] == pytest.approx(0.5 * np.log([1 / 225, 9 / 225, 25 / 225]))
+
+
+def test_paint_and_reflectors_explain_the_views_of_their_kind_by_their_own_chance() -> None:
+    """Colour views 18 and infrared views -2 nats: paint at a share exp(-1) of the places is the rival."""
+    chance = np.array([[-5.0], [-1.0], [-3.0]])
+    assert ball_ratio(np.array([[9.0, 9, -1, -1]]), COLOR, chance, 1.0) == pytest.approx(-3.0, abs=1e-3)
+    assert ball_ratio(np.array([[-1.0, -1, 9, 9]]), COLOR, chance, 1.0) == pytest.approx(-5.0, abs=1e-3)
