@@ -103,8 +103,6 @@ class ModeCovariance:
         blobs[..., 4] = np.vecdot(xy, xy)
         if self.depth:
             blobs[view[:, 0] == view[:, 1]] = 0.0
-        if self.depth:
-            blobs[view[:, 0] == view[:, 1]] = 0.0
         table = np.zeros((count, cameras, cameras + 5))
         table[row, view[:, 0], view[:, 1]] = 1.0
         table[row, view[:, 0], cameras:] = blobs[:, 0]
