@@ -29,7 +29,7 @@ class Louder(Stage):
 GRAPH = """
 graph: twice
 stages:
-  drum: {uses: beats.drum}
+  drum: {uses: pulses.drum}
   once: {graph: louder.yaml, in: {beat: drum}}
   save: {uses: sinks.csv, in: {beat: once.beat}, with: {path: beats.csv}}
 """
@@ -38,8 +38,8 @@ graph: louder
 inputs: {beat: first.beat}
 outputs: {beat: second, idle: first}
 stages:
-  first:  {uses: beats.louder, in: {beat: second}}
-  second: {uses: beats.louder, in: {beat: first}}
+  first:  {uses: pulses.louder, in: {beat: second}}
+  second: {uses: pulses.louder, in: {beat: first}}
 """
 
 
@@ -47,9 +47,9 @@ stages:
 def show(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A recording of the source and of the sub-graph's output; plugin and graph beside it."""
     folder = tmp_path_factory.mktemp("show")
-    for name, text in (("beats.py", PLUGIN), ("main.yaml", GRAPH), ("louder.yaml", LOUDER)):
+    for name, text in (("pulses.py", PLUGIN), ("main.yaml", GRAPH), ("louder.yaml", LOUDER)):
         (folder / name).write_text(text)
-    run = ["run", str(folder / "main.yaml"), "--plugin", str(folder / "beats.py"), "--quiet"]
+    run = ["run", str(folder / "main.yaml"), "--plugin", str(folder / "pulses.py"), "--quiet"]
     recording = ["--record", str(folder / "show.mcap"), "--record-ports", "drum,once.beat"]
     assert main([*run, "--out", str(folder / "out"), *recording]) == 0
     return folder / "show.mcap"
@@ -63,7 +63,7 @@ def test_export_takes_the_name_of_an_output(show: Path, tmp_path: Path) -> None:
 def test_replay_plays_the_output_in_place_of_the_stages_before_it(
     show: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    replay = ["replay", str(show), "--plugin", str(show.parent / "beats.py"), "--quiet", "--json"]
+    replay = ["replay", str(show), "--plugin", str(show.parent / "pulses.py"), "--quiet", "--json"]
     assert main([*replay, "--ports", "once.beat", "--out", str(tmp_path)]) == 0
     assert '"once/first"' not in capsys.readouterr().out
     assert (tmp_path / "beats.csv").read_bytes() == (show.parent / "out/beats.csv").read_bytes()

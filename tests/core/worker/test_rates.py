@@ -36,7 +36,8 @@ stages:
 """
 
 
-def planned(folder: Path, meet: str, **changes: object) -> Plan:
+def planned(folder: Path, meet: str, more: str = "", **changes: object) -> Plan:
+    """The graph with a stage that meets both rates. more: lines of further stages."""
     values = {
         "frames": 60,
         "shift": 0.0041,
@@ -45,7 +46,7 @@ def planned(folder: Path, meet: str, **changes: object) -> Plan:
         "feed": "sensor",
         "port": "reading",
     }
-    (folder / "rates.yaml").write_text(GRAPH.format(meet=meet, **{**values, **changes}))
+    (folder / "rates.yaml").write_text((GRAPH + more).format(meet=meet, **{**values, **changes}))
     return compile_graph(folder / "rates.yaml", plugin_files=[STAGES])
 
 
@@ -91,7 +92,8 @@ def test_every_reading_up_to_the_last_frame_is_in_exactly_one_window(
 
 
 def test_a_window_holds_all_its_edges_in_the_order_of_time(tmp_path: Path) -> None:
-    plan = planned(tmp_path, "gather", port="readings", feed="[sensor, sensor]", frames=3)
+    twin = "  twin:   {{uses: rates.sensor, with: {{hz: {hz}, count: {readings}}}}}\n"
+    plan = planned(tmp_path, "gather", twin, port="readings", feed="[sensor, twin]", frames=3)
     run(plan, tmp_path)
     values = [value for _, pairs in written(tmp_path) for value, _ in pairs]
     assert values == [n for n in range(38) for _ in range(2)]

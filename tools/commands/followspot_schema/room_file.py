@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from followspot.points import Points2D
 from followspot.ports import ports
 from followspot.room_form import BINS
 from followspot.stage import Stage
@@ -16,9 +17,9 @@ POSITIVE: Schema = {"type": "number", "exclusiveMinimum": 0}
 
 
 def room_schema() -> Schema:
-    """The schema of a room file with all installed sources of pictures and of truth."""
+    """The schema of a room file with all installed sources of what cameras see, and of truth."""
     sources = {name: stage for name, stage in stages_offered().items() if ports(stage).source}
-    pictures = {name: stage for name, stage in sources.items() if _sends_frames(stage)}
+    pictures = {name: stage for name, stage in sources.items() if _looks(stage)}
     others = {name: stage for name, stage in sources.items() if name not in pictures}
     return form(
         "the calibrated place, in metres, z up",
@@ -42,8 +43,9 @@ def room_schema() -> Schema:
     ) | {"$defs": models(sources)}
 
 
-def _sends_frames(stage: type[Stage]) -> bool:
-    return any(port.type in (Frame, DepthImage) for port in ports(stage).outputs)
+def _looks(stage: type[Stage]) -> bool:
+    """Whether it gives what a camera sees: pictures, or points that a network found in them."""
+    return any(port.type in (Frame, DepthImage, Points2D) for port in ports(stage).outputs)
 
 
 def _camera(pictures: Mapping[str, type[Stage]]) -> Schema:
