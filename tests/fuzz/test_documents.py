@@ -7,10 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 TOOLS = Path(__file__).parents[2] / "tools"
 KINDS = ("graph_values", "room_values", "placement_values")
 
 
+@pytest.mark.thorough  # test_fuzz.py tries a few of these
 def test_no_extreme_value_is_a_traceback_slow_or_takes_much_memory() -> None:
     words = [
         sys.executable,

@@ -36,6 +36,7 @@ def test_cues_that_say_nothing_get_a_small_power() -> None:
     assert found["after"] == pytest.approx(-np.log(51), abs=0.1)
 
 
+@pytest.mark.thorough
 def test_the_tool_prints_settings_of_the_pose_tracker(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

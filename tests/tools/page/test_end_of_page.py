@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection
 from followspot.tracking import Frame
 from followspot_dashboard.picture import picture_of
 
-ENOUGH = 200
+ENOUGH = 120
 """Pictures that no socket's buffers hold together."""
 
 
