@@ -1,7 +1,7 @@
 """The message types of inertial sensors, and of targets whose orientation is known.
 
 Axes of the sensor are those of its data sheet. A quaternion (w, x, y, z) turns a vector in these axes into
-the frame of reference that the message names; it has length 1 and w >= 0, and NaN where it is not known.
+the frame of reference that the message names; it has length 1 and w >= 0; all four are NaN if it is unknown.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class Inertial(Message):
     specific_force: Array = column("N", 3, unit="m/s^2", names="ax ay az", decimals=6)
     """Of the accelerometer, in axes of the sensor: the acceleration minus gravity, so 9.8 upward at rest."""
     field: Array = column("N", 3, unit="uT", names="mx my mz", decimals=4)
-    """Of the magnetometer, in axes of the sensor; NaN without one, and where a slower one did not read."""
+    """Of the magnetometer, in axes of the sensor; NaN without one, and between readings of a slower one."""
 
 
 class Orientation(Message):
@@ -44,16 +44,16 @@ class PosedTracks(Tracks):
     """Tracks with the orientation of each target in the room; any stage that takes Tracks takes these."""
 
     quaternion: Array = column("M", 4, names="qw qx qy qz", decimals=6)
-    """Turns a vector in axes of the target into axes of the room; NaN where it is not known."""
+    """Turns a vector in axes of the target into axes of the room; NaN if it is unknown."""
     orientation_sigma: Array = column("M", unit="rad", names="orientation_sigma", decimals=6)
-    """One standard deviation of the angle between the true and the given orientation; NaN if not known."""
+    """One standard deviation of the angle between the true and the given orientation; NaN if unknown."""
 
 
 class PosedTruth(Truth):
     """Ground truth of one frame, with the orientation of each object in the room."""
 
     quaternion: Array = column("M", 4)
-    """Turns a vector in axes of the object into axes of the room; NaN where it is not known."""
+    """Turns a vector in axes of the object into axes of the room; NaN if it is unknown."""
 
     def as_table(self, room: Room) -> list[Cells]:
         """The columns of `Truth`, then qw, qx, qy, qz."""

@@ -1,10 +1,11 @@
 """Transitions of first- and second-order motion, for the filters of the package filterpy.
 
-The state is position, velocity and, where there are nine numbers, acceleration: m, m/s, m/s^2.
+The state is position, velocity and, if it has nine numbers, acceleration: m, m/s, m/s^2.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,15 +24,15 @@ class Transition(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Model:
+class Model(ABC):
     """A model of motion: it can be hashed, so that transitions are computed once for each interval."""
 
     size: ClassVar[int]
     """D, numbers of the state."""
 
+    @abstractmethod
     def noise(self, seconds: float) -> Array:
         """Q of a step for one axis, (D/3, D/3)."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -31,7 +32,7 @@ class Outputs:
     forecast: Forecast
 
 
-class TargetFilter(Stage):
+class TargetFilter(Stage, ABC):
     """Base of filters of targets: their life cycle, marks and forecast. Subclasses give the motion model."""
 
     advice = (
@@ -100,9 +101,9 @@ class TargetFilter(Stage):
 
     params: Params
 
+    @abstractmethod
     def motion_model(self, count: int) -> MotionModel:
         """The motion model of `count` targets, before any measurement."""
-        raise NotImplementedError
 
     @classmethod
     def check_room(cls, params: Params, room: Room, cameras: Sequence[Camera]) -> Iterable[Mistake]:

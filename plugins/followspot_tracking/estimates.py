@@ -71,8 +71,8 @@ class Weights(NamedTuple):
 def intersection(estimates: Estimates, used: Array) -> Weights:
     """Covariance intersection of the estimates that are used, (S, T) bool.
 
-    The errors of trackers of one object are correlated by its motion, and by cameras that they share, in a
-    way that nobody knows. Covariance intersection is consistent for any correlation (Julier & Uhlmann 1997);
+    The errors of trackers of one object are correlated by its motion, and by cameras that they share, in an
+    unknown way. Covariance intersection is consistent for any correlation (Julier & Uhlmann 1997);
     its exponents are proportional to 1 / trace (Niehsen 2002). Axes are independent, for tracks carry
     variances only.
     """

@@ -24,7 +24,7 @@ from followspot.stage import Stage
 
 @dataclass(frozen=True)
 class Change:
-    """The stages that change, in their new form, who gave their parameters, and how the plan is made now."""
+    """The stages that change, in their new form, the origins of their parameters, and the new recipe."""
 
     stages: tuple[PlannedStage, ...]
     origins: Mapping[str, Mapping[str, Origin]]
@@ -83,7 +83,7 @@ class _Wish:
     uses: str = ""
     params: dict[str, Node] = field(default_factory=dict)
     origins: dict[str, Origin] = field(default_factory=dict)
-    """Who gave the parameters, as far as anybody did."""
+    """What gave each parameter that is no default its value."""
 
 
 def _spelled(word: str) -> str:

@@ -9,18 +9,16 @@ from followspot.errors import InputError, Mistake, Place
 from followspot.graph.parameters import path_parameters
 from followspot.graph.warnings import Checked
 from followspot.room import Room
-from followspot.stage import Stage
 from followspot.stage_params import PathIn
 
 
 def check_files(stages: Sequence[Checked], room: Room, mistakes: list[Mistake]) -> None:
     """Note what stages find in their files: at the place in the file, together with that of the path."""
     for checked in stages:
-        if checked.stage.check_files.__func__ is not Stage.check_files.__func__:  # type: ignore[attr-defined]
-            for mistake in _found(checked, room):
-                place = _place(checked, mistake)
-                at = place if mistake.place is None else mistake.place.within(place)
-                mistakes.append(replace(mistake, place=at))
+        for mistake in _found(checked, room):
+            place = _place(checked, mistake)
+            at = place if mistake.place is None else mistake.place.within(place)
+            mistakes.append(replace(mistake, place=at))
 
 
 def _found(checked: Checked, room: Room) -> Iterator[Mistake]:

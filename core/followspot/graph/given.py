@@ -40,7 +40,7 @@ def _rows(group: str, stages: list[CheckedStage]) -> Iterator[_Row]:
 
 
 def origins(checked: Checked) -> dict[str, dict[str, Origin]]:
-    """Who gave each parameter that is written anywhere, by instance and parameter."""
+    """What gave each parameter that is written anywhere its value, by instance and parameter."""
     return {
         stage.instance.name: {
             parameter: Origin(

@@ -147,7 +147,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Origin:
-    """Who gave a parameter. kept: whether a tune of the room leaves it: `--set` or a change gave it."""
+    """What gave a parameter its value. kept: `--set` or a change did, so a tune of the room leaves it."""
 
     text: str
     kept: bool = False
@@ -172,13 +172,13 @@ class Plan:
     offered: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """The outputs of sub-graphs, SUBGRAPH.NAME, with the ports behind each."""
     warnings: tuple[Mistake, ...] = ()
-    """What can never come to anything, with its places; it stays with the operator."""
+    """Parts of the graph that can never give a result, with their places; only the operator has them."""
     recipe: Recipe | None = None
-    """It stays with the operator, too; None if the stages do not come from files alone."""
+    """Only the operator has it; None if the stages do not come from files alone."""
     room_document: Node | None = field(default=None, repr=False, compare=False)
-    """What the room's file says; it stays with the operator."""
+    """What the room's file says; only the operator has it."""
     origins: Mapping[str, Mapping[str, Origin]] = field(default_factory=dict, compare=False)
-    """Who gave the parameters that are not defaults, by stage and parameter; with the operator."""
+    """What gave each parameter that is no default its value, by stage and parameter; for the operator."""
 
     @property
     def live(self) -> bool:

@@ -15,7 +15,7 @@ from followspot.graph.subgraph_change import BY_A_CHANGE
 class ChangedStage:
     """A changed stage. before, uses: the old and the new plugin stage; params: parameters that differ now.
 
-    origins: who gave these, as far as the change itself does not.
+    origins: what gave these their values, of those that the change itself does not give.
     """
 
     stage: str

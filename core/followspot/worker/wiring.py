@@ -19,7 +19,7 @@ from followspot.transport.token import END
 from followspot.worker.clock import Clock
 
 _ANY_LAG = 3 * END
-"""Lag, ns, of a stage of which nobody knows by how much it lags: beyond all times, also from before them."""
+"""Lag, ns, of a stage whose lag is unknown: longer than any two times are apart."""
 
 
 @dataclass(frozen=True)
@@ -120,8 +120,8 @@ class Wiring:
         """Longest time, ns, by which the watermark of a port can trail that of the sources upstream.
 
         A join of several members looks ahead by twice its window, for the nearest may lie on either side of
-        another's first message; a `Nearest` looks ahead by its tolerance. Of a stage that lags, nobody knows
-        by how much: nothing stops the others but their sources, which are upstream of it, too.
+        another's first message; a `Nearest` looks ahead by its tolerance. How much a lagging stage lags is
+        unknown: only their sources hold up the others, and these are upstream of it, too.
         """
         lag: dict[str, int] = {}
         for stage in self.plan.stages:

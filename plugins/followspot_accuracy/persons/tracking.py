@@ -30,7 +30,7 @@ class Tracking:
     """Places of persons that had to be found."""
     missed: int
     false: int
-    """Poses that are nobody's, in the area or near a person that had to be found."""
+    """Poses that belong to no person, in the area or near a person that had to be found."""
     switches: int
     mota: float
     """1 - (missed + false + switches) / truths."""
